@@ -5,7 +5,7 @@ READY  := $(VENV)/.ready
 export MPLBACKEND := Agg
 # small factorisations: a second BLAS thread costs more than it gives, several times so on a busy machine
 export OPENBLAS_NUM_THREADS ?= 1
-# where Python is told to keep no bytecode, each of some hundred processes compiles what it imports: 1.7 s each
+# where Python keeps no bytecode, each of some hundred processes compiles what it imports: 1.7 s each
 unexport PYTHONDONTWRITEBYTECODE
 
 # one process for each core; tests that share what they compute or compile stay together, in the order of conftest.py

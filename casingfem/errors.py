@@ -1,7 +1,7 @@
 """What can be wrong with a model: every refusal and warning has a code, a cause and a remedy.
 
-A message says what was found where; the remedy and the code come from the catalogue (`casingfem.faults`), so that a
-user can look a code up and a program can react to it.
+A message states what was found where; the remedy and the code come from the catalogue (`casingfem.faults`), so that a
+user can find a code there and a program can react to it.
 """
 
 import re
@@ -42,7 +42,7 @@ class InputError(ValueError):
 
 
 class MissingExtraError(InputError):
-    """A package that an optional part needs is not installed; the message says how it is.
+    """A package that an optional part needs is not installed; the message states how to install it.
 
     >>> raised = MissingExtraError("", found="no package emcee", expected="pip install 'casingfem[sampling]'")
     >>> str(raised)
@@ -106,7 +106,7 @@ def sentence(code: str, message: str) -> str:
 
 
 def with_code(code: str, message: str) -> str:
-    """A message that says itself what helps, with its code; one that ends with a code keeps that.
+    """A message with its own remedy, and its code; a message that ends with a code keeps that one.
 
     >>> with_code("study-value", "material.nu: found 0.7, expected less than 0.5")
     'material.nu: found 0.7, expected less than 0.5 [study-value]'

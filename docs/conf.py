@@ -26,9 +26,9 @@ extensions = [
     "site_parts.mathml",
     "site_parts.links",
 ]
-exclude_patterns = ["gallery", "tutorial"]  # what is made of them stands in built/
+exclude_patterns = ["gallery", "tutorial"]  # what is made of them is in built/
 suppress_warnings = [
-    "ref.python",  # fields of several classes have one name, and types of one name stand in both packages
+    "ref.python",  # fields of several classes have one name, and types of one name are in both packages
     "config.cache",  # the gallery's settings hold a function
 ]
 html_theme = "furo"

@@ -93,7 +93,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Tests and libraries stay until the end: a collector that never looks at them again saves a twentieth."""
+    """Tests and libraries stay until the end: a collector that never examines them again saves a twentieth."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 100)
@@ -157,10 +157,10 @@ def held(num_regression: NumericRegressionFixture) -> Callable[..., None]:
     """Hold arrays against those kept in a file beside the test: column for column, to `rtol`.
 
     Whoever changes numbers on purpose writes the file anew by `pytest --force-regen`, and reads in its difference what
-    became of them. Numbers small beside the largest of their column are held to `small` (1 %) of `rtol` of that; a fit
-    that stops at a tolerance leaves its residuals open by a part of their standard deviation: there it is 1. Columns of
-    phases or signs that another processor may choose otherwise do not belong here. That the numbers are true, other
-    tests say.
+    became of them. Numbers small beside the largest of their column are compared to `small` (1 %) of `rtol` of that; a
+    fit that stops at a tolerance leaves its residuals open by a part of their standard deviation: there it is 1.
+    Columns of phases or signs that another processor may choose otherwise do not belong here. That the numbers are
+    true, other tests say.
     """
 
     def check(rtol: float = 1e-6, small: float = 0.01, **columns: object) -> None:

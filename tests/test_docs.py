@@ -32,7 +32,7 @@ def test_every_page_is_in_one_toctree_and_every_toctree_s_page_is_there():
     assert sorted([*held, "index"]) == sorted([*pages, *MADE])
 
 
-def test_headings_go_down_one_level_at_a_time_and_math_stands_on_its_own():
+def test_headings_go_down_one_level_at_a_time_and_math_is_on_its_own():
     """What `make docs` would stop at: a heading two levels down, and an exponent without what it belongs to."""
     for page in DOCS.rglob("*.md"):
         text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
@@ -84,7 +84,7 @@ def test_the_page_of_names_has_every_public_name_and_each_has_a_docstring_with_a
     assert written == list(names), "run .venv/bin/python docs/names.py"
 
 
-def test_every_example_stands_in_a_section_of_the_gallery():
+def test_every_example_is_in_a_section_of_the_gallery():
     sections = re.findall(r'"gallery/(\w+)"', (DOCS / "conf.py").read_text(encoding="utf-8"))
     assert len(GALLERY) >= 24
     assert sorted(sections) == sorted({path.parent.name for path in DOCS.glob("gallery/*/*")})

@@ -52,11 +52,11 @@ def test_every_marked_figure_is_the_last_run_s(page):
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_every_comment_that_looks_like_a_mark_is_one(page):
+def test_every_comment_that_resembles_a_mark_is_one(page):
     assert len(re.findall("<!--", PAGE[page])) == len(list(marks(PAGE[page]))) == len(MARK.findall(PAGE[page]))
 
 
-def test_every_row_of_readme_s_table_has_its_mark_and_stands_on_the_accuracy_page():
+def test_every_row_of_readme_s_table_has_its_mark_and_is_on_the_accuracy_page():
     section = PAGE["README.md"].partition("## How far to trust it")[2].partition("## ")[0]
     ((_, rows),) = bodies(section)
     assert len(rows) >= 3
@@ -72,7 +72,7 @@ def test_every_table_of_the_accuracy_page_has_its_marks():
     assert bare == []
 
 
-def test_times_say_when_they_were_measured():
+def test_times_state_when_they_were_measured():
     solids = PAGE["docs/accuracy.md"].partition("**Large solids.**")[2].partition("\n\n")[0]
     for text in (PAGE["docs/speed.md"], solids):
         assert re.search(r"python -m reports\.\w+", text)
@@ -89,7 +89,7 @@ def test_what_is_kept_is_quoted_from_a_campaign_s_tables():
     [("0.88", 0.8849, 0.886), ("1.1e-4", 1.14e-4, 1.2e-4), ("10,290", 10290, 10291), ("-0.49", -0.4921, 0.4921),
      ("130", 130, 131), ("39", 39.1, 39.6), ("1", 1.0, 0.6), ("0", 0.0, 1e-4), ("+14.1", 14.06, 14.2)],
 )  # fmt: skip
-def test_a_number_says_a_figure_at_its_own_precision(text, figure, other):
+def test_a_number_states_a_figure_at_its_own_precision(text, figure, other):
     number = Number(start=0, text=text, below=False)
     assert number.says(figure)
     assert not number.says(other)
@@ -97,7 +97,7 @@ def test_a_number_says_a_figure_at_its_own_precision(text, figure, other):
     assert number.saying(figure) == text
 
 
-def test_a_bound_holds_what_is_smaller_and_moves_only_when_it_must():
+def test_a_bound_keeps_what_is_smaller_and_moves_only_when_it_must():
     number = Number(start=0, text="1e-14", below=True)
     assert number.says(-3e-15)
     assert number.saying(3e-15) == "1e-14"
@@ -165,7 +165,7 @@ def test_every_campaign_is_a_report_with_a_subject_that_exists():
         assert all((ROOT / path).exists() for path in one.subject), one.name
 
 
-def test_every_report_is_a_campaign_or_says_why_not():
+def test_every_report_is_a_campaign_or_states_why_not():
     parts = {f"verification.{name}" for name in ("cone", "twisted_plate", "splitting", "locking")}  # rows of the table
     tools = {
         "tools.campaign",
@@ -194,7 +194,7 @@ def test_campaigns_go_on_after_a_failure_and_are_recorded(tmp_path, capfd):
     assert "=== python -m reports.tables" in capfd.readouterr().out
 
 
-def test_a_report_whose_rows_say_fail_ends_with_one():
+def test_a_report_whose_rows_state_fail_ends_with_one():
     assert tables.failures([{"verdict": "pass"}, {"verdict": "a reason"}, {"faults": 0}]) == 0
     assert tables.failures([{"verdict": "FAIL"}, {"verdict": "MISSED"}, {"faults": 2}, {"SILENT": 1}]) == 4
     assert tables.failures({"rig": 1.0}) == 0

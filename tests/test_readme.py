@@ -39,7 +39,7 @@ def spoken(pattern: str) -> set[str]:
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder that looks like the repository's to an example, and takes what it writes."""
+    """A folder that resembles the repository's to an example, and takes what it writes."""
     (tmp_path / "data").symlink_to(ROOT / "data")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -53,7 +53,7 @@ def test_every_example_prints_or_asserts_a_number():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("code", EXAMPLES)
-def test_examples_run_and_print_what_they_say(code, folder, capsys):
+def test_examples_run_and_print_what_they_state(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}
     exec(compile(code, "page.md", "exec"), names)
     for name, value in names.items():
@@ -148,7 +148,7 @@ def test_the_version_is_the_newest_in_the_changelog():
     assert re.search(r"^## \[([\d.]+)\]", TEXT["CHANGELOG.md"], re.MULTILINE)[1] == version
 
 
-def test_synthetic_data_says_so():
+def test_synthetic_data_states_so():
     section = TEXT["docs/data.md"].partition("# What is measured")[2].partition("## ")[0]
     found = re.findall(r"\]\(\.\./(data/[\w/]+\.csv)\) \| (MEASURED|SYNTHETIC)", section)
     assert len(found) >= 4

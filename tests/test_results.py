@@ -355,7 +355,7 @@ def test_a_file_of_something_else_is_refused_by_its_name(tmp_path):
         cf.FrequencyTable.load(path)
 
 
-def test_what_a_file_cannot_hold_is_named(tmp_path):
+def test_what_a_file_cannot_keep_is_named(tmp_path):
     class Mine(cf.Frustum):
         """A chart of the user's."""
 
@@ -373,7 +373,7 @@ def test_what_a_file_cannot_hold_is_named(tmp_path):
         (np.array([b"abc"]), r"\|S3"),
     ],
 )
-def test_an_array_that_no_file_can_hold_is_named(tmp_path, array, found):
+def test_an_array_that_no_file_can_store_is_named(tmp_path, array, found):
     with pytest.raises(StoredError, match=rf"^a\.2: found an array of {found}, expected one of numbers or text$"):
         save_value(tmp_path / "value.npz", {"a": [1.0, array]})
     assert not (tmp_path / "value.npz").exists()

@@ -42,7 +42,7 @@ def files(folder: Path) -> set[str]:
 
 
 @pytest.mark.slow
-def test_it_holds_both_packages_and_the_examples_and_nothing_else(unpacked):
+def test_it_keeps_both_packages_and_the_examples_and_nothing_else(unpacked):
     held = {name for name in files(unpacked) if not name.partition("/")[0].endswith(".dist-info")}
     wanted = {f"{package}/{name}" for package in ("casingfem", "contact") for name in files(ROOT / package)}
     wanted |= {f"casingfem/data/{name}" for name in files(ROOT / "data") if not name.startswith("reference/")}

@@ -1,4 +1,4 @@
-"""Faults of what stands on an edge or turns: supports, bolts, rings, masses, loads, rotation."""
+"""Faults of what is on an edge or turns: supports, bolts, rings, masses, loads, rotation."""
 
 EDGES = {
     "bolt-count": ("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
@@ -16,13 +16,13 @@ EDGES = {
         "give a smaller width, or a larger spacing",
     ),
     "bolt-stiffness": (
-        "a bolt without stiffness, or with an impossible one, holds nothing",
+        "a bolt has no stiffness, or an impossible one",
         "give k in N/m, one number or [k_r, k_theta, k_z], and factors of 0 or more",
     ),
     "load-edge": ("a load names an edge that the chart does not have", "name one of the chart's edges"),
     "load-none": ("a static solution without loads is zero", "give at least one load"),
     "load-idle": (
-        "a force pushes a node that nothing holds in that direction: neither stiffness nor mass",
+        "a force acts on a node without stiffness and mass in that direction",
         "put a spring or a mass there, or leave the direction out",
     ),
     "load-place": (
@@ -33,15 +33,15 @@ EDGES = {
         "the weight of rings and point masses is not modelled",
         "add it as an EdgeLoad or PointLoad, and give the shell's own weight as a SurfaceLoad",
     ),
-    "mass-edge": ("masses stand on the edges of the shell", "name an edge of the chart and give EdgeMass values"),
+    "mass-edge": ("masses are on the edges of the shell", "name an edge of the chart and give EdgeMass values"),
     "mass-held": (
         "a mass on a clamped edge does not move and changes no mode",
-        "put it on another edge, hold this one by springs, or leave it out",
+        "put it on another edge, support this one by springs, or leave it out",
     ),
     "mass-value": ("a mass that is negative or not finite, or at no angle", "give the mass in kg and the angle in rad"),
     "ring-edge": (
         "a ring's section is placed by radius and axis, and its ends are free",
-        "put the ring on an edge that runs around (base, top, root or tip) and ends on no held one",
+        "put the ring on an edge that runs around (base, top, root or tip) and ends on no fixed one",
     ),
     "ring-offset": (
         "the place of a ring's section or foot is no pair of lengths",
@@ -52,7 +52,7 @@ EDGES = {
         "give width and depth, or a diameter, in metres",
     ),
     "ring-support": (
-        "what holds a ring must be springs: a held ring is a held edge",
+        "the support of a ring must be springs: a fixed ring is a fixed edge",
         "give the ring an elastic support, bolts or none; to clamp it, clamp the edge",
     ),
     "rotation-axis": ("an axis of rotation without direction or place", "give two vectors of three finite numbers"),
@@ -79,8 +79,8 @@ EDGES = {
         "reduce the harmonics of its pattern until their sum stays above -1",
     ),
     "static-loose": (
-        "a rigid motion is not held, or the shell is so soft that round-off hides its stiffness",
-        "hold every motion that the loads drive; where they balance, a soft elastic edge is enough",
+        "a rigid motion is not restrained, or the shell is so soft that round-off hides its stiffness",
+        "support every motion that the loads drive; if the loads balance, a soft elastic edge is enough",
     ),
     "support-edge": (
         "a support names an edge the chart does not have",
@@ -88,14 +88,14 @@ EDGES = {
     ),
     "support-incomplete": (
         "the supports leave motions of the whole body free",
-        "hold or spring the missing directions, unless the motion is meant",
+        "fix or spring the missing directions, unless the motion is meant",
     ),
     "support-kind": (
         "this is no support of a shell's edge",
         "use Clamped(), ShearDiaphragm(), ElasticEdge(...), Bolts(...)",
     ),
     "support-no-springs": (
-        "an elastic support without any spring holds nothing",
+        "an elastic support has no spring",
         "give at least one of k_r, k_theta, k_z, k_rot, k_face, or leave the support out",
     ),
     "support-soft": (

@@ -23,7 +23,7 @@ MESHES = {
     ),
     "cyclic-support": (
         "a support of a sector does not repeat around the wheel",
-        "hold both faces' nodes alike, along the axis, across it in both directions, or wholly",
+        "give the nodes of both faces the same supports: along the axis, across it in both directions, or both",
     ),
     "mesh-around": (
         "there is no such number of elements",
@@ -35,14 +35,14 @@ MESHES = {
     ),
     "mesh-attachment": (
         "a mass, spring or connection of a mesh cannot be put on its nodes, or not in this analysis",
-        "change it in the model and export again; docs/structures.md says what each can be",
+        "change it in the model and export again; docs/structures.md lists what each can be",
     ),
     "mesh-branch": (
         "walls of a shell meet at an angle, and this analysis takes one wall only",
         "compute the whole part without [cyclic], mesh the sector as a solid, or round the fold off with small cells",
     ),
     "mesh-coarse": (
-        "the shapes bend more within an element than its polynomials carry: frequencies come out too high",
+        "the shapes bend more within an element than its polynomials can follow: frequencies are too high",
         "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
     ),
     "mesh-collapsed-cell": (
@@ -79,7 +79,7 @@ MESHES = {
         "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran), .cdb (Ansys) or .unv (universal)",
     ),
     "mesh-group-empty": (
-        "a group holds no node of a cell",
+        "a group contains no node of a cell",
         "name a group on the part, or save the group's cells with the mesh",
     ),
     "mesh-group-no-cells": (
@@ -131,7 +131,7 @@ MESHES = {
         "mesh with linear kinds, or with quadratic ones of one node on an edge",
     ),
     "mesh-no-cells": (
-        "a mesh file holds no volume or surface cells",
+        "a mesh file contains no volume or surface cells",
         "export the mesh, not the geometry alone, with its volumes",
     ),
     "mesh-no-group": (
@@ -166,7 +166,7 @@ MESHES = {
         "name two groups of facets that touch; tolerance is how far apart they may be, in metres",
     ),
     "mesh-tie-loose": (
-        "nodes of a tied face stand off the other one and are not tied",
+        "nodes of a tied face are too far from the other one and are not tied",
         "let the smaller face follow the larger one, or give a larger tolerance in metres",
     ),
     "mesh-rows": (
@@ -219,7 +219,7 @@ MESHES = {
         "model the part as a cf.Shell; modes, statics, reduction, rotation and updates take imported parts too",
     ),
     "matrix-dofs": (
-        "the matrices do not say which node and direction a row belongs to",
+        "the matrices do not name the node and direction of a row",
         "give --dofs, a table with the columns node, direction; or a .pch with EXTRN cards beside it; beside .mtx "
         "files a .dof file does; in arrays, dofs",
     ),
@@ -233,7 +233,7 @@ MESHES = {
         "(.pch, .bdf, .dat, .asm), or bulk data with DMIG cards alone",
     ),
     "matrix-names": (
-        "stiffness and mass cannot be told by the names of the matrices",
+        "the names of the matrices do not show which are stiffness and mass",
         "name the stiffness K... or ...STIF..., the mass M..., the damping B..., C... or ...DAMP..., structural "
         "damping K4... or ...DMPS..., one each",
     ),

@@ -3,10 +3,10 @@
 RESULTS = {
     "expansion-modes": (
         "shapes at the sensors do not determine so many modes",
-        "use fewer modes, modes that the sensors tell apart, or more sensors",
+        "use fewer modes, modes that the sensors distinguish, or more sensors",
     ),
     "interaction-blade": (
-        "a blade or bladed disk has no positive frequencies, or nodal diameters that its blades cannot carry",
+        "a blade or bladed disk has no positive frequencies, or more nodal diameters than its blades allow",
         "give frequencies in Hz; a disk of N blades has nodal diameters 0 to N/2",
     ),
     "interaction-casing": (
@@ -34,7 +34,7 @@ RESULTS = {
         "the rim's harmonics exceed what the mesh resolves",
         "reduce n_max, or ask for more elements around",
     ),
-    "interface-held": ("the edge that contact should push is held", "name a free edge, or an elastic one"),
+    "interface-held": ("the edge that contact should push is fixed", "name a free edge, or an elastic one"),
     "interface-lines": (
         "a rim's lines lie off the casing, or cannot be had in this reduction",
         "give places of the chart's first parameter within its bounds; leave lines out for the edge itself",
@@ -47,25 +47,25 @@ RESULTS = {
         "a law from root to tip is neither a number nor a list of them",
         "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
     ),
-    "locate-among": ("there are two kinds of places to look among", "look among bolts or mass"),
+    "locate-among": ("there are two kinds of places to search", "search among bolts or mass"),
     "locate-baseline": (
         "the table measured before has nothing to set against the model",
         "give the table of the same casing, with n, or leave the baseline out",
     ),
     "locate-bolts": (
-        "loose bolts are looked for on the one edge that has bolts",
+        "loose bolts are searched for on the one edge that has bolts",
         "give one edge bolts, under a ring or not",
     ),
     "locate-edge": (
-        "masses and bolts are looked for on an edge that runs around a closed casing",
+        "masses and bolts are searched for on an edge that runs around a closed casing",
         "name the edge, base or top, of a closed casing",
     ),
     "locate-unlabelled": (
-        "places are told by the splits of pairs, which need their nodal diameters",
+        "splits of pairs show the places, and pairs need their nodal diameters",
         "give n for the rows of the table, and angle_deg where it was measured",
     ),
     "modes-band": (
-        "a band of frequencies is no band, or a count stands beside it",
+        "a band of frequencies is no band, or a count is beside it",
         "give band = (from, to) in Hz, 0 <= from < to, or a count, not both",
     ),
     "modes-count": (
@@ -90,8 +90,8 @@ RESULTS = {
         "leave the mesh out, or raise mesh.order or mesh.around",
     ),
     "modes-round-off": (
-        "round-off of the stiffness outweighs what parts these eigenvalues: no count tells whether a mode is missing, "
-        "and the frequencies may be wrong",
+        "round-off of the stiffness is larger than the gap of these eigenvalues: no count shows whether a mode is "
+        "missing, and the frequencies may be wrong",
         "check units and proportions; a rod or a wire needs a beam; end the count or the band in a wider gap",
     ),
     "output-direction": (
@@ -114,7 +114,7 @@ RESULTS = {
     "reduce-method": ("there is no such method of reduction", "use free or craig-bampton"),
     "reduce-rigid": ("a body that can move as a whole has no static compliance", "support it before reducing"),
     "sensor-far": (
-        "a sensor does not stand on the wall of this model",
+        "a sensor is not on the wall of this model",
         "check the points' unit (metres), origin and axes; the axis of a casing is z",
     ),
     "sensor-twice": (
@@ -126,9 +126,9 @@ RESULTS = {
         "a number is not that of any structure or material: its unit is probably another one",
         'give the number in SI units; if it is meant, name its check: [checks] allow = ["E"]',
     ),
-    "study-key": ("a key is unknown, or stands beside one that excludes it", "`casingfem schema` lists all keys"),
+    "study-key": ("a key is unknown, or is beside one that excludes it", "`casingfem schema` lists all keys"),
     "study-missing": ("a key or table that the study needs is not there", "add it; `casingfem schema` lists all keys"),
-    "study-toml": ("the file is not TOML", "correct the line named; text stands in quotes, each table once"),
+    "study-toml": ("the file is not TOML", "correct the line named; text is in quotes, each table once"),
     "study-value": ("a value has the wrong type or lies out of range", "give what is expected there, in SI units"),
     "table-columns": (
         "a frequency table has columns that nobody uses",
@@ -136,18 +136,18 @@ RESULTS = {
     ),
     "uff-bytes": (
         "the first line of a binary function states another number of bytes than its data have",
-        "nothing need be done: the data end where their own header says, and are read whole",
+        "no action is needed: the data end where their own header states, and are complete",
     ),
     "uff-empty": (
         "a set of a universal file is empty: two marks -1 follow each other where a set should begin",
-        "look whether the export was complete: some programs lose the first binary function of a file",
+        "check whether the export was complete: some programs lose the first binary function of a file",
     ),
     "uff-end": (
         "the last set of the file lacks its closing -1; every number that its header announces is there",
-        "look whether the export was complete: sets may be missing behind it",
+        "check whether the export was complete: sets may be missing after it",
     ),
     "uff-gap": (
-        "sets of nodes and elements hold no count, and here a few of their numbers are left out",
+        "sets of nodes and elements have no count, and here a few of their numbers are left out",
         "compare with the program that wrote the file: were lines lost?",
     ),
     "uff-local": (
@@ -155,12 +155,12 @@ RESULTS = {
         "export the geometry in global coordinates, or see that these systems are the global one",
     ),
     "uff-shapes": (
-        "sets of shapes hold no count, and the shapes of one file have values at different nodes",
+        "sets of shapes have no count, and the shapes of one file have values at different nodes",
         "compare with the program that wrote the file: were lines lost?",
     ),
     "uff-unknown": (
         "the file has a set of a number that this reader does not know; it is skipped",
-        "look whether the number is the one meant",
+        "check whether the number is the one meant",
     ),
     "update-angles": (
         "the angles of pairs are not fitted on an imported part: its frequencies, means and splits are",

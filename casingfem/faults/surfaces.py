@@ -31,7 +31,7 @@ SURFACES = {
     ),
     "chart-edge": (
         "the chart names an edge that its parameter rectangle does not have",
-        "let `edges` map names to (parameter held: 0 or 1, end: 0 or 1)",
+        "let `edges` map names to (constant parameter: 0 or 1, end: 0 or 1)",
     ),
     "chart-fold": (
         "the surface shrinks to a line or a point, or folds: its tangents do not span a plane there",
@@ -46,12 +46,12 @@ SURFACES = {
         "correct the chart, or the radius field, there",
     ),
     "chart-open-seam": (
-        "a chart said to close on itself does not: its two ends lie at different places",
-        "let the second parameter run once around, or say periodic = False",
+        "a chart declared periodic is not closed: its two ends lie at different places",
+        "let the second parameter run once around, or state periodic = False",
     ),
     "chart-turn": (
         "the second parameter of a closed chart is an angle: fields, bolts and harmonics take it so",
-        "let the second parameter run over 2 pi, 0 to 1 as 2 pi times it, or say periodic = False",
+        "let the second parameter run over 2 pi, 0 to 1 as 2 pi times it, or state periodic = False",
     ),
     "chart-twist": ("the twist is not a finite angle", "give the twist in radians, 30 degrees as 0.5236"),
     "chart-twist-units": (
@@ -75,7 +75,7 @@ SURFACES = {
         "give fields relative to the nominal value (0.4 % as 0.004); put the design itself into the chart",
     ),
     "field-mesh": (
-        "the field has finer waves than the mesh can carry",
+        "the field has finer waves than the mesh can resolve",
         "leave out finer harmonics, or ask for more elements around",
     ),
     "field-no-radius": ("a flat surface has no radius to be defective", "use a Panel, or a thickness field"),
@@ -124,7 +124,7 @@ SURFACES = {
     "meridian-arc": ("an arc of no length or of more than a turn", "give two angles in radians, less than 2 pi apart"),
     "meridian-off-line": (
         "the pieces of a meridian need an element line where they meet, at both ends of each fillet",
-        "leave mesh.rows out, or give breaks that hold them",
+        "leave mesh.rows out, or give breaks that include them",
     ),
     "meridian-pieces": (
         "the pieces of a meridian do not join: a corner without a fillet that fits, an arc that is too small",
@@ -151,7 +151,7 @@ SURFACES = {
         "give curved (the metric through the wall), or linear (published shell theory)",
     ),
     "shell-free": (
-        "nothing holds the structure: its first modes are rigid motions",
+        "the structure has no support: its first modes are rigid motions",
         "give [support.EDGE], unless a free body is meant",
     ),
     "shell-thick": (
@@ -171,11 +171,11 @@ SURFACES = {
         "give the thickness in metres, 3 mm as 3e-3, not 3e-6",
     ),
     "stiffener-off-line": (
-        "a stiffener stands inside an element",
+        "a stiffener is inside an element",
         "leave the mesh's rows to the program, or put a break of mesh.rows at the stiffener",
     ),
     "stiffener-place": (
-        "a stiffener stands at no place of its own between the edges of a closed casing",
+        "a stiffener is at no place of its own between the edges of a closed casing",
         'give at in metres along the axis or meridian; on an edge a ring is a support, kind = "ring"',
     ),
     "strip-extent": (
@@ -205,27 +205,27 @@ SURFACES = {
     ),
     "survey-outliers": (
         "a robust fit of a survey left stray points out",
-        "look at the points named: chips, seams and slips of the probe are no shape, a dent is",
+        "examine the points named: chips, seams and slips of the probe are no shape, a dent is",
     ),
     "survey-stray": (
         "points of a survey contradict the surface through all others, and bend the fit",
-        "look at the points named; robust = true sets them aside",
+        "examine the points named; robust = true sets them aside",
     ),
     "survey-passes": (
         "places of a survey measured twice differ beyond chance",
         "survey again, or keep the pass that is right: an offset, a turn or a change between them is no noise",
     ),
     "survey-eccentric": (
-        "the surveyed part stood beside the axis of the survey by more than it is out of round",
+        "the surveyed part was beside the axis of the survey by more than it is out of round",
         "centred = true takes the points about the part's own axis; leave it where the part turns beside its axis",
     ),
     "survey-quantity": ("the survey is of another quantity", "let `of` name what was surveyed"),
     "survey-twice": (
-        "several surveys of one quantity would add up, though each holds the whole defect",
-        "write the points of all into one file; where they disagree, that is said",
+        "several surveys of one quantity would add up, though each contains the whole defect",
+        "write the points of all into one file; a warning names places where they disagree",
     ),
     "survey-table": (
-        "the survey cannot be used as it stands, or does not carry the fit asked for",
+        "the survey cannot be used as it is, or does not determine the fit asked for",
         "correct the line named, or fit fewer harmonics (n_max) and a lower degree",
     ),
     "taper-thickness": (

@@ -47,5 +47,5 @@ def read_only(mapping: Mapping[K, V]) -> MappingProxyType[K, V]:
     return MappingProxyType(dict(mapping))
 
 
-# Python does not say how its own read-only mapping is pickled or copied
+# Python does not document how its own read-only mapping is pickled or copied
 copyreg.pickle(MappingProxyType, lambda mapping: (read_only, (dict(mapping),)))

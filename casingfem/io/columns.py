@@ -145,7 +145,7 @@ def named(table: StrictCsv, quantities: Sequence[Quantity]) -> StrictCsv:
 
 
 def _parts(name: str, quantity: Quantity) -> tuple[str, str]:
-    """Word and unit of a column's name in small letters; the unit stands in brackets, or behind _, a blank, / or ,."""
+    """Word and unit of a column's name in small letters; the unit is in brackets, or behind _, a blank, / or ,."""
     text = name.strip().lower().replace("μ", "µ")
     bracket = re.fullmatch(r"(.*?)[\s_]*[\[(<](.*)[\])>]", text)
     word, unit = (bracket[1], bracket[2].strip()) if bracket else (text, "")

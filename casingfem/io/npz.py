@@ -19,8 +19,8 @@ def read_npz(
     Raises
     ------
     InputError
-        No file, another kind of file, or one without an array that is wanted; `expected` says what it should be. Where
-        `kinds` are given, also for an array of another kind; those that they do not name are real numbers.
+        No file, another kind of file, or one without an array that is wanted; `expected` states what it should be.
+        Where `kinds` are given, also for an array of another kind; those that they do not name are real numbers.
     """
     try:
         stored = load_npz(path)

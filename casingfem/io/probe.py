@@ -1,6 +1,6 @@
 """Files that are read in a child process, with bounds on its time and memory.
 
-For libraries that loop, fill the memory or crash on a damaged file: no check of ours can tell from outside, and no
+For libraries that loop, fill the memory or crash on a damaged file: no check from outside can detect it, and no
 error of theirs comes back. What may loop or fill the memory the parent reads again (`fault_of`). What may crash it
 never does, as a crash can depend on where in the memory things lie: the child hands over its arrays (`arrays_of`).
 Either costs the start of a process, 0.5 s.
@@ -23,11 +23,11 @@ SECONDS, BYTES = 3.0, 1.5e9  # of processor time and memory for any file
 PATIENCE = 20.0  # seconds by the clock for one of processor time: on a busy machine a child gets a small share
 PACE, ROOM = 20e6, 20.0  # bytes a second, and bytes of memory a byte, for large ones
 CODE = "from casingfem.io.probe import {0}; import sys; {0}(*sys.argv[1:])"
-REFUSED = 3  # exit code: the reader raised, and what it said was handed over
+REFUSED = 3  # exit code: the reader raised, and what it stated was handed over
 
 
 class UnreadableError(Exception):
-    """What a reader said of a file, or what became of its process."""
+    """What a reader stated of a file, or what became of its process."""
 
 
 def fault_of(path: Path, module: str, function: str) -> str:
@@ -77,7 +77,7 @@ def read(path: str, module: str, function: str, seconds: str, memory: str) -> No
         call(Path(path))
     except MemoryError:
         sys.exit(1)
-    except Exception:  # the parent says what is wrong
+    except Exception:  # the parent states what is wrong
         sys.exit(0)
 
 

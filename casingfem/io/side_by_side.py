@@ -13,7 +13,7 @@ B = TypeVar("B")
 
 
 def usable_cores() -> int:
-    """Cores that the scheduler gives this process, maybe not all; where it does not say, those of the machine."""
+    """Cores that the scheduler gives this process, maybe not all; where it does not state it, those of the machine."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

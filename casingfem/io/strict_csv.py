@@ -70,7 +70,7 @@ class StrictCsv:
         )
 
     def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
-        """Return a column as finite numbers; ``blank`` stands for empty cells, refused when None."""
+        """Return a column as finite numbers; ``blank`` represents empty cells, refused when None."""
         values, wrong = np.empty(len(self.lines)), list[InputError]()
         for row, text in enumerate(self.cells[column]):
             try:
@@ -94,7 +94,7 @@ class StrictCsv:
         return value
 
     def integers(self, column: str, *, blank: int | None = None) -> IntArray:
-        """Return a column as whole numbers; ``blank`` stands for empty cells, refused when None."""
+        """Return a column as whole numbers; ``blank`` represents empty cells, refused when None."""
         values, wrong = np.empty(len(self.lines), np.int64), list[InputError]()
         for row, text in enumerate(self.cells[column]):
             if not text and blank is not None:
@@ -111,7 +111,7 @@ class StrictCsv:
 
 
 def _or_empty(blank: float | None) -> str:
-    """What is said of empty cells where they are allowed."""
+    """What is stated of empty cells where they are allowed."""
     return "" if blank is None else ", or an empty cell where there is none"
 
 
@@ -125,7 +125,7 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
     InputError
         With the line, what was found and what is expected.
     OSError
-        When there is no such file (FileNotFoundError), or none that can be read; `strerror` says what was found.
+        When there is no such file (FileNotFoundError), or none that can be read; `strerror` states what was found.
     """
     if "\0" in os.fspath(path):
         raise InputError(repr(os.fspath(path)), found="a name with a zero byte", expected="a file")
@@ -265,7 +265,7 @@ def _check_printable(text: str, row: StrictRow) -> None:
 
 
 def _decimal(rows: Sequence[tuple[str, ...]], lines: Sequence[int], path: str) -> str:
-    """What stands before the decimals of a table whose cells no comma separates: one mark throughout."""
+    """What is before the decimals of a table whose cells no comma separates: one mark throughout."""
     marks = ""
     for line, cells in zip(lines, rows, strict=True):
         for cell in cells:

@@ -20,7 +20,7 @@ LANDMARKS, AXES, SMOOTHINGS = 12, 6, 8
 LEAF = 150  # unknowns that are not cut further: a dense matrix of them costs less than its parts
 UNEVEN = 0.75  # the largest share of a part on one side of a cut
 SKEW = 4.0  # how much a cut's uneven sides weigh against its separator
-CHUNK = 4_000_000  # entries of the pattern looked at together
+CHUNK = 4_000_000  # entries of the pattern examined together
 SEED = 4519  # of the hash: same input, same order
 
 
@@ -128,7 +128,7 @@ def coordinates(graph: Graph) -> FloatArray:
 class Cuts:
     """The best cut of each part along one coordinate: its cost, the rank up to which vertices lie below, and the side.
 
-    `above` says that the separator is taken from the upper side; `rank` orders the vertices.
+    `above` states that the separator is taken from the upper side; `rank` orders the vertices.
     """
 
     cost: FloatArray

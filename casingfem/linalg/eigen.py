@@ -122,7 +122,7 @@ def solve_modes(
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no count can tell.
+        `modes-round-off` where no count can show it.
     """
     pencil = make_pencil(K, mass)
     size = pencil.modes
@@ -163,7 +163,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
         if certified == below:
             return result(pencil, values[:below], vectors[:, :below], certified, products, factor)
         wanted += 2 * max((certified or 0) - below, 1) + extra
-        tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once, in a wider gap
+        tries.pop(0)  # a missed mode shows in the count: search again, with more vectors at once, in a wider gap
     if certified is None:
         warn_of_count(sigma, values, noise)
         return result(pencil, values[:below], vectors[:, :below], None, products, factor)
@@ -173,7 +173,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
 def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
 
-    A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that holds many
+    A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that contains many
     modes is cut into slices with a shift each.
 
     Parameters
@@ -193,7 +193,7 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no count can tell.
+        `modes-round-off` where no count can show it.
     """
     low, high = band
     if not 0.0 <= low < high < np.inf:

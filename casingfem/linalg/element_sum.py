@@ -22,7 +22,7 @@ CHUNK = 200_000  # entries of elements' matrices taken together: what stays in a
 class Elements:
     """Symmetric matrices (elements, m, m) of elements with m unknowns each, whose numbers are `dofs` (elements, m).
 
-    An unknown that is held has the number of all unknowns.
+    An unknown that is fixed has the number of all unknowns.
     """
 
     dofs: IntArray

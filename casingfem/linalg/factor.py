@@ -28,7 +28,7 @@ Direct: TypeAlias = Literal["multifrontal", "superlu", "pardiso"]
 
 BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
 SYMMETRIC_INDEFINITE = -2  # Pardiso's matrix type: L D L^T with Bunch-Kaufman pivots
-NEGATIVE, ZERO_PIVOTS = 23, 14  # where its output parameters stand, counted from one
+NEGATIVE, ZERO_PIVOTS = 23, 14  # where its output parameters are, counted from one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,12 +135,12 @@ def factorise(A: Symmetric, direct: Direct = "multifrontal", *, keep: bool = Tru
 
 
 def solve_held(K: Symmetric, f: FloatArray) -> FloatArray:
-    """K u = f (free,) for a structure that must be held.
+    """K u = f (free,) for a structure that must be supported.
 
     Raises
     ------
     ModelError
-        `static-loose` if a rigid motion is not held: K is singular, or the energy u K u is not the work u f.
+        `static-loose` if a rigid motion is not restrained: K is singular, or the energy u K u is not the work u f.
     """
     try:
         u = np.asarray(factorise(K).solve(f))
@@ -155,7 +155,7 @@ def balanced(K: Symmetric, u: FloatArray, f: FloatArray) -> FloatArray:
     Raises
     ------
     ModelError
-        `static-loose` if it is not: a rigid motion is not held.
+        `static-loose` if it is not: a rigid motion is not restrained.
     """
     work, strain = float(u @ f), float(u @ (K @ u))
     if not abs(work - strain) <= BALANCE * abs(work):

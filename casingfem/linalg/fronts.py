@@ -1,8 +1,8 @@
 """The plan of a multifrontal factorisation: which unknowns each front eliminates, which it updates, what it will cost.
 
-Fronts are the nodes of a nested dissection, in postorder. A front holds its own unknowns, its pivots, and those later
-ones that they are coupled with, directly or through what was eliminated before (Duff & Reid, ACM Trans. Math. Softw. 9,
-1983, 302; Liu, SIAM Review 34, 1992, 82).
+Fronts are the nodes of a nested dissection, in postorder. A front contains its own unknowns, its pivots, and those
+later ones that they are coupled with, directly or through what was eliminated before (Duff & Reid, ACM Trans. Math.
+Softw. 9, 1983, 302; Liu, SIAM Review 34, 1992, 82).
 """
 
 from collections.abc import Sequence
@@ -97,7 +97,7 @@ class Fronts:
         return Groups(of.ravel(), shapes[:, 0], counts)
 
     def working(self) -> int:
-        """Numbers held at most beside the factor: a front, and what its elder relatives have passed on so far."""
+        """Numbers in memory at most beside the factor: a front, and what its elder relatives have passed on so far."""
         most = held = 0
         for front in self.fronts:
             k, m = front.size
@@ -147,7 +147,7 @@ def runs(places: IntArray) -> Runs:
 
 
 class Recent:
-    """The plan last made, as long as somebody holds it or it is small: shifts and neighbours share their pattern."""
+    """The last plan, as long as it is in use or small: shifts and neighbours share their pattern."""
 
     last: ReferenceType[Fronts] | None = None
     small: Fronts | None = None

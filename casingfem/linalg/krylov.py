@@ -25,7 +25,7 @@ TOLERANCE = 1e-9  # residual of the inverted problem, relative to each theta; ei
 ROUND_OFF = 1e-14  # the same, relative to the largest theta: what arithmetic can reach,
 LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its square
 SPARE = 1e2  # how much more residual is left to the last vectors, which only show where the gap behind the others is
-FALL = 30.0  # what residuals fall by at most from block to block, at first: to look at them sooner shows nothing
+FALL = 30.0  # what residuals fall by at most from block to block, at first: an earlier check shows nothing
 QUICKER = 1.5  # how much faster they may fall than they did before, in powers of ten
 RESTARTS = 20
 START_SEED = 7391  # the first block is fixed: same input, same bits
@@ -173,7 +173,7 @@ def nearest(
 def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
     """Take from a block (n, k), in place, what it has of a B-orthonormal basis Q (n, count): the shares (count, k).
 
-    Both stand by columns: BLAS then neither copies nor adds up apart.
+    Both are by columns: BLAS then neither copies nor adds up apart.
     """
     gemm = kernels(Q).gemm
     if not (Q.size and block.size):
@@ -194,4 +194,4 @@ def independent(pencil: Pencil, X: Array, noise: float = 0.0) -> Array:
     gram = X.conj().T @ pencil.weigh(X)
     squares, V = np.linalg.eigh(0.5 * (gram + gram.conj().T))  # a few columns: less ado than scipy's
     good = squares > max(noise**2, 1e-15 * squares.max(initial=0.0))
-    return np.asarray(((V[:, good] / np.sqrt(squares[good])).T @ X.T).T)  # by columns, as X stands
+    return np.asarray(((V[:, good] / np.sqrt(squares[good])).T @ X.T).T)  # by columns, as X is

@@ -1,4 +1,4 @@
-"""Is it within reach? Memory of a factorisation, known from its plan, and hours are said before they are spent."""
+"""Is it within reach? Memory of a factorisation, known from its plan, and hours are stated before they are spent."""
 
 import mmap
 from pathlib import Path
@@ -22,7 +22,7 @@ class MemoryNeedError(NumericsError, MemoryError):
 def free_memory() -> float:
     """Bytes that this process may still take: free on the machine, left in its control group and its own limit.
 
-    Infinite where the system does not tell.
+    Infinite where the system does not report it.
     """
     return min(free_on_machine(), left_in_group(), left_by_limit())
 

@@ -58,7 +58,7 @@ def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFac
         If the matrix is singular, or not finite.
     """
     if not (A.finite if isinstance(A, ElementSum) else np.all(np.isfinite(A.data))):
-        raise NumericsError("the matrix holds values that are not finite")
+        raise NumericsError("the matrix contains values that are not finite")
     kept = Kept(fronts, A.dtype)
     passed: dict[int, Array] = {}
     negatives = 0

@@ -1,11 +1,11 @@
 """Lowest modes of large thick solids without the factors of shift-invert: LOBPCG with algebraic multigrid.
 
 Block preconditioned conjugate gradients (Knyazev, SIAM J. Sci. Comput. 23, 2001, 517), preconditioned by one cycle of
-smoothed aggregation whose coarse spaces hold the six rigid motions (Vanek, Mandel & Brezina, Computing 56, 1996, 179;
-pyamg). Thin walls defeat it: there the cycle misses the bending, and the iteration stalls. What did not converge is
-never returned: the solution falls back to shift-invert, and a warning says so. Nor is what a Sturm count shows to be
-incomplete. The count needs one factor; where that does not fit, a second iteration from another random block, kept
-orthogonal to what was found, looks for what was missed: it would find it, but does not prove that there is nothing.
+smoothed aggregation whose coarse spaces contain the six rigid motions (Vanek, Mandel & Brezina, Computing 56, 1996,
+179; pyamg). Thin walls defeat it: there the cycle misses the bending, and the iteration stalls. What did not converge
+is never returned: the solution falls back to shift-invert, and a warning states it. Nor is what a Sturm count shows to
+be incomplete. The count needs one factor; where that does not fit, a second iteration from another random block, kept
+orthogonal to what was found, searches for what was missed: it would find it, but does not prove that there is nothing.
 `python -m reports.benchmarks.solid_solvers` measures where it pays.
 
 pyamg builds the levels; the cycle is written here, since every product with a block of vectors passes over the matrix
@@ -173,7 +173,7 @@ def multigrid_modes(
 
 
 def static_by_cycles(K: csc_array, near_null: FloatArray, loads: FloatArray) -> FloatArray:
-    """K^-1 loads (free, k) of a held thick solid: conjugate gradients, each column its own, preconditioned by cycles.
+    """K^-1 loads (free, k) of a supported thick solid: conjugate gradients for each column, preconditioned by cycles.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def iterate(
 ) -> tuple[FloatArray, FloatArray, int]:
     """Lowest eigenvalues ascending, B-orthonormal vectors, and preconditioned vectors; the first `needed` converged.
 
-    All are needed if nothing is said. With `beside`, (free, k) B-orthonormal, those of what is B-orthogonal to it.
+    All are needed by default. With `beside`, (free, k) B-orthonormal, those of what is B-orthogonal to it.
 
     Raises
     ------

@@ -5,7 +5,7 @@ statically, A is definite on them, and neither counts nor modes see more of them
 
 A count is worth nothing where round-off outweighs what parts the eigenvalues on both sides of it. An inertia is exact
 for a matrix some units in the last place from K - sigma M. That moves an eigenvalue by up to u |x|^T |K| |x|, whatever
-the order of the sums: on slender or thin structures, whose K holds stretching beside a bending that is many orders
+the order of the sums: on slender or thin structures, whose K contains stretching beside a bending that is many orders
 softer, more than the lowest eigenvalues amount to. There the count changes with the processor, and so do the modes;
 equal or not, they prove nothing.
 """
@@ -33,7 +33,7 @@ class Pencil:
     """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal, 0 where M has none.
 
     A and B are symmetric, or Hermitian; A may be a sum of elements. `B` is None where M is diagonal; `scale` is the
-    diagonal of R, (free,). phi = R x. A's pattern holds that of B, the entries of which stand at `places` in A's data.
+    diagonal of R, (free,). phi = R x. A's pattern contains that of B, the entries of which are at `places` in A's data.
     `massless` counts unknowns without mass.
     """
 
@@ -238,7 +238,7 @@ def clear_of_eigenvalues(place: float, values: FloatArray, noise: FloatArray) ->
 
 
 def warn_of_count(place: float, values: FloatArray, noise: FloatArray) -> None:
-    """Say that eigenvalues near a place [rad^2/s^2] cannot be counted, and how far round-off moves them."""
+    """State that eigenvalues near a place [rad^2/s^2] cannot be counted, and how far round-off moves them."""
     nearest = int(np.argmin(np.abs(values - place)))
     base = max(place, 0.0)
     freq, moves = np.sqrt(base) / 2 / np.pi, (np.sqrt(base + noise[nearest]) - np.sqrt(base)) / 2 / np.pi

@@ -1,7 +1,7 @@
 """All eigenvalues of a band: spectrum slicing (Grimes, Lewis & Simon, SIAM J. Matrix Anal. Appl. 15, 1994, 228).
 
 The inertia at two shifts counts what lies between them. A slice with few enough eigenvalues is solved about its
-middle until it shows them all, and a few beyond its ends, so that no end stands on an eigenvalue: an end that does is
+middle until it shows them all, and a few beyond its ends, so that no end is on an eigenvalue: an end that does is
 moved outwards into the first clear gap, and counted again. The next slice starts where the last one ended.
 """
 
@@ -20,7 +20,7 @@ from casingfem.linalg.pencil import Pencil, clear_of_eigenvalues, round_off, war
 CLEAR = 1e-7  # eigenvalues closer than this, relative, are not parted
 CLEARER = (CLEAR, 1e-5, 1e-3)  # the same, try by try: on a miss, a gap that no round-off bridges
 MANY = 64  # eigenvalues of one slice
-PLACES = (0.5, 0.47, 0.53, 0.44)  # where in a slice the shift may stand
+PLACES = (0.5, 0.47, 0.53, 0.44)  # where in a slice the shift may be
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +28,7 @@ class Slice:
     """All eigenvalues between two ends, ascending (k,), and their B-orthonormal vectors (n, k).
 
     `below` counts those below the upper end; `counted` is false where round-off of the eigenvalues reaches an end, so
-    that no count there holds.
+    that no count there is reliable.
     """
 
     low: float
@@ -42,7 +42,7 @@ class Slice:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """A place on the axis of eigenvalues and the number below it; `settled` ends stand in a clear gap."""
+    """A place on the axis of eigenvalues and the number below it; `settled` ends are in a clear gap."""
 
     place: float
     below: int
@@ -58,7 +58,7 @@ class Counter:
     direct: Direct
 
     def width(self, place: float, clear: float = CLEAR) -> float:
-        """How far from a place an eigenvalue still stands on it."""
+        """How far from a place an eigenvalue still is on it."""
         return clear * max(abs(place), self.floor)
 
     def counted(self, place: float, way: float) -> End:
@@ -72,7 +72,7 @@ class Counter:
         raise singular
 
     def moved(self, end: End, values: FloatArray, way: float, clear: float) -> End:
-        """The end itself, or, where an eigenvalue stands on it, a place in the first clear gap outwards.
+        """The end itself, or, where an eigenvalue is on it, a place in the first clear gap outwards.
 
         `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, where they are negated.
         """
@@ -115,9 +115,9 @@ def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct
 
 
 def solve_slice(counter: Counter, start: End, end: End) -> Slice:
-    """The eigenvalues between two ends, which move outwards where an eigenvalue stands on them."""
+    """The eigenvalues between two ends, which move outwards where an eigenvalue is on them."""
     products = 0
-    for block, clear in zip(BLOCKS, CLEARER, strict=True):  # a missed mode shows in the count: look again
+    for block, clear in zip(BLOCKS, CLEARER, strict=True):  # a missed mode shows in the count: search again
         found = around_middle(counter, start, end, block, clear)
         products += found.products
         order = np.argsort(found.values)
@@ -157,7 +157,7 @@ def around_middle(counter: Counter, start: End, end: End, block: int, clear: flo
             products += found.products
             reach = np.abs(found.values - sigma)
             if reach[0] < 1e-7 * radius:
-                break  # the shift stands on an eigenvalue: the others are lost in its round-off
+                break  # the shift is on an eigenvalue: the others are lost in its round-off
             if wanted >= pencil.modes or reach[-1] > radius:
                 return RitzPairs(values=found.values, vectors=found.vectors, products=products)
             wanted += max(8, wanted // 2)

@@ -22,7 +22,7 @@ INVERTED = 64  # rows of a block on the diagonal at most
 
 
 class Kernels(NamedTuple):
-    """BLAS and LAPACK for one kind of numbers; `adjoint` says how their triangular solvers call L^H."""
+    """BLAS and LAPACK for one kind of numbers; `adjoint` states how their triangular solvers call L^H."""
 
     potrf: Callable[..., Any]
     trtri: Callable[..., Any]
@@ -112,8 +112,8 @@ class OneFront:
 class AlikeFronts:
     """Fronts of one shape that do not touch each other: their pivots (fronts, k) and rows (fronts, m).
 
-    `L` (fronts, k, k) holds columns of L on the pivots, the blocks on its diagonal, between `cuts`, inverted; what
-    stands above them is not used. `below` (fronts, m, k) is L on the rows.
+    `L` (fronts, k, k) contains columns of L on the pivots, the blocks on its diagonal, between `cuts`, inverted; what
+    is above them is not used. `below` (fronts, m, k) is L on the rows.
     """
 
     pivots: IntArray

@@ -37,7 +37,7 @@ def solve_static(structure, loads, *, system=None):  # type: ignore[no-untyped-d
     ------
     ModelError
         load-none without loads; load-edge for a load that the structure cannot have; static-loose if a rigid motion is
-        not held; structure-unknown for what is no structure.
+        not restrained; structure-unknown for what is no structure.
 
     Examples
     --------

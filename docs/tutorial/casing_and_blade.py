@@ -3,7 +3,7 @@ One casing and one blade
 ========================
 
 From a survey and a hammer test to the map of interactions, in one script. It runs in some seconds. There is no casing
-on the table here: a virtual test rig stands for the laboratory, and everything it makes says SYNTHETIC. With data of
+on the table here: a virtual test rig replaces the laboratory, and all that it makes is marked SYNTHETIC. With data of
 your own, leave out the parts headed *the laboratory* and read your files instead.
 """
 

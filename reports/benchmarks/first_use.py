@@ -4,7 +4,7 @@
 command as a reader types it, with an empty cache of machine code and then with the full one; their difference is what
 compiling costs once. Where a limit is set the lesser of two, since others use the machine. Bases that a scene needs are
 made before, and not counted. Scenes that differ in numbers alone share their loops: one of section_44 and of abradable
-stands for its like. A checkout beside is run in turns with this one, by the same Python.
+represents its like. A checkout beside is run in turns with this one, by the same Python.
 """
 
 import os

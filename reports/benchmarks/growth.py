@@ -2,7 +2,7 @@
 
 `python -m reports.benchmarks.growth [--quick | --large] [--out DIR]` takes meshes of order 7 with 10,000 to 200,000
 unknowns (--quick: 4,000; --large: 500,000 too) and writes growth.csv. Each runs in a child process of its own, with 25
-minutes and 14 GB; the row of one that does not end says so. Seconds are the processor's, of one thread where
+minutes and 14 GB; the row of one that does not end states it. Seconds are the processor's, of one thread where
 OPENBLAS_NUM_THREADS=1 is set: assembly, plan and factor of K - sigma M, the whole of `modes` beside them. "GF/s" counts
 the factor's multiplications and additions, "of dgemm" sets them against a product of two dense matrices of 1,500 rows.
 "Leaf unknowns" and "leaf work" are the shares of the factor's first fronts: the interiors of elements, most of them.

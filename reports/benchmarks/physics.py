@@ -2,7 +2,7 @@
 
 `python -m reports.benchmarks.physics [--quick] [--out DIR]` prints and writes contact_physics.csv and
 contact_physics_modal.csv. Every row adds one thing: to a bar of 100 elements on a wall; to a blade pressed on a ring of
-41 modes that stands still, both undamped; to four points of a plate of 50 modes pressed on the ground. The last
+41 modes that does not change, both undamped; to four points of a plate of 50 modes pressed on the ground. The last
 lines are the packages that a run of rods has loaded: no finite elements, no plotting.
 """
 
@@ -88,7 +88,7 @@ def modal_runs() -> dict[str, Callable[[float], ct.Result]]:
                                     dt=1e-4, record=ct.Record(every=1000))  # fmt: skip
 
     return {
-        "blade on a ring that stands still": rub(0.0), "with damping": rub(0.0, zeta=0.002),
+        "blade on a ring that does not change": rub(0.0), "with damping": rub(0.0, zeta=0.002),
         "with rotation": rub(5.0), "with rotation and out-of-roundness": rub(5.0, wave=2e-5),
         "with rotation and sliding friction": rub(5.0, mu=0.3),
         "plate on four points, no friction": press(1, 0.0), "the same with damping": press(1, 0.0, zeta=0.002),

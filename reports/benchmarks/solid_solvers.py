@@ -3,7 +3,7 @@
 `python -m reports.benchmarks.solid_solvers [--quick | --large] [--out DIR]` takes the first 10 modes of clamped blocks
 and plates of quadratic hexahedra, 10,000 and 22,000 unknowns (--quick: 1,000; --large: 60,000 and 300,000 too, up to an
 hour and 14 GB), and writes solid_solvers.csv. Each solver runs in a child process of its own, with 9 minutes and 14 GB;
-the row of one that does not end says so, with the numbers it reached. Seconds are the processor's. Shift-invert is
+the row of one that does not end states it, with the numbers it reached. Seconds are the processor's. Shift-invert is
 split into the factor (setup), Lanczos steps by the vector, and the Sturm count, which is a factor more; its memory is
 that of one factor. LOBPCG is split into the levels (setup) and iterations; its memory is that of the levels and of nine
 blocks of vectors. "Peak" is all a child had, the matrices included. Here no count certifies LOBPCG.

@@ -4,7 +4,7 @@
 beside it in a second column; nothing is imported. Figures are those of the two packages; of reports and tests, modules
 and folders are counted. Lines are not blank. An arrow is an import, those inside functions and those for types alone
 too; a circle is a set of modules, or of folders, that reach each other along arrows. Two folders of which each imports
-the other stand on no order of floors.
+the other are on no order of floors.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from reports.tools.imports_of_tests import of_tests
 
 PACKAGES = ("casingfem", "contact")
 BESIDE = ("reports", "tests")  # of which modules and folders are counted, no more
-TOGETHER = 6  # lines, one below the other, that stand in two places: a duplicate
+TOGETHER = 6  # lines, one below the other, that are in two places: a duplicate
 Graph = Mapping[str, frozenset[str]]
 
 
@@ -85,7 +85,7 @@ class Structure:
         """Folders that each imports from, files of one folder left out."""
         of = {
             name: path.parent.relative_to(self.root).as_posix() for name, path in self.files.items()
-            if path.name != "__main__.py"  # the way in, which stands at the top and opens the command line
+            if path.name != "__main__.py"  # the way in, which is at the top and opens the command line
         }  # fmt: skip
         found: dict[str, set[str]] = {folder: set() for folder in of.values()}
         for name, folder in of.items():

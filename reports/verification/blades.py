@@ -2,7 +2,7 @@
 
 `python -m reports.verification.blades [--quick] [--out DIR]` prints and writes verify_blades.csv; reports.verification
 has the same rows. FV22's printed frequencies scatter by -.5 to +1.0 % about the converged first-order shear theory.
-What stands beside them is a Ritz solution of that theory in skew coordinates, computed here, and 3-D elasticity.
+What is beside them is a Ritz solution of that theory in skew coordinates, computed here, and 3-D elasticity.
 """
 
 from dataclasses import replace

@@ -1,6 +1,6 @@
 """Fields against what is known of them: pairs that two harmonics split together.
 
-The slopes of thin rings, forbidden splits and turned fields stand in `reports.verification.splitting`.
+The slopes of thin rings, forbidden splits and turned fields are in `reports.verification.splitting`.
 """
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Casings as three-dimensional solids on the chart and the fields of a shell: what shells are held against.
+"""Casings as three-dimensional solids on the chart and the fields of a shell: what shells are fixed against.
 
 Spectral hexahedra between the faces X +- t/2 a3; the nodes of each are the points of its Lobatto rule, so that the mass
 is diagonal. A casing whose fields have k equal parts around is one of them, with the wave's phase at its seam,
@@ -92,7 +92,7 @@ def element_slopes(orders: Orders) -> tuple[list[FloatArray], FloatArray]:
 def make_part(shell: Shell, mesh: SolidMesh, parts: int, *, breathes: bool = False) -> Part:
     """Stiffness and mass of the first of `parts` parts of a casing between its faces, springs on its base included.
 
-    A clamp holds the whole of the base's face; if the wall `breathes` there, its motion along the normal is held in the
+    A clamp fixes the whole face of the base; if the wall `breathes` there, its motion along the normal is fixed in the
     mean over the thickness alone, as a shell's clamp holds it.
     """
     elements, (along, around) = lattice(mesh)

@@ -71,7 +71,7 @@ def solid(
 
 
 def summary(found: pd.DataFrame) -> list[Row]:
-    """One row for each plate: worst error, where it stands, modes within 0.5 %."""
+    """One row for each plate: worst error, where it is, modes within 0.5 %."""
     rows: list[Row] = []
     for (a, h, twist), part in found.groupby(CASE):
         worst = part.loc[part.error.abs().idxmax()]

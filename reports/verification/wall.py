@@ -2,7 +2,7 @@
 
 `python -m reports.verification.wall [--quick] [--out DIR]` prints two tables, writes wall.csv and wall_clamp.csv. The
 solid has the same chart and fields and is solved on two meshes (`reports.verification.solid_casing`), which have to
-agree to 1e-4. The shell stands there with its curved wall on the default mesh, and with the linear wall of published
+agree to 1e-4. The shell is there with its curved wall on the default mesh, and with the linear wall of published
 shell theory. Splits above 0.1 % are compared in per cent of themselves, orientations of their pairs at the rim.
 
 A clamp of three dimensions holds the whole end face, the stretch of the wall along its normal with it; a shell's holds

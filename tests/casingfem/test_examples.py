@@ -33,12 +33,12 @@ def test_a_wrong_name_offers_the_nearest(here, wrong, near):
     assert list(here.iterdir()) == []
 
 
-def test_where_no_name_is_near_those_that_hold_the_word_are_offered(here):
+def test_where_no_name_is_near_those_that_keep_the_word_are_offered(here):
     words = invoke("example", "ring").stderr.split()
     assert words[words.index("(did") :] == ["(did", "you", "mean", "bolted_ring", "or", "beam_in_ring?)"]
 
 
-def test_a_calculation_of_a_second_runs_as_is_said(here):
+def test_a_calculation_of_a_second_runs_as_is_reported(here):
     for line in json.loads(invoke("example", "pair", "--json").stdout)["next"]:
         assert json.loads(invoke(*line.split()[1:], "--json").stdout)["peak"]["growth"] > 0.0
 

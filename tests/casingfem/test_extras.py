@@ -28,7 +28,7 @@ def packages(lines: list[str], table: dict[str, list[str]]) -> set[str]:
 
 
 @pytest.mark.slow
-def test_doctor_says_which_are_there_and_what_installs_the_others():
+def test_doctor_states_which_are_there_and_what_installs_the_others():
     table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     found = json.loads(CliRunner().invoke(main, ["doctor", "--json"]).stdout)["extras"]
     assert set(found) == set(table)

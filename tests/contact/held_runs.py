@@ -1,4 +1,4 @@
-"""What a run is held by: sums over all its steps, its ledger, and some of its samples."""
+"""The recorded numbers of a run: sums over all its steps, its ledger, and some of its samples."""
 
 from dataclasses import asdict
 

@@ -319,7 +319,7 @@ def test_just_inside_is_taken_and_just_outside_refused(name):
 
 
 def test_a_circle_is_met_at_a_right_angle_where_its_radius_is_a_hypotenuse():
-    """The tip stands above the hinge, as far from the centre as Pythagoras says."""
+    """The tip is above the hinge, as far from the centre as Pythagoras says."""
     assert beam(radius=math.hypot(0.5, 0.12), offset=0.12).first_contact_angle == pytest.approx(math.pi / 2, rel=1e-12)
 
 

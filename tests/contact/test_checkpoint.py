@@ -57,7 +57,7 @@ RUNS = {
 
 
 class StoppedError(Exception):
-    """What stands for Ctrl-C."""
+    """What represents Ctrl-C."""
 
 
 HOURS = [0.0]  # the clock of `at_once` [s]

@@ -84,7 +84,7 @@ def test_loop_states_growth_flag_and_page_have_one_largest_deflection(kind):
 
 
 @pytest.mark.slow
-def test_lanes_note_the_deflection_of_a_run_alone():
+def test_batches_note_the_deflection_of_a_run_alone():
     scenes = [rubbing("rim", wall) for wall in (WALL, 1.5 * WALL, 1.0)]
     scenes.append(replace(scenes[0], what=replace(scenes[0].what, casing=replace(ring(S=4e-7), thickness=WALL))))
     for scene, outcome in zip(scenes, ct.run_many(scenes), strict=True):

@@ -28,7 +28,7 @@ def test_a_rim_stops_at_half_its_wall_and_keeps_all_up_to_there():
     error = diverging(rim())
     result, found = error.result, error.result.divergence
     assert found.limit == "wall"
-    assert 5e-4 < found.reached < 1.5e-3  # looked at every 64 steps
+    assert 5e-4 < found.reached < 1.5e-3  # examined every 64 steps
     assert found.step == result.steps == result.time.size
     assert found.time == pytest.approx(result.steps * 2e-5)
     assert np.isfinite(result.force).all()
@@ -49,7 +49,7 @@ def test_flags_run_on_to_a_tenth_of_the_radius_and_growth_is_theorys():
     result = ct.run(rim(), law=DIGS, t_end=1.0, dt=2e-5, on_limit="flag")
     found = result.divergence
     assert found.limit == "radius"
-    assert 0.045 <= found.reached < 0.045 * np.exp(330.0 * 64 * 2e-5)  # looked at every 64 steps
+    assert 0.045 <= found.reached < 0.045 * np.exp(330.0 * 64 * 2e-5)  # examined every 64 steps
     assert found.theory == pytest.approx(320.0, rel=0.01)
     assert found.growth == pytest.approx(found.theory, rel=0.15)
     assert result.growth.low < found.theory < result.growth.high
@@ -67,7 +67,7 @@ def test_without_a_thickness_a_tenth_of_the_radius_is_the_bound_and_calm_runs_ar
 
 
 @pytest.mark.slow
-def test_lanes_stop_where_a_run_alone_does():
+def test_batches_stop_where_a_run_alone_does():
     scenes = [
         ct.Scene(what=rim(speed), law=DIGS, t_end=0.4, dt=2e-5, on_limit=on_limit)
         for speed, on_limit in ((60.0, "stop"), (5.0, "stop"), (20.0, "stop"), (60.0, "flag"))
@@ -84,7 +84,7 @@ def test_lanes_stop_where_a_run_alone_does():
 
 
 @pytest.mark.slow
-def test_many_tips_stop_too_and_a_saved_result_says_why(tmp_path):
+def test_many_tips_stop_too_and_a_saved_result_states_why(tmp_path):
     tips = tuple(ct.ContactPoint(angle_deg=angle, lean_deg=10.0) for angle in (0.0, 180.0))
     rub = ct.Rub(rim().casing, [blade()], tips, clearance=-1e-5, speed=ct.Speed.constant(60.0))
     error = diverging(rub)

@@ -72,7 +72,7 @@ def test_a_film_shows_the_rim_where_the_tips_are(monkeypatch):
     assert film.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
 
 
-def test_a_film_keeps_the_harmonics_that_carry_the_motion():
+def test_a_film_keeps_the_harmonics_that_have_the_motion():
     def kept(power):
         return film.largest(np.sqrt(power)[None], np.zeros((1, len(power)))).tolist()
 

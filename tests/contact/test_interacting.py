@@ -96,7 +96,7 @@ def test_several_tips_have_rows_of_the_disks_n():
     assert all(run.verdict == "safe" for run in found.runs if run.closed < 1e-6)
 
 
-def test_a_motion_that_opens_the_contact_and_is_bounded_says_so_below_the_table():
+def test_a_motion_that_opens_the_contact_and_is_bounded_states_so_below_the_table():
     """Two tenths of a micrometre of overlap: the pole grows until the contact opens."""
     found = ct.interactions(pair_scene(clearance=-2e-7, t_end=4.0, casing_velocity=[1e-3, 0.0]), SPEEDS, runs=2)
     (row,) = found.rows

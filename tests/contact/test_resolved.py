@@ -1,4 +1,4 @@
-"""Time resolution: every rate, load and change of a run is held against its step and its end before it begins."""
+"""Time resolution: every rate, load and change of a run is compared with its step and its end before it begins."""
 
 import re
 from dataclasses import replace
@@ -64,7 +64,7 @@ def test_a_step_longer_than_the_passage_of_a_wave_is_flagged():
 
 
 @pytest.mark.parametrize(("damping", "found"), [(1e5, []), (2e6, ["step-too-long"])])
-def test_damping_of_a_rod_is_held_against_the_step(damping, found):
+def test_damping_of_a_rod_is_compared_with_the_step(damping, found):
     scene = ct.Scene(what=[replace(ROD, damping=damping), replace(ROD, x=0.0, velocity=0.0)], t_end=2.5e-4, courant=0.9)
     assert codes(scene) == found
 
@@ -82,7 +82,7 @@ def rub(**more):
 
 
 @pytest.mark.slow
-def test_whirl_and_what_closes_the_gap_are_held_against_step_and_end():
+def test_whirl_and_what_closes_the_gap_are_compared_with_step_and_end():
     speed, closing = ct.Speed.constant(5.0), ct.gaps.Closing
     assert codes(rub(speed=speed, whirl=[ct.gaps.Whirl(amplitude=1e-5, per_rev=1.0)])) == []
     with pytest.raises(ct.LimitError, match=r"whirl\[1\] = 20005 Hz has 2\.5 steps a period"):
@@ -95,7 +95,7 @@ def test_whirl_and_what_closes_the_gap_are_held_against_step_and_end():
     assert codes(rub(speed=ct.Speed(time=[0.1, 9.0], hz=[5.0, 6.0]))) == []
 
 
-def test_a_load_given_as_a_function_is_looked_at_between_the_steps():
+def test_a_load_given_as_a_function_is_checked_between_the_steps():
     def scene(hz):
         wave = ct.bodies.Forcing(shape=np.array([1.0]), amplitude=lambda t: np.sin(2.0 * np.pi * hz * t))
         body = ct.LinearBody(M=np.array([1.0]), K=np.zeros((1, 1)), Q=np.ones((1, 1)), gap0=np.array([1.0]),

@@ -74,7 +74,7 @@ def test_a_run_of_several_compiled_calls_loses_no_sample_no_contact_and_no_impul
     ],
     ids=str,
 )  # fmt: skip
-def test_what_a_call_gives_takes_the_place_of_what_the_scene_says(given):
+def test_what_a_call_gives_takes_the_place_of_what_the_scene_states(given):
     """Zero too; a step of one kind replaces the other's; what is left out stays."""
     rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=5, x=0.1, velocity=-1.0)
     scene = ct.Scene(

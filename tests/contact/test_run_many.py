@@ -71,7 +71,7 @@ def test_each_run_is_as_if_alone():
     assert max(one.reversals[0] for one in alone) > 10
 
 
-def test_lanes_of_the_forward_law_are_as_if_alone_beside_averaged_ones():
+def test_batches_of_the_forward_law_are_as_if_alone_beside_averaged_ones():
     forward = replace(scene(mu=0.1), scheme=ct.ExactModal(law="forward"))
     alone, (many, averaged) = ct.run(forward), ct.run_many([forward, scene(mu=0.1)])
     assert "forward" in many.scheme
@@ -96,7 +96,7 @@ def test_neighbours_and_order_change_no_bit():
             assert a.intervals == other.intervals
 
 
-def test_what_lanes_do_not_take_runs_singly_and_failures_are_told():
+def test_what_batches_do_not_take_runs_singly_and_failures_are_reported():
     stiff = ct.RotatingRim(ring(S=0.0), flap_blade(S=0.0), clearance=-1e-5, speed_hz=5.0, lean_deg=45.0)
     rod = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
     scenes = [
@@ -135,7 +135,7 @@ def test_friction_and_one_mode_less_is_not_a_run_without_friction(modes: tuple[i
         assert outcome.state.shape == ct.run(one).state.shape
 
 
-def test_growth_of_lanes_is_checked_at_half_the_step_as_that_of_a_run_alone():
+def test_growth_of_batches_is_checked_at_half_the_step_as_that_of_a_run_alone():
     """Friction above the lean feeds the rim; the rim that nothing touches has no growth to check."""
     digs = replace(ring(), thickness=1e-3)
     grows = [

@@ -82,7 +82,7 @@ def test_a_sweep_has_the_codes_of_its_runs(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_page_says_that_the_numbers_are_no_solution(tmp_path):
+def test_a_page_states_that_the_numbers_are_no_solution(tmp_path):
     ran = invoked(tmp_path, RINGS, "report", "--out", str(tmp_path / "out"))
     assert ran.exit_code == 3
     assert "Not usable: the numbers are no solution of the model" in (tmp_path / "out/report.html").read_text()
@@ -90,7 +90,7 @@ def test_a_page_says_that_the_numbers_are_no_solution(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("stiffness", "failed"), [(5e3, False), (50.0, True)])
-def test_penetration_is_held_against_the_length_of_the_rod(stiffness, failed):
+def test_penetration_is_compared_with_the_length_of_the_rod(stiffness, failed):
     """A bar of 10 m at 10 m/s: 0.1 m are a per cent of it, a metre a tenth."""
     bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=0.1, velocity=-10.0)
     law = ct.Penalty(stiffness=stiffness)

@@ -41,7 +41,7 @@ def test_a_twisted_blade_is_that_of_calculix_at_rest_and_at_speed():
 
 
 @pytest.mark.campaign
-def test_all_rows_pass_or_say_why_not():
+def test_all_rows_pass_or_state_why_not():
     verdicts = [row["verdict"] for row in verify_imported.slow_rows()]
     assert len(verdicts) == 6
     assert "FAIL" not in verdicts

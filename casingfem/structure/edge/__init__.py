@@ -1,4 +1,4 @@
-"""What holds an edge: clamps, springs, bolts, rings, point masses."""
+"""Supports of an edge: clamps, springs, bolts, rings, point masses."""
 
 import lazy_loader
 

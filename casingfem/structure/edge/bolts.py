@@ -68,7 +68,7 @@ class Bolts:
 
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
-    uniform: ClassVar[bool] = False  # they hold at places
+    uniform: ClassVar[bool] = False  # they act at places
 
     __repr__ = brief
 

@@ -1,4 +1,4 @@
-"""What stands on a casing beside its wall: rings under edges, ring stiffeners between them, point masses.
+"""What is on a casing beside its wall: rings under edges, ring stiffeners between them, point masses.
 
 A ring is an eccentric curved beam along an edge, with a support of its own.
 """
@@ -24,7 +24,7 @@ class Ring:
     """A ring tied to an edge: it moves with the edge's displacement and rotation, and adds the turn about the normal.
 
     The ring is a curved Timoshenko beam (`structure.curved_beam`) with stretch, torsion, two bendings and two shears.
-    The edge's node carries its rotation: two from the shell, and one more dof, the turn about the wall's normal.
+    The edge's node has its rotation: two from the shell, and one more dof, the turn about the wall's normal.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Ring:
     offset
         (radial, axial) place of the section's centre from the edge [m]; half a depth beyond the edge if left out.
     support
-        What holds the ring from below: an `ElasticEdge` or `Bolts`, per metre and angle of the casing's edge; None for
+        Support of the ring from below: an `ElasticEdge` or `Bolts`, per metre and angle of the casing's edge; None for
         nothing. A face modulus acts on the section's width. To clamp a ring, clamp the edge.
     foot
         (radial, axial) place from the section's centre at which the support acts [m]; the face away from the shell
@@ -118,7 +118,7 @@ class Ring:
                 return replace(self, material=replace(self.material, **changes))
         if isinstance(self.support, Numbered):
             return replace(self, support=self.support.with_number(path, value))
-        held: Any = self.support  # the protocol does not say dataclass; `replace` refuses what is none
+        held: Any = self.support  # the protocol is no dataclass; `replace` refuses what is none
         return replace(self, support=replace(held, **changes))
 
 
@@ -135,7 +135,7 @@ class Stiffener:
     Parameters
     ----------
     at
-        Where it stands: the chart's first parameter [m], the axis of a casing or the arc of its meridian.
+        Where it is: the chart's first parameter [m], the axis of a casing or the arc of its meridian.
     section
         Section, width along the radius and depth along the axis.
     offset
@@ -179,8 +179,8 @@ class Stiffener:
 def held_at_root(section: Section, arm: float) -> Section:
     """A rectangle with the shear factor of one that bends about an axis at `arm` below its root; others as they are.
 
-    Held by the wall along its root it carries tau(z) ~ int_z^w (arm + x) dx, all of the moment's change but what the
-    wall carries: k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), w the width, 5/6 at arm = 0.
+    Held by the wall along its root it has tau(z) ~ int_z^w (arm + x) dx, all of the moment's change but what the
+    wall has: k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), w the width, 5/6 at arm = 0.
 
     >>> bar = Section.rectangle(width=0.012, depth=0.004)
     >>> [round(held_at_root(bar, arm).shear, 4) for arm in (-1.0, 0.0, 0.0015)]
@@ -208,7 +208,7 @@ def check_stiffeners(stiffeners: Sequence[Stiffener], ends: tuple[float, float],
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EdgeMass:
-    """A mass [kg] on an edge at an angle [rad]; on the section's centre line where the edge carries a ring.
+    """A mass [kg] on an edge at an angle [rad]; on the section's centre line where the edge has a ring.
 
     On a straight edge `angle` is its own parameter: the width of a plate [m], for example.
 
@@ -224,7 +224,7 @@ class EdgeMass:
     0.012
     """
 
-    angle: Annotated[float, Key("where it stands [degrees]", "turn", degrees=True)]
+    angle: Annotated[float, Key("where it is [degrees]", "turn", degrees=True)]
     mass: Annotated[float, Key("mass [kg]", "not negative")]
 
     def __post_init__(self) -> None:

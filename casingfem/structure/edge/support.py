@@ -1,4 +1,4 @@
-"""Supports: what holds an edge of a shell.
+"""Supports of the edges of a shell.
 
 A support either removes motions (in Cartesian directions, or in the edge's own frame) or adds springs.
 Springs act on the five dofs of a node: three displacements and two rotations.
@@ -22,7 +22,7 @@ from contact.io.keys import Key
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clamped:
-    """All three displacements and both rotations are held.
+    """All three displacements and both rotations are fixed.
 
     >>> Clamped().held
     (0, 1, 2, 3, 4)
@@ -52,7 +52,7 @@ class ShearDiaphragm:
 class Symmetry:
     """The edge lies in a plane of symmetry that the surface meets at a right angle: nothing crosses the plane.
 
-    Held are the displacement across the edge and the rotation of the normal across it.
+    The displacement across the edge and the rotation of the normal across it are fixed.
 
     >>> Symmetry().held
     (0, 3)
@@ -153,5 +153,5 @@ Support: TypeAlias = Clamped | ShearDiaphragm | Symmetry | ElasticEdge | Bolts |
 
 
 def outer_support(support: object) -> object:
-    """What holds the structure from outside: a ring's own support under a ring, else the support itself."""
+    """Support of the structure from outside: a ring's own support under a ring, else the support itself."""
     return support.support if isinstance(support, Ring) else support

@@ -89,7 +89,7 @@ class SumField:
 
     @property
     def max_harmonic(self) -> int | None:
-        """The highest harmonic of all terms; None when a term does not say."""
+        """The highest harmonic of all terms; None when a term does not state it."""
         known = [getattr(field, "max_harmonic", None) for field in self.fields]
         numbers = [n for n in known if n is not None]
         return max(numbers) if len(numbers) == len(known) else None

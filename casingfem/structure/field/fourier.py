@@ -26,10 +26,10 @@ class FourierField:
 
     f(z, theta) = sum_hd (cos[h,d] cos p_h theta + sin[h,d] sin p_h theta) zeta^d,  zeta = (z - z_mid)/z_half
 
-    With a `spline` its functions B_d(z) stand in the place of zeta^d; "the constant part" of a harmonic is then its
+    With a `spline` its functions B_d(z) replace zeta^d; "the constant part" of a harmonic is then its
     mean from end to end, without one the coefficient of zeta^0.
 
-    Coefficients carry the unit of the field (none for relative defects).  They may be
+    Coefficients have the unit of the field (none for relative defects).  They may be
     complex: the evaluation is analytic in them, so that the imaginary part of what is
     computed from a coefficient ``c + 1e-30j`` is a derivative to machine precision.
 
@@ -169,7 +169,7 @@ class FourierField:
         return unit, unit
 
     def coefficients(self, p: int) -> tuple[Coefficient, Coefficient]:
-        """Return (cos, sin) of harmonic p at d = 0; zeros when the field does not hold it."""
+        """Return (cos, sin) of harmonic p at d = 0; zeros when the field does not contain it."""
         held = np.flatnonzero(self.p == p)
         if held.size == 0:
             return 0.0, 0.0
@@ -177,18 +177,18 @@ class FourierField:
         return (mean @ self.cos[held[0]]).item(), (mean @ self.sin[held[0]]).item()
 
     def amplitude(self, p: int) -> float:
-        """Return sqrt(cos^2 + sin^2) of harmonic p at d = 0 (real parts), 0 when not held."""
+        """Return sqrt(cos^2 + sin^2) of harmonic p at d = 0 (real parts), 0 when absent."""
         cos, sin = self.coefficients(p)
         return math.hypot(cos.real, sin.real)
 
     @property
     def harmonics(self) -> tuple[int, ...]:
-        """The circumferential harmonics held, in the order given."""
+        """The circumferential harmonics present, in the order given."""
         return tuple(self.p.tolist())
 
     @property
     def max_harmonic(self) -> int:
-        """The highest circumferential harmonic held, 0 for an empty field."""
+        """The highest circumferential harmonic present, 0 for an empty field."""
         return max(self.harmonics, default=0)
 
     def __add__(self, other: Field) -> Field:
@@ -241,7 +241,7 @@ class SeriesBehind:
 
 
 def distinct(places: ArrayLike) -> tuple[Array, IntArray]:
-    """The different values among places, and which of them each place has: points of a mesh stand in rows."""
+    """The different values among places, and which of them each place has: points of a mesh are in rows."""
     given = 1.0 * np.asarray(places)
     values, of = np.unique(given, return_inverse=True)
     return values, of.reshape(given.shape)
@@ -275,7 +275,7 @@ def _coefficients(name: str, values: ArrayLike) -> Array:
         found = f"{name} must have shape (harmonics, degrees), not {array.shape}"
         raise ModelError("field-coefficients", f"FourierField: {found}")
     if not np.all(np.isfinite(np.real(array))):
-        raise ModelError("field-coefficients", f"FourierField: {name} holds values that are not finite")
+        raise ModelError("field-coefficients", f"FourierField: {name} contains values that are not finite")
     return array
 
 

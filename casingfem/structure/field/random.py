@@ -116,7 +116,7 @@ class RandomField(SeriesBehind):
     spectrum : amplitudes of the harmonics, relative
     seed : whole number >= 0
     draw : which of the fields of this seed
-    stream : tells apart the fields of one shell (radius and thickness, say) drawn with one seed
+    stream : distinguishes the fields of one shell (such as radius and thickness) drawn with one seed
 
     Examples
     --------

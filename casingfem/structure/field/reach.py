@@ -1,4 +1,4 @@
-"""What a field is beyond the heights where it was measured: held at the nearest of them, or brought down to zero."""
+"""A field beyond the heights where it was measured: as at the nearest of them, or brought down to zero."""
 
 from typing import Literal, NamedTuple, TypeAlias
 

@@ -66,7 +66,7 @@ class Chart(Protocol):
 
     @property
     def edges(self) -> dict[str, tuple[int, int]]:
-        """Edge name -> (parameter held constant, 0 lower or 1 upper end)."""
+        """Edge name -> (constant parameter, 0 lower or 1 upper end)."""
 
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at parameters (a, b); `defect` is the relative radius field there."""

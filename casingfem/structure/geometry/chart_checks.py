@@ -1,6 +1,6 @@
-"""What a chart must keep to, looked at on a few points: finite, smooth, not folded, closed and round where it says so.
+"""What a chart must keep to, examined on a few points: finite, smooth, not folded, closed and round where it claims so.
 
-A user's own chart is code; a wrong derivative in it gives frequencies that look right. The derivatives are compared
+A user's own chart is code; a wrong derivative in it gives frequencies that seem right. The derivatives are compared
 with differences of the surface itself.
 """
 
@@ -42,7 +42,7 @@ def check_chart(chart: Chart) -> None:
         ends = [real(chart.surface(a, 0.0 * a + b, None)).x for b in (b0, b1)]
         gap = float(np.linalg.norm(ends[1] - ends[0], axis=0).max())
         if gap > FLAT * float(np.linalg.norm(np.ptp(surface.x, axis=1))):
-            raise ModelError("chart-open-seam", f"the chart is said to be periodic, its ends lie {gap:.3g} m apart")
+            raise ModelError("chart-open-seam", f"the chart is declared periodic, its ends lie {gap:.3g} m apart")
     if is_axisymmetric(chart):
         check_axisymmetry(chart, surface, (a, b))
 

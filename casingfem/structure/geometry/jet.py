@@ -1,4 +1,4 @@
-"""Jets: numbers that carry their first and second derivatives by two parameters.
+"""Jets: numbers that have their first and second derivatives by two parameters.
 
 A surface written as a formula in jets has its exact metric and curvature; products and functions follow the chain rule
 

@@ -65,7 +65,7 @@ class Rotation:
 
     @classmethod
     def of_blade(cls, chart: Chart, *, omega: float, hub_radius: float, stagger: float = 0.0) -> "Rotation":
-        """Rotation of a blade that stands on a hub: its span is radial at the middle of its root.
+        """Rotation of a blade that is on a hub: its span is radial at the middle of its root.
 
         The axis lies `hub_radius` [m] below the root and makes the angle `stagger` [rad] with the root's chord, towards
         the surface normal: at 0 the chord is along the axis and the blade flaps in the plane of rotation, at pi/2 it
@@ -154,6 +154,6 @@ def unfelt(reactions: Iterable[FloatArray]) -> FloatArray:
 
 
 def rigid_left(motions: FloatArray, held: IntArray, springs: Iterable[csc_array]) -> int:
-    """How many combinations of rigid motions (dofs, 6) neither move a held dof nor strain a spring."""
+    """How many combinations of rigid motions (dofs, 6) neither move a fixed dof nor strain a spring."""
     moved = motions[held]
     return int(unfelt([moved.T @ moved, *(motions.T @ (spring @ motions) for spring in springs)]).shape[1])

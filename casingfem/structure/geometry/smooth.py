@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 CORNER = np.radians(30.0)  # between neighbouring chords: a spline would swing on both sides of a sharper bend
-SAMPLES = 20  # of each chord, where the spline is looked at
+SAMPLES = 20  # of each chord, where the spline is examined
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -20,7 +20,7 @@ Outside = Literal["fit", "nearest", "zero", "refuse"]
 
 
 ASIDE = 1e-3  # what a distance along the radius counts beside one in height
-FLAT = 0.1  # sine of a meridian's slope: below, a radius says where it was measured, not what shape it has
+FLAT = 0.1  # sine of a meridian's slope: below, a radius gives the place of a point, not the shape
 STATIONS = 4001  # along a meridian: between two of them it is as good as straight
 
 
@@ -34,8 +34,8 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     """The points with arc lengths for heights, where the chart's first parameter is one; others as they are.
 
     Each lies at its height, as a radius defect moves points along the radius; where the meridian passes a height more
-    than once the nearest radius tells. Radii become those of a cylinder with the radius of the meridian's middle: a
-    fit's mean is straight, and its defect is relative to the meridian itself.
+    than once the nearest radius determines. Radii become those of a cylinder with the radius of the meridian's middle:
+    a fit's mean is straight, and its defect is relative to the meridian itself.
     """
     from scipy.spatial import cKDTree
 
@@ -45,7 +45,7 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     at, radial = chart.profile.at(s), points.quantity == "radius"
     if not (radial or np.all(np.real(at.z1) > 0.0) or np.all(np.real(at.z1) < 0.0)):
         found = f"{Path(points.path).name}: found thicknesses by height on a meridian that is not steep everywhere"
-        raise ModelError("survey-other", f"{found}, expected one whose heights tell where they were measured")
+        raise ModelError("survey-other", f"{found}, expected one whose heights show where they were measured")
     weight = np.array([ASIDE if radial else 0.0, 1.0])
     line, slope = weight * np.real([at.r, at.z]).T, weight * np.real([at.r1, at.z1]).T
     place = weight * np.column_stack([points.value, points.z])
@@ -69,7 +69,7 @@ def surveys(field: Field) -> list[SurveyField]:
 
 
 def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickness: float | None) -> None:
-    """Refuse a survey of another quantity or of another casing; what is None is not looked at."""
+    """Refuse a survey of another quantity or of another casing; what is None is not examined."""
     name = Path(survey.path).name
     if survey.quantity != quantity:
         raise ModelError("survey-quantity", f"{name}: found a survey of {survey.quantity}, expected one of {quantity}")
@@ -138,7 +138,7 @@ def with_rule(survey: SurveyField, outside: Outside | None, chart: Chart | None)
     Warns
     -----
     ModelWarning
-        `survey-part`: what holds outside, where it is less than half of the shell.
+        `survey-part`: the rule outside, where it is less than half of the shell.
     """
     part = 1.0 if chart is None or survey.heights == 1 else covered(survey, chart)
     if part <= 0.0 or chart is None:

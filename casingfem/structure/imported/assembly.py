@@ -149,7 +149,7 @@ class MeshSystem:
         return self.structure.mesh.points
 
     def expand(self, vectors: Array) -> Array:
-        """Free dofs (free, columns) -> nodal fields (nodes, dofs, columns), zero where held."""
+        """Free dofs (free, columns) -> nodal fields (nodes, dofs, columns), zero where fixed."""
         if self.lift is not None:
             return np.asarray((self.lift @ vectors).reshape(len(self.points), self.dofs, -1))
         full = np.zeros((len(self.points) * self.dofs, vectors.shape[1]), dtype=vectors.dtype)
@@ -228,7 +228,7 @@ def assembled(
     sound: float,
     joints: Joints | None = None,
 ) -> MeshSystem:
-    """The system of all dofs put on the free ones: those of a cell that no support holds, and what attachments leave.
+    """The system of all dofs put on the free ones: those of a cell that no support fixes, and what attachments leave.
 
     Parameters
     ----------
@@ -276,14 +276,14 @@ def assembled(
 
 
 def still_nodes(structure: MeshStructure) -> IntArray:
-    """Nodes that a support holds against turning, where they turn by themselves."""
+    """Nodes that a support fixes against turning, where they turn by themselves."""
     clamped = [name for name, support in structure.supports.items() if isinstance(support, Clamped)]
     groups = [structure.mesh.groups[name].nodes for name in clamped]
     return np.unique(np.concatenate([*groups, np.zeros(0, dtype=np.int64)]))
 
 
 def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
-    """Dofs held by clamps and fixed directions, `dofs` of each node."""
+    """Dofs fixed by clamps and fixed directions, `dofs` of each node."""
     held = [
         (name, range(dofs) if isinstance(support, Clamped) else support.held)
         for name, support in structure.supports.items()

@@ -109,7 +109,7 @@ def bad_cells(mesh: MeshData) -> list[Finding]:
 
 
 def stray_middles(mesh: MeshData) -> Array:
-    """Cells of which a middle node stands far from the middle of its corners."""
+    """Cells of which a middle node is far from the middle of its corners."""
     stray = np.zeros(len(mesh.cells), dtype=bool)
     for kind, rows, slots in natives(mesh):
         points = mesh.points[mesh.cells[rows][:, slots]]
@@ -187,7 +187,7 @@ def overlaps(mesh: MeshData) -> list[Finding]:
 
 
 def hanging(mesh: MeshData) -> list[Finding]:
-    """Corners that stand on a neighbour's middle node, and neighbours with a facet of other middle nodes."""
+    """Corners that are on a neighbour's middle node, and neighbours with a facet of other middle nodes."""
     if not mesh.cell_kind.middles:
         return []
     corners = len(mesh.cell_kind.corners)
@@ -293,7 +293,7 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
 
 
 def check_units(mesh: MeshData, material: Material) -> None:
-    """Warn of sizes that look like millimetres, and materials that no part is made of."""
+    """Warn of sizes that resemble millimetres, and materials that no part is made of."""
     speed, size = float(np.sqrt(material.E / material.rho)), mesh.size
     if size > LARGE and SOUND[0] <= speed <= SOUND[1]:
         warn("mesh-units", f"{mesh.source}: {size:.4g} m across with E = {material.E:.3g} Pa", stacklevel=4)

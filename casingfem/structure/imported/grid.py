@@ -1,7 +1,7 @@
 """Structured meshes of blocks, tubes and surfaces, made without a mesher: for comparisons and tests.
 
-A grid with nodes at half steps holds all kinds: 27-node bricks take every node, 20-node bricks all but the inner ones,
-and the six tetrahedra of a cube (Kuhn) find their middle nodes on it too.
+A grid with nodes at half steps contains all kinds: 27-node bricks take every node, 20-node bricks all but the inner
+ones, and the six tetrahedra of a cube (Kuhn) find their middle nodes on it too.
 """
 
 from collections.abc import Callable, Mapping

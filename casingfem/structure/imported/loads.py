@@ -1,7 +1,7 @@
 """Static loads on imported parts, as nodal forces in Cartesian axes, and the deflection under them, K u = f.
 
 `Gravity`, `EdgeLoad` (per area of a solid's facets, per length of a shell's edge), `Pressure` and `SurfaceLoad` (on the
-wall of a shell) are those of the shells on charts; forces at nodes and pressures on a solid's facets stand here. A load
+wall of a shell) are those of the shells on charts; forces at nodes and pressures on a solid's facets are here. A load
 of your own has `on_mesh(structure) -> (nodes, 3)`.
 """
 
@@ -100,7 +100,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
             loads = weight(structure, load.acceleration)
             for mass in mesh.attachments.masses:
                 if any(mass.offset):
-                    found = f"{mesh.source}: Gravity on the {mass.where}, which stands off its node"
+                    found = f"{mesh.source}: Gravity on the {mass.where}, which is too far from its node"
                     raise ModelError("load-edge", found)
                 loads[mass.node, :3] += mass.mass * np.asarray(load.acceleration)
             return loads

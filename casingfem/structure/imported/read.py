@@ -181,7 +181,7 @@ def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Bloc
 
 
 def read_vtu(file: Path) -> Draft:
-    """VTK's unstructured grid; groups are the integer arrays on cells or points that hold only 0 and 1."""
+    """VTK's unstructured grid; groups are the integer arrays on cells or points that contain only 0 and 1."""
     pieces = re.findall(rb"<Piece\b[^>]*>", read_bytes(regular_file(file)))
     if len(pieces) != 1:
         raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
@@ -201,6 +201,6 @@ def read_vtu(file: Path) -> Draft:
 
 
 def is_flag(parts: list[Any]) -> bool:
-    """Whether arrays hold whole numbers 0 and 1 only, one for each item."""
+    """Whether arrays contain whole numbers 0 and 1 only, one for each item."""
     arrays = [np.asarray(part) for part in parts]
     return all(a.ndim == 1 and a.dtype.kind in "iub" and np.isin(a, (0, 1)).all() for a in arrays)

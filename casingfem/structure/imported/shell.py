@@ -9,7 +9,7 @@ are those of the shell on a chart. Quadratic cells take them from tying points i
 Bucalem & Bathe, Int. J. Numer. Meth. Eng. 36, 1993, 3729), which frees thin shells from locking and, unlike reduced
 integration, leaves no hourglass modes. Cells of eight nodes get a ninth in their middle: same geometry, no locking.
 Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput. 1, 1984, 77). Triangles of six nodes
-stand among them as collapsed quadrilaterals and are integrated as what they are (MITC6). Where walls meet at an angle,
+are among them as collapsed quadrilaterals and are integrated as what they are (MITC6). Where walls meet at an angle,
 nodes have six dofs and every wall a director of its own (`mesh/joints.py`).
 """
 

@@ -51,7 +51,7 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     Raises
     ------
     ModelError
-        `static-loose` if the centrifugal force drives a rigid motion that is not held.
+        `static-loose` if the centrifugal force drives a rigid motion that is not restrained.
     """
     linear = mesh_spin(solid_turning(system, solid, rotation))
 

@@ -149,7 +149,7 @@ def mesh_spin(turning: MeshTurning) -> MeshSpin:
     Raises
     ------
     ModelError
-        `static-loose` if the centrifugal force drives a rigid motion that is not held.
+        `static-loose` if the centrifugal force drives a rigid motion that is not restrained.
     """
     return turning.spin(tied_solution(turning.system, turning.system.K, turning.load, solve_held))
 

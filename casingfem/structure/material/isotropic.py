@@ -19,7 +19,7 @@ class Material:
     Raises
     ------
     ModelError
-        If E or rho is not positive, or beyond what floats can carry, or nu lies outside (-1, 0.5).
+        If E or rho is not positive, or beyond what floats can represent, or nu lies outside (-1, 0.5).
 
     Examples
     --------

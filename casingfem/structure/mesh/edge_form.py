@@ -1,4 +1,4 @@
-"""What stands on an edge - springs, a beam, masses - as one kind of quadratic form.
+"""What is on an edge - springs, a beam, masses - as one kind of quadratic form.
 
     2 energy = sum_q (B_q x_q)^T D_q (B_q x_q),   x_q the dofs numbered dofs[q]
 
@@ -62,7 +62,7 @@ class EdgeLine(NamedTuple):
     """An edge as its supports see it, along its own parameter (an angle on a casing).
 
     `nodes`, `weights` and `nodal` belong to the Lobatto points of its elements (q,): a node between two elements
-    stands twice, once for each side. `breaks` are the elements' ends; `frame(x)` is the `LineFrame` at places x,
+    is there twice, once for each side. `breaks` are the elements' ends; `frame(x)` is the `LineFrame` at places x,
     `interpolate(x)` gives node numbers and values, each (q, order + 1).
     """
 
@@ -127,7 +127,7 @@ def spring_form(springs: PointSprings) -> EdgeForm:
 
 
 def places_of(nodes: IntArray, numbers: IntArray) -> IntArray:
-    """Where node numbers stand in the list of an edge's nodes.
+    """Where node numbers are in the list of an edge's nodes.
 
     >>> places_of(np.array([7, 3, 9]), np.array([[9, 7]])).tolist()
     [[2, 0]]

@@ -26,7 +26,7 @@ SLOTS = ((slice(0, 2), 2), (slice(2, 3), 1))  # of a jet: those with f, with f' 
 
 @cache
 def products(order: int) -> tuple[tuple[FloatArray, ...], FloatArray, IntArray]:
-    """Products of two functions of one direction at its points, and where those of two directions stand.
+    """Products of two functions of one direction at its points, and where those of two directions are.
 
     Of the first direction for each couple of parts of `SLOTS`, ((a, b), (slots, slots, points)); of the second one, for
     a <= b alone, ((a, b), (parts, parts, points)); and for each entry of an element's matrix its number among all
@@ -112,8 +112,8 @@ def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> Non
 def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
     """Express symmetric element matrices in rotations that take displacements with them, in place.
 
-    `shift` (elements, functions, 5, 5) holds what a node's rotation adds to its displacements. K R is (R^T K)^T: both
-    products are of rows, which are contiguous.
+    `shift` (elements, functions, 5, 5) contains what a node's rotation adds to its displacements. K R is (R^T K)^T:
+    both products are of rows, which are contiguous.
     """
     nodal = np.ascontiguousarray(shift[:, :, :3, 3:].swapaxes(2, 3))
     for K, node in zip(matrices, nodal, strict=True):
@@ -126,7 +126,7 @@ def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
 def element_sum(
     matrices: FloatArray, grid: Grid, frames: FloatArray, free: IntArray, forms: Sequence[EdgeForm] = ()
 ) -> ElementSum:
-    """Element matrices (elements, 5 functions, 5 functions), turned in place, and what stands on edges, on free dofs.
+    """Element matrices (elements, 5 functions, 5 functions), turned in place, and what is on edges, on free dofs.
 
     Beyond the dofs of the nodes forms may have their own.
     """
@@ -139,7 +139,7 @@ def element_sum(
 
 
 def edge_elements(form: EdgeForm, frames: FloatArray, number: IntArray) -> Elements:
-    """What stands on an edge as elements, one for all points on the same dofs; `number` is a dof's among the free."""
+    """What is on an edge as elements, one for all points on the same dofs; `number` is a dof's among the free."""
     dofs, of = np.unique(form.dofs, axis=0, return_inverse=True)
     B = form.B
     if np.any(frames != np.eye(DOFS)):

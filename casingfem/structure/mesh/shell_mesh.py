@@ -23,7 +23,7 @@ LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
 class ShellMesh:
     """How a shell is divided: polynomial order, rows along the first parameter, elements along the second.
 
-    `rows` is a number of equal rows, or the break points from 0 to 1 (graded towards edges, say).
+    `rows` is a number of equal rows, or the break points from 0 to 1 (graded towards edges, for example).
     Around a casing take more elements than the largest nodal diameter of interest divided by p/4, an odd
     number for a perfect casing, a multiple of the bolt count when there are bolts.
 
@@ -65,7 +65,7 @@ class ShellMesh:
 class Edge:
     """The nodes along one edge, with the parameters and quadrature weights of its Lobatto rule.
 
-    A node shared by two elements stands once, its weights added; `weights` are in parameter units. Element by
+    A node shared by two elements is there once, its weights added; `weights` are in parameter units. Element by
     element: `parts` places their nodes in `nodes`, `shares` are their weights, each (elements of the edge, order + 1).
     """
 
@@ -160,7 +160,7 @@ def merge_seam(places: FloatArray, elements: IntArray, around: int) -> tuple[Flo
 
 
 def find_edge(places: FloatArray, held: int, value: float, spans: FloatArray, order: int, wrap: bool) -> Edge:
-    """Nodes with one parameter held at an end, ordered along the edge, with Lobatto weights."""
+    """Nodes with one parameter constant at an end, ordered along the edge, with Lobatto weights."""
     along = 1 - held
     nodes = np.flatnonzero(np.isclose(places[held], value))
     nodes = nodes[np.argsort(places[along, nodes])]

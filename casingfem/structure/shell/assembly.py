@@ -7,7 +7,7 @@ those of the wall (`wall`): on a flat one t C on eps, t^3/12 C on chi, k G t on 
 
 Element stiffness is a form on the jets of (u, w) at the quadrature points (`mesh.jet_form`). The mass uses the Lobatto
 rule whose points are the nodes: M is a block for each node, and diagonal in dofs that `nodal_mass.diagonal_frames`
-names. Element matrices are turned into these dofs, and into the frames of edges that hold some; held dofs are left out.
+names. Element matrices are turned into these dofs, and into the frames of edges that fix some; fixed dofs go.
 """
 
 from dataclasses import replace
@@ -75,9 +75,9 @@ def held_frames(shell: ShellParts, grid: Grid) -> dict[str, Array]:
 
 
 def admitted(shell: ShellParts, grid: Grid, fields: FloatArray) -> Array:
-    """Nodal fields (nodes, 5, k) without what the shell's edges hold: P = I - A (A^T A)^-1 A^T, A the held directions.
+    """Nodal fields (nodes, 5, k) without what the shell's edges fix: P = I - A (A^T A)^-1 A^T, A the fixed directions.
 
-    Analytic in the shell: a small change of the surface turns the directions that a diaphragm holds, and the modes of
+    Analytic in the shell: a small change of the surface turns the directions that a diaphragm fixes, and the modes of
     the unchanged shell with them.
     """
     directions: dict[int, list[Array]] = {}
@@ -104,7 +104,7 @@ def independent(directions: Array) -> Array:
 def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
     """Free dof numbers, and the frames (nodes, 5, 5) in which the dofs of a node are expressed.
 
-    A corner is held in every direction that one of its two edges holds.
+    A corner is fixed in every direction that one of its two edges fixes.
     """
     nodes = grid.nodes.shape[1]
     held = np.zeros((nodes, DOFS), dtype=bool)
@@ -123,7 +123,7 @@ def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
 
 
 def on_free(forms: list[EdgeForm], frames: FloatArray, free: IntArray, own: int) -> csc_array:
-    """What stands on the edges, on the free dofs and in the nodal frames."""
+    """What is on the edges, on the free dofs and in the nodal frames."""
     nodes = np.arange(len(frames) + 1)
     size = len(frames) * DOFS + own
     matrix = sum((form.matrix(size) for form in forms), start=csc_array((size, size)))
@@ -134,7 +134,7 @@ def on_free(forms: list[EdgeForm], frames: FloatArray, free: IntArray, own: int)
 
 
 def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
-    """Frame (5, 5) whose first columns span the held directions (5, k) of several edges, and which are held (5,).
+    """Frame (5, 5) whose first columns span the fixed directions (5, k) of several edges, and which are fixed (5,).
 
     Displacements and rotations stay apart.
     """

@@ -56,10 +56,10 @@ class Meridian:
     """Matrices of one harmonic on the free dofs of a meridian.
 
     K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
-    5 * nodes and the rings' own after them; `z` holds the nodes; `frames` (nodes, 5, 5) the motions of each node by its
-    dofs, as of a `System`; the free dofs are change @ those of K and mass, (free, free), where rings or masses couple M
-    (else None); `own` counts the rings' turns about the normal, one a ring in the order of `Shell.rings`. K is the sum
-    of `wall` and `edges`, the stiffness of springs and rings on all dofs, in cylindrical axes.
+    5 * nodes and the rings' own after them; `z` contains the nodes; `frames` (nodes, 5, 5) the motions of each node by
+    its dofs, as of a `System`; the free dofs are change @ those of K and mass, (free, free), where rings or masses
+    couple M (else None); `own` counts the rings' turns about the normal, one a ring in the order of `Shell.rings`. K is
+    the sum of `wall` and `edges`, the stiffness of springs and rings on all dofs, in cylindrical axes.
     """
 
     n: int
@@ -154,7 +154,7 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
 
 
 def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, mass: NodalMass) -> Meridian:
-    """Add springs, rings and masses, express dofs in the frames of nodes, and leave out what is held."""
+    """Add springs, rings and masses, express dofs in the frames of nodes, and leave out what is fixed."""
     nodes, own = len(z), len(shell.rings)
     frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
     held = np.zeros((nodes, DOFS), dtype=bool)

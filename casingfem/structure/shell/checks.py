@@ -1,4 +1,4 @@
-"""Checks of what a shell is made of: parts that cannot belong together, fields that its mesh cannot carry."""
+"""Checks of what a shell is made of: parts that cannot belong together, fields that its mesh cannot resolve."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bo
 
 
 def check_parts(shell: ShellParts) -> None:
-    """Refuse parts that cannot belong together: what there is to say before a mesh is chosen."""
+    """Refuse parts that cannot belong together: what there is to state before a mesh is chosen."""
     require_positive("shell", "shell-thickness", thickness=shell.thickness)
     if shell.shear_correction is not None:
         require_positive("shell", "shear-correction", shear_correction=shell.shear_correction)
@@ -51,8 +51,8 @@ def check_parts(shell: ShellParts) -> None:
         if isinstance(support, Ring) and held != 0:
             raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
         across = [other for other in shell.supports if known[other][0] != 0 and shell.supports[other].held]
-        if isinstance(support, Ring) and across:  # nothing would hold the ring's own turn at the corner
-            raise ModelError("ring-edge", f"support.{edge}: a ring ends on the held edge {across[0]!r}")
+        if isinstance(support, Ring) and across:  # the ring's own turn at the corner would be free
+            raise ModelError("ring-edge", f"support.{edge}: a ring ends on the fixed edge {across[0]!r}")
         if isinstance(support, Symmetry):
             check_symmetry(shell.chart, edge)
         holding = outer_support(support)
@@ -81,7 +81,7 @@ def check_plies(shell: ShellParts) -> None:
 
 
 def check_on_mesh(shell: ShellParts) -> None:
-    """Refuse strips, fields, walls and springs that the meshed shell cannot carry; warn of bolts it does not follow."""
+    """Refuse strips, fields, walls and springs that the mesh cannot resolve; warn of bolts that it does not follow."""
     start, end = shell.chart.bounds[0]
     lines = start + (end - start) * shell.mesh.breaks
     check_strips(shell.strips, (start, end), lines)

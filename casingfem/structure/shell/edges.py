@@ -1,4 +1,4 @@
-"""What a shell carries on its edges, as quadratic forms over its dofs: springs, masses, rings.
+"""What a shell has on its edges, as quadratic forms over its dofs: springs, masses, rings.
 
 A ring has stiffness, mass and a support over the shell's dofs and one more a node.
 """
@@ -37,7 +37,7 @@ PHASE = np.array([1.0, 1j, 1.0, 1.0, 1j, 1j])  # hoop motions and the turn about
 
 
 def outward(shell: ShellParts, name: str) -> int:
-    """Which way an edge looks along its shell: -1 at a base, 1 at a top, 0 between."""
+    """Which way an edge faces along its shell: -1 at a base, 1 at a top, 0 between."""
     return 0 if name in shell.stations else 1 if shell.chart.edges[name][1] else -1
 
 
@@ -121,7 +121,7 @@ def harmonic_ring(shell: ShellParts, name: str, ring: Ring, n: int, z: Array, li
 
 
 class EdgeForms(NamedTuple):
-    """What stands on the edges: forms of stiffness and mass, and how many dofs of its own it brings."""
+    """What is on the edges: forms of stiffness and mass, and how many dofs of its own it brings."""
 
     stiffness: list[EdgeForm]
     mass: list[EdgeForm]
@@ -134,7 +134,7 @@ def edge_line(shell: ShellParts, grid: Grid, name: str) -> EdgeLine:
     nodes = edge.nodes[edge.parts]
     a, b = grid.nodes[:, nodes]
     inside = a.mean(axis=1, keepdims=True) if edge.along == 0 else a
-    end = (a, b)[1 - edge.along].ravel()[:1]  # the parameter that the edge holds
+    end = (a, b)[1 - edge.along].ravel()[:1]  # the parameter that is constant on the edge
     return EdgeLine(
         nodes=nodes.ravel(),
         weights=edge.shares.ravel(),
@@ -148,7 +148,7 @@ def edge_line(shell: ShellParts, grid: Grid, name: str) -> EdgeLine:
 
 
 def line_frame(shell: ShellParts, along: int, a: Array, b: Array, inside: Array | None = None) -> LineFrame:
-    """An edge along one parameter at (a, b); `inside` tells the side of a strip's end, as in `Shell.geometry`."""
+    """An edge along one parameter at (a, b); `inside` shows the side of a strip's end, as in `Shell.geometry`."""
     geometry = shell.geometry(a, b, inside)
     surface = geometry.surface
     tangent, second = (surface.x2, surface.x22) if along == 1 else (surface.x1, surface.x11)
@@ -159,7 +159,7 @@ def line_frame(shell: ShellParts, along: int, a: Array, b: Array, inside: Array 
 
 
 def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
-    """Stiffness and mass of all that stands on the edges, held dofs included."""
+    """Stiffness and mass of all that is on the edges, fixed dofs included."""
     own = own_dofs(shell, grid)
     rings = [ring_forms(shell, grid, name, ring, own[name]) for name, ring in shell.rings.items()]
     stiffness = [beam for beam, _ in rings] + holding_forms(shell, grid)
@@ -168,7 +168,7 @@ def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
 
 
 def holding_forms(shell: ShellParts, grid: Grid) -> list[EdgeForm]:
-    """The springs that hold the edges from outside, those under rings included."""
+    """The springs that support the edges from outside, those under rings included."""
     own = own_dofs(shell, grid)
     forms = []
     for name, support in shell.supports.items():
@@ -211,7 +211,7 @@ def own_dofs(shell: ShellParts, grid: Grid) -> dict[str, IntArray]:
 
 
 def harmonic_forms(shell: ShellParts, name: str, n: int, z: Array) -> tuple[Array, Array]:
-    """Stiffness and mass of what stands on one edge or station of a perfect casing, n diameters, per unit angle.
+    """Stiffness and mass of what is on one edge or station of a perfect casing, n diameters, per unit angle.
 
     On the dofs of the line's node at z (1,): (5, 5), or (6, 6) with a ring, the turn about the normal last.
     """

@@ -36,9 +36,9 @@ class ModalProducts:
 class PointFields:
     """Modes at the quadrature points and nodes: what all parameters share.
 
-    `own` are the motions of the rings' own dofs, (own, modes). `jets` holds U, d_1 U, d_2 U: (elements, points, 3 * 5,
-    modes); `strain`, `curvature`, `jacobian` belong to the shell the modes were computed on and serve every parameter
-    that leaves the surface alone.
+    `own` are the motions of the rings' own dofs, (own, modes). `jets` contains U, d_1 U, d_2 U: (elements, points, 3 *
+    5, modes); `strain`, `curvature`, `jacobian` belong to the shell the modes were computed on and serve every
+    parameter that leaves the surface alone.
     """
 
     shell: ShellParts
@@ -91,7 +91,7 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
     """The imaginary parts of `modal_products` for a shell one tiny complex step away from that of `at`.
 
     In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
-    out where only what stands on its edges has changed.
+    out where only what is on its edges has changed.
     """
     moved = on_surface(shell, at)
     modes = at.fields.shape[2]
@@ -108,13 +108,13 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
         K = K + cross + cross.T
     still = np.real(moved.fields)
     momenta = nodal_mass(shell, moved.grid).times(still).imag
-    # held directions that turn move the modes along themselves, where these have no motion: M does not see it
+    # fixed directions that turn move the modes along themselves, where these have no motion: M does not see it
     M = M + still.reshape(-1, modes).T @ momenta.reshape(-1, modes)
     return ModalProducts(K=K, M=M)
 
 
 def on_surface(shell: ShellParts, at: PointFields) -> PointFields:
-    """The modes on another surface, near that of their shell; held directions of an edge's own frame turn with it."""
+    """The modes on another surface, near that of their shell; fixed directions of an edge's own frame turn with it."""
     if shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect:
         return at
     stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself

@@ -103,7 +103,7 @@ class Gravity:
     Raises
     ------
     ModelError
-        `load-ring` where the shell carries rings or point masses: their weight is not among the loads.
+        `load-ring` where the shell has rings or point masses: their weight is not among the loads.
 
     >>> Gravity().acceleration
     (0.0, 0.0, -9.80665)
@@ -164,6 +164,6 @@ class PointLoad:
         except ValueError as error:
             raise ModelError("load-place", f"load.at: {error}") from error
         loads = np.zeros((grid.nodes.shape[1], DOFS))
-        # where one element closes on itself, a node stands twice
+        # where one element closes on itself, a node is there twice
         np.add.at(loads[:, :3], nodes[0], weights[0][:, None] * np.asarray(self.force))
         return loads

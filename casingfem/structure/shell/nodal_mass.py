@@ -80,7 +80,7 @@ def nodal_sums(grid: Grid, density: Array) -> Array:
 def diagonal_frames(mass: NodalMass, frames: FloatArray, free: IntArray) -> tuple[FloatArray, FloatArray]:
     """Dofs in which the nodes' masses are diagonal, as columns (nodes, 5, 5), and the diagonal (nodes, 5).
 
-    `frames` are orthogonal dofs of which `free` are free; held ones stay what they are. A free rotation takes the free
+    `frames` are orthogonal dofs of which `free` are free; fixed ones stay what they are. A free rotation takes the free
     displacements with it that leave the middle of the mass where it is.
     """
     moving = np.isin(np.arange(len(frames) * DOFS), free).reshape(-1, DOFS)
@@ -90,7 +90,7 @@ def diagonal_frames(mass: NodalMass, frames: FloatArray, free: IntArray) -> tupl
     shift[:, :3, 3:] = np.where(both, -A[:, :3, 3:] / mass.moments[:, 0, None, None], 0.0)
     A = shift.swapaxes(1, 2) @ A @ shift
     skew = np.flatnonzero(moving[:, 3:].all(axis=1) & (np.abs(A[:, 3, 4]) > SKEW * A[:, 3, 3]))
-    if len(skew):  # corners that hold a direction askew
+    if len(skew):  # corners that fix an oblique direction
         shift[skew, :, 3:] = shift[skew, :, 3:] @ np.linalg.eigh(A[skew, 3:, 3:])[1]
         A[skew, 3:, 3:] = np.einsum("ni,ij->nij", np.linalg.eigvalsh(A[skew, 3:, 3:]), np.eye(2))
     return frames @ shift, np.diagonal(A, axis1=1, axis2=2).copy()

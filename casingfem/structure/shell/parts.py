@@ -62,18 +62,18 @@ class ShellParts:
 
     @property
     def stations(self) -> dict[str, float]:
-        """Lines between the edges that carry stiffeners, by name: their first parameters."""
+        """Lines between the edges that have stiffeners, by name: their first parameters."""
         return {f"stiffener {k}": stiffener.at for k, stiffener in enumerate(self.stiffeners, 1)}
 
     @property
     def rings(self) -> dict[str, Ring]:
-        """Rings by the line that carries them: those on edges, then stiffeners."""
+        """Rings by the line that has them: those on edges, then stiffeners."""
         on_edges = {edge: support for edge, support in self.supports.items() if isinstance(support, Ring)}
         between = zip(self.stations, (stiffener.ring for stiffener in self.stiffeners), strict=True)
         return on_edges | dict(between)
 
     def line_at(self, name: str) -> float:
-        """The first parameter of a line that carries a ring: an edge or a station."""
+        """The first parameter of a line that has a ring: an edge or a station."""
         if name in self.stations:
             return self.stations[name]
         return self.chart.bounds[0][self.chart.edges[name][1]]
@@ -110,7 +110,7 @@ class ShellParts:
     def geometry(self, a: Array, b: Array, inside: Array | None = None) -> ShellGeometry:
         """Mid-surface, thickness and material at parameters (a, b).
 
-        `inside` is a value of the first parameter that tells whose side of a strip's end a point belongs to: the
+        `inside` is a value of the first parameter that shows whose side of a strip's end a point belongs to: the
         middle of its element. Without it a point on such a line is the strip's.
         """
         defect = None if self.radius_defect is None else self.radius_defect.derivatives(a, b)

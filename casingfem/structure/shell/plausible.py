@@ -1,4 +1,4 @@
-"""How large, how curved and how thick a shell is: walls that no surface can carry, models that are probably not meant.
+"""How large, how curved and how thick a shell is: walls that no surface can have, models that are probably not meant.
 
 The first are refused; of the others, units mixed up, walls too thick or too thin, a warning is given. Each has its code
 in `casingfem.faults` and a threshold with its reason beside it.
@@ -75,7 +75,7 @@ def check_wall(shell: ShellParts) -> None:
     """Refuse a wall as thick as its radius of curvature, or as the structure is long and wide."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
-    if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness stands for a corner
+    if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness represents a corner
         raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
     short = sampled(shell, stretches(shell))
     bent = float((short.thickness * short.curvature).max())
@@ -172,7 +172,7 @@ def wall_warnings(shell: ShellParts) -> Iterator[Concern]:
 
 
 def spring_warnings(shell: ShellParts) -> Iterator[Concern]:
-    """Springs that hold nothing beside such a wall."""
+    """Springs without effect beside such a wall."""
     E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
     for edge, support in shell.supports.items():
         if isinstance(support, ElasticEdge):

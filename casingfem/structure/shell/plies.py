@@ -152,7 +152,7 @@ def layered_inertia(plies: tuple[Ply, ...], own: Material, rho: Array, t: Array)
 
 
 def mirrored(plies: tuple[Ply, ...]) -> bool:
-    """Whether a wall looks the same in a mirror along its first direction: cosine and sine waves do not mix.
+    """Whether a wall is the same in a mirror along its first direction: cosine and sine waves do not mix.
 
     >>> carbon = Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
     >>> cross = tuple(Ply(thickness=1.0, angle_deg=angle, lamina=carbon) for angle in (0.0, 90.0))

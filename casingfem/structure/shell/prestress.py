@@ -190,7 +190,7 @@ def spun(turning: Turning) -> Spin:
     Raises
     ------
     ModelError
-        `static-loose` if the centrifugal force drives a rigid motion that is not held.
+        `static-loose` if the centrifugal force drives a rigid motion that is not restrained.
     """
     return turning.spin(solve_held(turning.system.stiffness, turning.load))
 

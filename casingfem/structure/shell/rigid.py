@@ -1,6 +1,6 @@
 """Rigid motions: what they are on a shell, and which of them its supports leave free.
 
-A body is not supported where a rigid motion moves no held dof and strains no spring. This is a statement about the
+A body is not supported where a rigid motion moves no fixed dof and strains no spring. This is a statement about the
 supports alone: no frequency has to be called small, and a body on soft springs is a supported one.
 """
 
@@ -66,7 +66,7 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -
 
     `own` are the motions of the rings' own dofs, (own, modes). Translations are exact on every mesh, rotations are
     interpolated: on a mesh too coarse for a thin wall a body does not turn as a whole before it bends, and a warning
-    says so.
+    states it.
     """
     motions = free_motions(shell, grid)
     expected: int = min(motions.shape[2], fields.shape[2])

@@ -61,7 +61,7 @@ class Shell(ShellParts):
     ModelError
         Springs that a pattern makes negative (`springs-negative`); strips that overlap or leave the shell
         (`strip-overlap`, `strip-outside`), or end where a given mesh has no element line (`strip-off-line`);
-        stiffeners that stand at no place of their own (`stiffener-place`) or on no such line (`stiffener-off-line`).
+        stiffeners that are at no place of their own (`stiffener-place`) or on no such line (`stiffener-off-line`).
 
     Examples
     --------

@@ -87,7 +87,7 @@ def solve_static(shell: Shell, loads: Sequence[Load], *, system: System | None =
     Raises
     ------
     ModelError
-        load-none without loads; static-loose if a rigid motion is not held.
+        load-none without loads; static-loose if a rigid motion is not restrained.
 
     Examples
     --------

@@ -31,7 +31,7 @@ class System:
     free
         Numbers of the free dofs among 5 * nodes and those that rings bring after them.
     frames
-        Motions of each node by its dofs, as columns, (nodes, 5, 5): turned at nodes held in an edge's frame; where the
+        Motions of each node by its dofs, as columns, (nodes, 5, 5): turned at nodes fixed in an edge's frame; where the
         wall's mass is off the mid-surface rotations take displacements with them (`nodal_mass.diagonal_frames`).
     change
         What makes M diagonal where rings or masses couple it: the free dofs are change @ those of the stiffness

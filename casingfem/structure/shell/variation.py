@@ -29,12 +29,12 @@ PERIODIC, RESOLVED = 1e-3, 0.02  # of the largest harmonic: what breaks a period
 
 
 def outer_supports(shell: ShellParts) -> dict[str, object]:
-    """Edge -> what holds it from outside, a ring's own support under a ring."""
+    """Edge -> its support from outside, a ring's own support under a ring."""
     return {edge: outer_support(support) for edge, support in shell.supports.items()}
 
 
 def field_samples(defect: Field) -> int:
-    """Points around that show a field whole: four a wave of its highest harmonic, where it says which."""
+    """Points around that show a field whole: four a wave of its highest harmonic, if the field states it."""
     return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
 
 
@@ -78,7 +78,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     forbids to split stays whole (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves,
     harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
     where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
-    the shear layer of an edge that nothing holds (free, on springs, bolts or a ring), about 2 t wide, takes a row of
+    the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide, takes a row of
     its own; the rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an
     element line at each of their ends or places, and each stretch between them is divided on its own; where there are
     many, the order falls. Lengths are those of the surface in metres, whatever the chart's parameters are; where its
@@ -189,7 +189,7 @@ def spurious_split(bolts: Bolts, mesh: ShellMesh, ratio: float, n_max: int = 12)
     splits = [0.0]
     for n in range(1, n_max + 1):
         own = np.round(order) == n
-        if 2 * n % bolts.count and own.sum() == 2:  # else the mesh does not carry these waves
+        if 2 * n % bolts.count and own.sum() == 2:  # else the mesh does not resolve these waves
             pair = np.argsort(-(shapes[own] ** 2).sum(axis=0), kind="stable")[:2]
             splits.append(0.5 * float(np.ptp(lam[pair]) / lam[pair].mean()))
     return max(splits)

@@ -2,7 +2,7 @@
 A defect fixes where the antinodes are
 ======================================
 
-The modes of a perfect casing may stand at any angle. A defect holds them: turn the defect, and they turn with it.
+The modes of a perfect casing may be at any angle. A defect holds them: turn the defect, and they turn with it.
 """
 
 import matplotlib.pyplot as plt

@@ -3,7 +3,7 @@ Stray points of a survey
 ========================
 
 A few wrong points bend every harmonic. A plain fit keeps them and warns; a robust one sets aside what contradicts all
-other points, and says so.
+other points, and is marked so.
 """
 
 import warnings

@@ -3,7 +3,7 @@ A hammer test on the virtual rig
 ================================
 
 The rig makes what a test would measure: here forces of a hammer and what two accelerometers see, in blocks, from rest.
-All of it is SYNTHETIC, and says so.
+All of it is SYNTHETIC, and states it.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 Which bolt is loose?
 ====================
 
-A loose bolt shifts and splits pairs. The fewest changes that explain a table are sought, and what the data cannot tell
+A loose bolt shifts and splits pairs. The fewest changes that explain a table are sought, and what it does not determine
 apart is named. The table is SYNTHETIC.
 """
 

@@ -1,8 +1,8 @@
 """
-What the data cannot tell apart
-===============================
+Parameters that the data cannot separate
+========================================
 
-Frequencies know E/ρ, not E and ρ. Asked for both, an update says so: their correlation is 1, and the direction in which
+Frequencies determine E/ρ, not E and ρ. An update of both shows it: their correlation is 1, and the direction in which
 nothing changes is named. The table is SYNTHETIC.
 """
 

@@ -1,4 +1,4 @@
-"""What stands on the virtual test bench: a casing and a blade whose models the updater does not have. SYNTHETIC.
+"""What is on the virtual test bench: a casing and a blade whose models the updater does not have. SYNTHETIC.
 
 The casing is that of data/studies/rig_test.toml with its true radius put in place of the survey's fit: harmonics up to
 32, each with a trend along the axis. The blade is thicker at its root than at its tip, of another steel, and its root

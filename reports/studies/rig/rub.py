@@ -122,7 +122,7 @@ def planned(rim: ct.RotatingRim, plan: RubPlan) -> ct.Scene:
     """A rub over the time of the plan; beyond the limits of linear theory it is flagged and goes on."""
     return ct.Scene(
         what=rim, law=ct.Coulomb(mu=plan.friction), scheme=ct.ExactModal(), t_end=plan.t_end, dt=plan.dt,
-        on_limit="flag",  # its levels are wanted, also where the rim passes half its wall: the page says so
+        on_limit="flag",  # its levels are wanted, also where the rim passes half its wall: the page states it
     )  # fmt: skip
 
 

@@ -82,7 +82,7 @@ def leading(casing: ct.ModalBody, blade: ct.ModalBody, plan: RubPlan, blade_hz: 
 def band_of_n(casing: ct.ModalBody, blade: ct.ModalBody, plan: RubPlan, coincidence: float) -> tuple[float, float]:
     """Blade frequencies [Hz] between which n leads the motion that grows: the band in which it grows fastest.
 
-    It is looked for within 6 % of the free coincidence f_b = f_c - n f. Raises ValueError where there is none.
+    It is searched for within 6 % of the free coincidence f_b = f_c - n f. Raises ValueError where there is none.
     """
     mean = perfect_mean(casing)
     looks = coincidence * np.linspace(1.0 - REACH, 1.0 + REACH, STEPS)

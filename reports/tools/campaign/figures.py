@@ -1,9 +1,9 @@
 """Figures that pages quote: kept in docs/figures.csv as a run printed them, found again in the pages, renewed there.
 
 A page marks where it quotes a run by a comment, which no reader sees: `<!-- verification.cylinder: 0.005 -->` behind a
-row of a table or within a paragraph says that the figures of that row of the store stand in this line of the table, or
+row of a table or within a paragraph says that the figures of that row of the store are in this line of the table, or
 in this paragraph, in that order; `<!-- verification.rubs.bladed_disk: 2 @ off [%] -->` names some of them. A figure
-stands there if a number of the page equals it at the precision printed, or bounds it, as `< 1e-12` does.
+is there if a number of the page equals it at the precision printed, or bounds it, as `< 1e-12` does.
 `reports.tools.campaign` writes store and pages.
 """
 
@@ -30,7 +30,7 @@ Store = dict[str, Figures]  # report -> its figures
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number of a page, `below` if it stands there as a bound."""
+    """A number of a page, `below` if it is there as a bound."""
 
     start: int
     text: str

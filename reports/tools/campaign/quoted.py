@@ -1,6 +1,6 @@
 """Which cells of the tables that reports write are quoted by README and docs, and in which unit.
 
-A row's name is what stands in its `keys`; a figure's is its column, with "%" where a relative value is quoted in per
+A row's name is what is in its `keys`; a figure's is its column, with "%" where a relative value is quoted in per
 cent. A report that changes its columns must be changed here: the campaign fails otherwise.
 """
 

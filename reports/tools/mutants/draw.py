@@ -48,7 +48,7 @@ def mutant(file: str, text: str, site: Site, new: str) -> Mutant | None:
 
 
 def does(source: str) -> object:
-    """What a source compiles to, wherever it stands."""
+    """What a source compiles to, wherever it is."""
 
     def whole(code: types.CodeType) -> tuple[object, ...]:
         constants = [whole(c) if isinstance(c, types.CodeType) else (type(c), repr(c)) for c in code.co_consts]

@@ -17,7 +17,7 @@ from reports.tools.mutants.reach import Reach, Unit
 
 @dataclass(frozen=True, slots=True)
 class Executed:
-    """The files of tests that run a function, by its file and its dotted name, and all files that were looked at."""
+    """The files of tests that run a function, by its file and its dotted name, and all files that were examined."""
 
     tests: Mapping[Unit, frozenset[str]]
     known: frozenset[str]

@@ -87,7 +87,7 @@ def parse(root: Path, path: Path) -> Source:
     """Read one file."""
     file, text = path.relative_to(root).as_posix(), path.read_text("utf-8")
     tree = ast.parse(text)
-    # what a package passes on when it is asked stands in a stub beside it
+    # what a package passes on when it is asked is in a stub beside it
     stub = ast.parse(path.with_suffix(".pyi").read_text("utf-8")) if path.with_suffix(".pyi").exists() else None
     imports = imported(file, [tree, *([stub] if stub else [])])
     units: dict[str, list[ast.stmt]] = {}
@@ -155,7 +155,7 @@ def read_reach(root: Path, packages: Iterable[str], beside: Iterable[str]) -> Re
     paths = [path for path in paths if "out" not in path.relative_to(root).parts]  # results hold copies
     sources = {source.file: source for source in (parse(root, path) for path in paths)}
     modules = {file.removesuffix(".py").removesuffix("/__init__").replace("/", "."): file for file in sources}
-    # tests import what stands beside them by its bare name
+    # tests import what is beside them by its bare name
     modules |= {Path(file).stem: file for file in sources if file.startswith("tests/")}
     fixtures = next((file for file in sources if file.endswith("tests/conftest.py")), "")
 

@@ -3,7 +3,7 @@
 `python -m reports.tools.mutants --seed N --count 120 [--jobs J] [--only PATTERN] [--out DIR] [--record]`. Plots are
 left out. A rerun continues: each mutant's verdict is a file of its own, valid as long as packages, tests and data stay
 as they are. With --record all tests run once before, to see which functions they run; what was seen is kept and used
-later. mutants_survivors.csv has a column `note` for what would kill a mutant or why it is none; what stands there is
+later. mutants_survivors.csv has a column `note` for what would kill a mutant or why it is none; what is there is
 kept, and mutants whose note begins with "equivalent" are left out of the second share.
 """
 

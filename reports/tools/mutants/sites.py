@@ -1,6 +1,6 @@
 """Where small faults can be put into a Python source.
 
-A site is a piece of one line with texts that may stand there instead. Left alone: docstrings, messages, annotations,
+A site is a piece of one line with texts that may be there instead. Left alone: docstrings, messages, annotations,
 decorators, imports, what prints, `__repr__` and which fields it shows, what is never run: overloads and methods that a
 protocol asks for, numbers so small that they only keep a quotient or a logarithm finite, multiples of nan and inf, and
 whether a threshold of round-off lies below or above itself.
@@ -39,7 +39,7 @@ RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A piece of a line, numbered from 1, between two columns, and what may stand there instead."""
+    """A piece of a line, numbered from 1, between two columns, and what may be there instead."""
 
     line: int
     start: int
@@ -66,7 +66,7 @@ class Finder(ast.NodeVisitor):
         return len(self.rows[line - 1].encode()[:offset].decode())
 
     def replace(self, node: ast.expr | ast.stmt, *choices: str) -> None:
-        """A whole node that stands in one line; {} is its text."""
+        """A whole node that is in one line; {} is its text."""
         if node.lineno == node.end_lineno and node.end_col_offset is not None:
             start, end = self.column(node.lineno, node.col_offset), self.column(node.lineno, node.end_col_offset)
             text = self.rows[node.lineno - 1][start:end]
@@ -221,7 +221,7 @@ def is_empty(node: ast.stmt) -> bool:
 
 
 def is_text(node: ast.expr) -> bool:
-    """Whether a node is text as it stands."""
+    """Whether a node is text as it is."""
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 

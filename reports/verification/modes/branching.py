@@ -4,7 +4,7 @@
 lowest frequencies of each mesh, and the largest difference from the reference. The double-cell box (1.27 x 2.54 x 2.54
 m, walls of 12.7 mm, clamped at one end) is that of Fan and Luah, J. Sound Vib. 179, 1995, 763; its walls meet by twos
 and threes. The T is a plate of 0.4 x 0.3 m with a web 0.15 m high in its middle, clamped at one side; its bricks have a
-web that stands on the plate, which the shell's does not: the difference falls with the wall. --quick leaves out the
+web that is on the plate, which the shell's does not: the difference falls with the wall. --quick leaves out the
 fine meshes.
 """
 

@@ -2,7 +2,7 @@
 
 `python -m reports.verification.modes.steel_ring [--quick] [--out DIR]`. A frustum R .50 -> .45 m, height .25 m, 3 mm
 steel, on a ring of 40 x 40 mm whose middle line continues the cone. (a) strip: the chart goes on for 40 mm below the
-casing, 40 mm thick; (b) beam: an eccentric curved Timoshenko beam tied to the edge (`Ring`). Both stand on the same
+casing, 40 mm thick; (b) beam: an eccentric curved Timoshenko beam tied to the edge (`Ring`). Both are on the same
 springs at their foot.
 
 steel_ring.csv: the lowest frequency of each n, by one small problem for each n, on springs spread evenly; beside them

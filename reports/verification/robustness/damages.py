@@ -74,7 +74,7 @@ def other_array(array: np.ndarray, rng: Random) -> np.ndarray:
 
 
 def array_changed(data: bytes, rng: Random) -> bytes:
-    """One array of an npz is another, or is gone, or stands under another name."""
+    """One array of an npz is another, or is gone, or is under another name."""
     with np.load(BytesIO(data)) as stored:
         arrays = dict(stored)
     name = list(arrays)[int(rng.integers(len(arrays)))]

@@ -112,7 +112,7 @@ tip = 5e-3
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A scene and what is to become of it: "refused", "stopped" or "flagged"; `says` stands in the message."""
+    """A scene and what is to become of it: "refused", "stopped" or "flagged"; `says` is in the message."""
 
     name: str
     end: str
@@ -255,7 +255,7 @@ def judged(case: Case, folder: Path) -> Row:
                 "theory 1/s": None, "kept steps": None, "largest N": None}  # fmt: skip
     wrong = [] if found.exit_code == CODES[case.end] else [f"exit code {found.exit_code}, expected {CODES[case.end]}"]
     if case.says not in said:
-        wrong.append(f"does not say {case.says!r}")
+        wrong.append(f"does not contain {case.says!r}")
     if case.end in ("stopped", "flagged", "failed") and not wrong:
         kept = ct.Result.load(out / f"{case.command}.npz")
         ended = kept.divergence

@@ -4,7 +4,7 @@
 a folder that is not there and into one that holds another set, and gets kill -9 just before its first, second, ...
 opening, renaming or removal of a file there, up to the last; and where half of its first, second, ... text or picture
 is written. Commands that draw many pictures are killed at one in three or four of these moments. Then what lies there
-is looked at as it is, as a reader of the program gets it, after `casingfem recover`, and once more after the command
+is examined as it is, as a reader of the program gets it, after `casingfem recover`, and once more after the command
 has run again. Needs fork (Linux, macOS).
 """
 

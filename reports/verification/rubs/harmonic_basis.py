@@ -45,7 +45,7 @@ def harmonic_basis(
     zeta
         Damping ratio of every mode.
     residual
-        Whether S carries what is left out; without it the basis is too stiff.
+        Whether S has what is left out; without it the basis is too stiff.
 
     Raises
     ------

@@ -30,7 +30,7 @@ PAIRS = ((0.5, 0.55), (0.25, 0.55), (0.25, 0.5))
 
 
 class Run(NamedTuple):
-    """A run and the balances that only its stepper knows; `failed` says why it broke off."""
+    """A run and the balances that only its stepper knows; `failed` gives the reason it broke off."""
 
     stepper: BeamStepper | ImplicitBeamStepper
     result: ct.Result

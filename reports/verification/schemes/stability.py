@@ -3,7 +3,7 @@
 `python -m reports.verification.schemes.stability [--quick] [--out DIR]` prints and writes stability.csv. "refused": an
 error with numbers before the first step; "degraded": contact or scheme added more than 1 % of the run's largest energy,
 or the complementarity residual exceeds 1e-10 of the scene's length, which of the two and by how much (the printed
-result of such a run says so too); "NaN" must never be seen. Penalty runs keep a penetration, which is their law.
+result of such a run states it too); "NaN" must never be seen. Penalty runs keep a penetration, which is their law.
 """
 
 from __future__ import annotations

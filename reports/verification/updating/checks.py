@@ -1,4 +1,4 @@
-"""What an update stands on: exact derivatives, what a step costs, and what the measured blade says about its model.
+"""What an update is on: exact derivatives, what a step costs, and what the measured blade says about its model.
 
 `python -m reports.verification.updating.checks [--quick] [--out DIR]`. First table: derivatives of the frequencies of
 single modes, and of mean and split vector of doublets, against extrapolated differences of modes solved anew, relative

@@ -7,7 +7,7 @@ intervals of frequency, damping and orientation. It writes identification.csv an
 
 A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
 imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge). One
-found mode stands for both members if it is said to be an unresolved pair, or if it has no partner and the bound it
+found mode represents both members if it is said to be an unresolved pair, or if it has no partner and the bound it
 gives on a hidden split is above the true one. What is found beyond that is spurious: sure and
 doubtful modes are counted apart.
 """
@@ -28,7 +28,7 @@ from reports.verification.updating.identification_sets import SNR_DB, TestSet, m
 
 SEEDS = range(13101, 13121)
 FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
-RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be told apart
+RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be distinguished
 NORMAL = 1.96
 FAR = 1e6  # Hz: cost of a mode that is not the true one
 SHARE = 0.25  # of a mode's energy, of an n that may be its label
@@ -118,7 +118,7 @@ def set_row(found: Identified, judged: list[Judged], extra: list[int]) -> Row:
         "clear": len(clear),
         "clear found": len(met),
         "closer": len(judged) - len(clear),
-        "told apart": sum(mode.outcome == "found" for mode in judged) - len(met),
+        "distinguished": sum(mode.outcome == "found" for mode in judged) - len(met),
         "as one": sum(mode.outcome == "one of a pair" for mode in judged),
         "missed": sum(mode.outcome == "missed" for mode in judged),
         "spurious": len(extra),

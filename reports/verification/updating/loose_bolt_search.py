@@ -9,7 +9,7 @@ told to be off by 0.2 %.
 
 Half a turn of the casing changes no frequency and no orientation, so that a set of bolts and the opposite set are one
 answer. loose_bolts_found.csv: draws by noise; "truth fits better": the search stopped at bolts that explain less than
-the true ones do. loose_bolts_alike.csv: bolts that tables of fewer n cannot tell apart.
+the true ones do. loose_bolts_alike.csv: bolts that tables of fewer n cannot distinguish.
 masses_found.csv: one mass at any angle of the free rim. loose_bolts_reduced.csv: the reduced truth against full
 solutions.
 """
@@ -166,7 +166,7 @@ def draws_of(truth: Truth, noise: float, baseline: bool, draws: int) -> Row:
 
 
 def alike(truth: Truth) -> list[Row]:
-    """Which bolts tables of some n cannot tell apart, to first order."""
+    """Which bolts tables of some n cannot distinguish, to first order."""
     model, _ = search_model(casing(SEARCHED), tested(true_modes(truth, {}), 1e-4, np.random.default_rng(1)))
     whole = tested(model.modes(np.zeros(24), MODES), 1e-6, np.random.default_rng(1))
     rows: list[Row] = []
@@ -252,7 +252,7 @@ def main(out: Path, quick: bool = False, short: bool = False) -> list[Row]:
         write(out / "loose_bolts_found.csv", rows)
     show("Two bolts of 24 at 30 %", rows)
     groups = alike(truth)
-    show("Bolts that a table cannot tell apart", groups)
+    show("Bolts that a table cannot distinguish", groups)
     write(out / "loose_bolts_alike.csv", groups)
     if not quick:
         heavy = masses(8)

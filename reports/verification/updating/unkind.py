@@ -75,7 +75,7 @@ def rim(seed: int, sensors: int = SENSORS) -> Rig:
 def matched(gap: FloatArray, sure: BoolArray) -> dict[int, int]:
     """Which true mode (rows) each found one (columns) is, by gaps of which those below 1 may be; sure ones first.
 
-    What is said of a sure mode is said of the true one next to it, whatever a doubtful one beside it may be.
+    What is stated of a sure mode is stated of the true one next to it, whatever a doubtful one beside it may be.
     """
     match: dict[int, int] = {}
     for some in (np.flatnonzero(sure), np.flatnonzero(~sure)):

@@ -249,7 +249,7 @@ def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
 
 
 def test_a_sweep_of_which_nothing_is_done_ends_with_3(tmp_path):
-    """All runs refused: 3, how many, and why the first; some: 0, and a line that says so."""
+    """All runs refused: 3, how many, and why the first; some: 0, and a line that states it."""
     file = tmp_path / "rods.toml"
     scene = (SCENES / "two_rods.toml").read_text()
     file.write_text(scene + '[sweep]\n[[sweep.vary]]\nkey = "scheme.courant"\nvalues = [1.5, 2.0]\n')
@@ -299,7 +299,7 @@ def test_rigid_modes_are_shown_unless_elastic_ones_are_asked_for(study):
     assert "rigid" in invoke("modes", study).stdout
 
 
-# what is wrong, what stands in its place, and the words the message must have beside the file's name
+# what is wrong, what is in its place, and the words the message must have beside the file's name
 WAVES = "harmonics = [{p = 6, cos = 0.004}]"
 BROKEN = {
     "unknown key": ("nu = 0.3", "nu = 0.3\nmu = 0.1", "material.mu: found an unknown key"),

@@ -66,7 +66,7 @@ def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path
 
 
 @pytest.mark.slow
-def test_campbell_of_a_blade_that_stands_asks_for_a_speed(tmp_path):
+def test_campbell_of_a_blade_that_is_asks_for_a_speed(tmp_path):
     study = tmp_path / "blade.toml"
     text = (DATA / "studies" / "rotating_blade.toml").read_text(encoding="utf-8")
     study.write_text(text.replace("speed_hz = 100.0", "speed_hz = 0.0"), encoding="utf-8")
@@ -126,7 +126,7 @@ def test_a_run_that_diverges_writes_all_it_has_and_ends_with_3(tmp_path):
 
 
 @pytest.mark.slow
-def test_out_holds_pictures_and_the_forces(tmp_path):
+def test_out_keeps_pictures_and_the_forces(tmp_path):
     from reports.verification.robustness.diverging import RIM, at, bodies
 
     bodies(tmp_path)

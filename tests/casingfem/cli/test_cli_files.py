@@ -15,7 +15,7 @@ import casingfem as cf
         ({"column": "", "found": "1", "expected": "2"}, "a.csv, column '': found 1; expected 2"),
     ],
 )
-def test_an_error_says_only_what_is_known(given, text):
+def test_an_error_states_only_what_is_known(given, text):
     error = cf.errors.InputError("a.csv", **given)
     assert str(error) == text
     assert {name: getattr(error, name) for name in given} == given
@@ -25,7 +25,7 @@ def test_an_error_says_only_what_is_known(given, text):
     ("message", "code"),
     [("a [study-value]", "study-value"), ("a [no-such-code]", ""), ("[study-value] a", ""), ("a", "")],
 )
-def test_a_code_stands_at_the_end_and_in_the_catalogue(message, code):
+def test_a_code_is_at_the_end_and_in_the_catalogue(message, code):
     assert cf.errors.code_of(message) == code
     assert cf.errors.with_code("mesh-order", message) == (message if code else f"{message} [mesh-order]")
 

@@ -113,7 +113,7 @@ def test_a_hundred_strips_are_answered():
 
 
 @pytest.mark.parametrize("change", [{"E": 1e-300}, {"rho": 1e-300}, {"E": 1e300}])
-def test_materials_beyond_what_floats_can_carry(change):
+def test_materials_beyond_what_floats_can_have(change):
     with pytest.raises(cf.errors.InputError, match=r"must lie between 1e-25 and 1e25, found 1e.300"):
         cf.Material(**({"E": 2e11, "nu": 0.3, "rho": 7800.0} | change))
 
@@ -177,7 +177,7 @@ def test_runs_of_a_sweep_that_are_not_done_are_counted_on_stderr(tmp_path):
     assert len([line for line in (out / "sweep.csv").read_text().splitlines() if not line.startswith("#")]) == 10
 
 
-def test_a_run_in_which_nothing_touches_says_how_near_it_came(tmp_path):
+def test_a_run_in_which_nothing_touches_states_how_near_it_came(tmp_path):
     """Free flight away from the wall: the least gap is that of the start; towards it, that of the end."""
     file = tmp_path / "rods.toml"
     for velocity, least in (("1.0", 1e-2), ("-1.0", 1e-2 - 1e-4)):

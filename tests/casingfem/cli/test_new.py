@@ -30,7 +30,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_a_new_folder_is_whole_and_says_what_to_type(here):
+def test_a_new_folder_is_whole_and_states_what_to_type(here):
     document = json.loads(invoke("new", "mine", "--json").stdout)
     names = {"casing.toml", "blade.toml", "rub.toml", "survey.csv", "frequencies.csv"}
     assert {path.name for path in (here / "mine").iterdir()} == names

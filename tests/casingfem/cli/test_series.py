@@ -1,4 +1,4 @@
-"""A rub for ParaView: the whole casing moves as its rim does, and the tips stand where they press."""
+"""A rub for ParaView: the whole casing moves as its rim does, and the tips are where they press."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def written(folder):
 
 
 @pytest.mark.slow
-def test_the_tips_stand_on_the_rim_and_turn_against_the_casing(written):
+def test_the_tips_are_on_the_rim_and_turn_against_the_casing(written):
     out, result = written
     frames = steps_of(out / "tips.vtkhdf")
     places = np.array([frame.points[0] for frame in frames])

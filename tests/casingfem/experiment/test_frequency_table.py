@@ -41,7 +41,7 @@ def test_arrays_are_read_only_and_modes_counted_from_1():
     assert not any(getattr(found, name).flags.writeable for name in ("mode", "n", "freq_hz", "sigma_hz", "zeta"))
 
 
-def test_what_nobody_measured_says_so_once():
+def test_what_nobody_measured_states_so_once():
     assert not table([3.0]).synthetic
     assert not table([3.0], card=["rig", "SYNTHETIC"]).synthetic
     assert not table([3.0], card=["SYNTHETICS"]).synthetic
@@ -161,7 +161,7 @@ def test_all_problems_of_a_table_are_named_at_once_up_to_a_bound(tmp_path):
 
 
 @pytest.mark.parametrize(("name", "expected"), [("zeta", None), ("zeta [%]", 0.008), ("zeta [-]", 0.8)])
-def test_damping_ratios_that_look_like_per_cent_need_a_unit(name, expected, tmp_path):
+def test_damping_ratios_that_resemble_per_cent_need_a_unit(name, expected, tmp_path):
     (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,100,0.1,0.8\n2,120,0.1,0.7\n")
     if expected is None:
         with pytest.raises(

@@ -140,7 +140,7 @@ def test_bytes_that_are_not_utf8_name_their_line(tmp_path):
 
 
 @pytest.mark.parametrize("space", ["\u00a0", "\u1680", "\u2009", "\u3000"])
-def test_spaces_of_other_scripts_stand_in_a_card(tmp_path, space):
+def test_spaces_of_other_scripts_are_in_a_card(tmp_path, space):
     table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, card=[f"5{space}mm wall"])
     table.to_csv(tmp_path / "a.csv")
     assert cf.FrequencyTable.from_csv(tmp_path / "a.csv").card == table.card
@@ -216,7 +216,7 @@ def test_the_measured_blade_reads():
     assert any("AFFDL-TR-68-150" in line for line in table.card)
 
 
-def test_further_columns_are_kept_and_said_to_be_used_by_nobody(tmp_path):
+def test_further_columns_are_kept_and_stated_to_be_used_by_nobody(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text(HEAD.strip() + ",remark,n_share\n" + ROW.strip() + ',"loud, twice",0.9\n')
     with pytest.warns(
@@ -229,7 +229,7 @@ def test_further_columns_are_kept_and_said_to_be_used_by_nobody(tmp_path):
         assert cf.FrequencyTable.from_csv(tmp_path / "again.csv").extra == table.extra
 
 
-def test_a_default_sigma_stands_where_a_row_or_the_file_says_nothing(tmp_path):
+def test_a_default_sigma_is_where_a_row_or_the_file_states_nothing(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text("mode,freq_hz\n1,100.0\n2,200.0\n")
     assert cf.FrequencyTable.from_csv(path, sigma=1e-3).sigma_hz.tolist() == [0.1, 0.2]

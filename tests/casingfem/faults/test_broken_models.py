@@ -70,7 +70,7 @@ def test_explain_prints_one_code_and_corrects_a_misspelt_one(catalogue):
     assert "did you mean mesh-coarse" in wrong.stderr
 
 
-def test_a_refusal_keeps_the_doubts_that_came_before_it():
+def test_a_refusal_keeps_the_warnings_that_came_before_it():
     def make():
         cf.errors.warn("shell-thin", "a foil")
         raise cf.errors.ModelError("shell-thickness", "no wall")
@@ -154,7 +154,7 @@ SLOW = "wavy casing"
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name == SLOW else name for name in sound()]
 )
-def test_sound_models_meet_no_doubt(name):
+def test_sound_models_meet_no_uncertainty(name):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert np.all(cf.modes(sound()[name], 4).freq > 0.0)

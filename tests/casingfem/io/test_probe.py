@@ -105,7 +105,7 @@ def test_what_would_crash_the_parent_is_not_called_there(readers):
     ("reader", "said"),
     [("raises", "no K in handing"), ("objects", "K is no array of numbers"), ("aborts", "or crashed")],
 )
-def test_what_a_child_says_of_a_file(readers, reader, said):
+def test_what_a_child_states_of_a_file(readers, reader, said):
     with pytest.raises(probe.UnreadableError, match=said):
         probe.arrays_of(readers, "handing_readers", reader)
 
@@ -145,7 +145,7 @@ def test_what_a_reader_raises_is_written_too(call, said):
         probe.taken(stream)
 
 
-def test_a_reader_without_memory_says_nothing():
+def test_a_reader_without_memory_states_nothing():
     stream = io.BytesIO()
     assert probe.give(stream, raised(MemoryError()), Path("f.dat")) == 1
     assert stream.getvalue() == b""

@@ -152,7 +152,7 @@ def test_a_mass_that_is_not_diagonal():
     assert sturm_count(K, M, 0.5 * (exact[6] + exact[7])) == 7
 
 
-def test_entries_may_stand_in_any_order_and_in_parts():
+def test_entries_may_are_in_any_order_and_in_parts():
     """As matrices of other programs have them: each column backwards, each entry as two halves."""
     K, M = chain(40), consistent_mass(40)
     exact = solve_modes(K, M, 6, shift=-1e-6)
@@ -216,7 +216,7 @@ def test_singular_matrix_is_refused():
         factorise(csc_array(np.zeros((4, 4))))
 
 
-def test_superlu_says_where_it_cannot_factor_or_count():
+def test_superlu_states_where_it_cannot_factor_or_count():
     """[[0, 1], [1, 0]] has the eigenvalues 1 and -1, but no pivot on its diagonal."""
     with pytest.raises(cf.errors.NumericsError, match="singular: the structure is not supported"):
         factorise(csc_array(np.ones((3, 3))), "superlu")
@@ -227,7 +227,7 @@ def test_superlu_says_where_it_cannot_factor_or_count():
     assert factorise(csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])), "superlu").negative() == 1
 
 
-def test_a_stiffness_that_holds_nothing_is_called_loose():
+def test_a_stiffness_without_effect_is_called_loose():
     np.testing.assert_allclose(solve_held(chain(2), np.array([3.0, 0.0])), [2.0, 1.0])
     with pytest.raises(cf.errors.ModelError, match=r"found a singular stiffness.*static-loose"):
         solve_held(csc_array(np.zeros((2, 2))), np.ones(2))

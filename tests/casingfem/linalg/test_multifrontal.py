@@ -60,7 +60,7 @@ def test_complex_right_hand_sides_of_a_real_matrix():
     np.testing.assert_allclose(factorise(csc_array(dense)).solve(b), np.linalg.solve(dense, b), rtol=1e-9)
 
 
-def test_entries_may_stand_in_any_order_and_twice():
+def test_entries_may_are_in_any_order_and_twice():
     A = csc_array(random_matrix(300, 0.02, 3.0, seed=8))
     mixed = [np.concatenate([np.arange(a, b)[::-1], [a]]) for a, b in pairwise(A.indptr.tolist())]
     entries = np.concatenate(mixed)
@@ -165,7 +165,7 @@ def test_the_estimate_is_what_is_kept():
 
 
 @pytest.mark.parametrize("direct", ["multifrontal", "superlu"])
-def test_a_lack_of_memory_that_was_not_foreseen_is_told(monkeypatch, direct):
+def test_a_lack_of_memory_that_was_not_foreseen_is_reported(monkeypatch, direct):
     def greedy(*args, **options):
         raise MemoryError
 
@@ -182,7 +182,7 @@ def test_free_memory_is_some():
 @pytest.mark.parametrize(("A", "words"), [
     (np.zeros((3, 3)), "the matrix is singular: the structure is not supported"),
     (np.ones((2, 2)), "the matrix is singular: the structure is not supported"),
-    (np.diag([1.0, np.nan]), "the matrix holds values that are not finite"),
+    (np.diag([1.0, np.nan]), "the matrix contains values that are not finite"),
 ])  # fmt: skip
 def test_refuses_singular_matrices_and_what_is_no_number(A, words):
     with pytest.raises(cf.errors.NumericsError, match=words):
@@ -190,7 +190,7 @@ def test_refuses_singular_matrices_and_what_is_no_number(A, words):
 
 
 def test_what_fronts_cost_by_hand():
-    """Two children that pass on three unknowns each, their parent, and a front that stands alone."""
+    """Two children that pass on three unknowns each, their parent, and a front that is alone."""
     sizes, children = ((2, 3), (1, 3), (3, 0), (4, 0)), ((), (), (0, 1), ())
     own = [SimpleNamespace(size=s, rows=range(s[1]), children=c) for s, c in zip(sizes, children, strict=True)]
     fronts = Fronts((), np.arange(10), tuple(own))

@@ -88,7 +88,7 @@ def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypat
 
 
 @pytest.mark.slow
-def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
+def test_what_does_not_converge_is_reported_and_solved_by_shift_invert(steel, monkeypatch):
     monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None, None))
     system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
     with pytest.warns(cf.errors.ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):

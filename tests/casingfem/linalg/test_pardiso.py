@@ -108,7 +108,7 @@ def test_a_singular_matrix_is_refused(A, words):
 
 
 @pytest.mark.slow
-def test_its_own_errors_are_told_and_its_memory_is_given_back(monkeypatch):
+def test_its_own_errors_are_reported_and_its_memory_is_given_back(monkeypatch):
     stand_in(monkeypatch)
     with pytest.raises(cf.errors.NumericsError, match="Pardiso could not factorise the matrix: -4"):
         factorise(csc_array(np.diag([1.0, np.nan])), "pardiso")

@@ -33,7 +33,7 @@ def inside(values, low, high):
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**31), st.integers(20, 90), st.integers(1, 7), st.booleans())
 @pytest.mark.slow
-def test_a_band_holds_every_mode_and_no_other(seed, size, most, sparse_mass):
+def test_a_band_contains_every_mode_and_no_other(seed, size, most, sparse_mass):
     """Random spectra with clusters of up to seven equal values; ends now and then on a mode."""
     rng = np.random.default_rng(seed)
     base = np.cumsum(rng.uniform(0.01, 1.0, size))
@@ -69,7 +69,7 @@ def searches(monkeypatch):
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize("other", [0.0, 2.5])
 def test_an_end_beside_a_cluster_moves_past_all_of_it(monkeypatch, way, other):
-    """Nine equal values stand where round-off cannot tell them from the one on the end."""
+    """Nine equal values are where round-off cannot tell them from the one on the end."""
     calls = searches(monkeypatch)
     values = np.r_[np.arange(1.0, 30.0), np.full(9, 10.0 * (1 + way * 1.5e-7))]
     band = (other, 10.0) if way > 0 else (10.0, 22.3 - other)
@@ -105,7 +105,7 @@ def test_an_end_on_an_eigenvalue_moves_into_the_first_clear_gap(place, values, o
     assert counter.moved(settled, values, 1.0, slicing.CLEAR) == settled
 
 
-def test_eigenvalues_just_as_far_as_still_counts_stand_on_an_end():
+def test_eigenvalues_just_as_far_as_still_counts_are_on_an_end():
     """One a width above the end, one more a width above that, both to the bit."""
     width = 2.0**-19
     values = np.array([1.0, 2.0 + width, 2.0 + 2.0 * width, 3.0])
@@ -138,7 +138,7 @@ def test_slices_are_halved_by_frequency_and_join(monkeypatch):
 
 
 def test_a_mode_near_the_joint_of_two_slices_is_found_once(monkeypatch):
-    """One stands on the joint, the next so near that the joint moves to where both are within reach of it."""
+    """One is on the joint, the next so near that the joint moves to where both are within reach of it."""
     monkeypatch.setattr(slicing, "MANY", 8)
     joint = 10.0 * (1 + 2e-7)
     values = np.r_[np.arange(1.0, 10.0), joint, joint + 1.2e-6, np.arange(11.0, 50.0)]
@@ -157,7 +157,7 @@ def test_too_many_modes_of_a_band_are_refused_and_those_below_it_are_not_counted
 
 @pytest.mark.parametrize("off", [0.0, 1e-13])
 def test_a_shift_on_an_eigenvalue_is_put_elsewhere(off, monkeypatch):
-    """What stands in the middle of the band, to the last bit or nearly so, would drown the others."""
+    """What is in the middle of the band, to the last bit or nearly so, would drown the others."""
     calls = searches(monkeypatch)
     low, high = 3.5 * (1 - 1e-7), 9.25 * (1 + 1e-7)
     values = np.r_[np.arange(1.0, 40.0), (low + 0.5 * (high - low)) * (1 + off)]
@@ -196,7 +196,7 @@ def test_a_search_that_converges_from_nowhere_is_an_error(monkeypatch):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), (3.3, 8.3), shift=-0.01)
 
 
-def test_a_band_of_all_modes_holds_all():
+def test_a_band_of_all_modes_contains_all():
     values = np.arange(1.0, 21.0)
     found = solve_band(*with_spectrum(values), (0.5, 30.0), shift=-0.01)
     np.testing.assert_allclose(found.eigenvalues, values, rtol=1e-10)
@@ -218,7 +218,7 @@ def test_an_empty_band_is_empty():
     assert found.vectors.shape == (39, 0)
 
 
-def test_a_band_from_zero_holds_the_rigid_motions():
+def test_a_band_from_zero_contains_the_rigid_motions():
     values = np.r_[np.zeros(6), np.arange(1.0, 40.0)]
     found = solve_band(*with_spectrum(values), (0.0, 2.5), shift=-0.01)
     np.testing.assert_allclose(found.eigenvalues, [0, 0, 0, 0, 0, 0, 1, 2], atol=1e-12)
@@ -248,7 +248,7 @@ def test_a_mode_lost_in_a_slice_is_an_error(monkeypatch, low, said):
 
 
 @pytest.mark.slow
-def test_a_slice_with_a_mode_wherever_a_shift_may_stand_is_an_error():
+def test_a_slice_with_a_mode_wherever_a_shift_may_are_is_an_error():
     """With one place free the band is whole."""
     low, high = 10.0 * (1.0 - 1e-7), 20.0 * (1.0 + 1e-7)  # as an end moves to meet a mode on it
     taken = [low + place * (high - low) for place in slicing.PLACES]

@@ -156,7 +156,7 @@ def test_a_bolt_that_has_lost_less_than_a_tenth_is_as_it_comes(casing, model, le
 
 
 @pytest.mark.slow
-def test_the_misfit_falls_as_its_derivatives_say(noisy):
+def test_the_misfit_falls_as_its_derivatives_state(noisy):
     """From a casing that two bolts split and turn; the modes of the basis are all compared."""
     _, found = noisy
     misfit = replace(found.misfit, count=len(found.misfit.model.K))
@@ -182,7 +182,7 @@ def test_a_baseline_takes_manufacture_out(casing, model):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("edge", [None, "base"])
-def test_a_mass_is_looked_for_at_the_top_unless_told(steel, edge):
+def test_a_mass_is_searched_at_the_top_by_default(steel, edge):
     """A free cone 0.3 m wide at its base, 0.25 m at its top: what 20 g do at either edge differs."""
     mesh = cf.ShellMesh(order=5, rows=1, around=7)
     cone = cf.Shell(chart=cf.Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
@@ -343,7 +343,7 @@ def one_bolt(noisy):
 
 
 @pytest.mark.slow
-def test_loose_bolts_are_told_in_words_and_numbers(one_bolt):
+def test_loose_bolts_are_reported_in_words_and_numbers(one_bolt):
     bolts = [(k, 30.0 * k - 30.0, v, 0.0123) for k, v in ((3, 0.254), (9, 0.3))]
     found = localised(one_bolt, "bolts", ((bolts[0],), 0.0), ((bolts[1],), 2.345))
     assert repr(found).splitlines() == [
@@ -368,7 +368,7 @@ def test_loose_bolts_are_told_in_words_and_numbers(one_bolt):
     ("places", "free", "half"), [((5, 11), False, True), ((5, 11, 6), True, True), ((5, 9), True, False)]
 )
 @pytest.mark.slow
-def test_turns_of_any_size_and_half_turns_are_said_where_listed(one_bolt, places, free, half):
+def test_turns_of_any_size_and_half_turns_are_reported_where_listed(one_bolt, places, free, half):
     bolts = [(k, 30.0 * k - 30.0, 0.3, 0.01) for k in places]
     told = repr(localised(one_bolt, "bolts", *(((bolt,), 0.0) for bolt in bolts)))
     assert (f"{len(places)} explanations, and nothing in the table to choose: orientations of more" in told) == free
@@ -377,7 +377,7 @@ def test_turns_of_any_size_and_half_turns_are_said_where_listed(one_bolt, places
 
 @pytest.mark.parametrize(("scale", "badly"), [(4.9, False), (5.1, True)])
 @pytest.mark.slow
-def test_residuals_far_beyond_noise_are_said_to_be_explained_badly(one_bolt, scale, badly):
+def test_residuals_far_beyond_noise_are_reported_as_explained_badly(one_bolt, scale, badly):
     """Orientations turned by 17 deg named a wrong bolt, with residuals of 17 sigma in one line among others."""
     bolt = (6, 150.0, 0.34, 0.085)
     told = repr(localised(one_bolt, "bolts", ((bolt,), 0.0), scale=scale))
@@ -395,7 +395,7 @@ def test_residuals_far_beyond_noise_are_said_to_be_explained_badly(one_bolt, sca
     ],
 )
 @pytest.mark.slow
-def test_what_cannot_be_seen_is_said(one_bolt, among, smallest, line):
+def test_what_cannot_be_seen_is_reported(one_bolt, among, smallest, line):
     """A baseline 5 % off: no loose bolt found, "seen from 3.1 of a bolt's stiffness", more than it has."""
     assert line in repr(localised(one_bolt, among, ((), 0.0), smallest=np.array(smallest))).splitlines()[-1]
 
@@ -409,7 +409,7 @@ def test_twelve_rows_that_pair_with_nothing_are_named(one_bolt, count, more):
 
 
 @pytest.mark.slow
-def test_masses_are_told_in_grams_with_their_angles(one_bolt):
+def test_masses_are_reported_in_grams_with_their_angles(one_bolt):
     masses = [(k, a, m, 3.4e-5, 0.123) for k, a, m in ((3, 20.004, 0.02), (7, 111.0, 0.0123456))]
     assert repr(localised(one_bolt, "mass", (tuple(masses), 0.0), calibrated=True)).splitlines() == [
         "2 added masses found (with a baseline)",

@@ -104,10 +104,10 @@ def test_compliance_is_that_of_the_modes_and_of_the_rest():
     np.testing.assert_allclose(made.freq, made.omega / 2 / np.pi, rtol=1e-15)
 
 
-def test_repr_tells_modes_band_and_the_share_of_S():
+def test_repr_shows_modes_band_and_the_share_of_S():
     made = basis()
     share = 100 * np.trace(made.S) / np.trace(made.compliance)
-    assert repr(made) == f"ModalBasis(rim, 3 modes 15.9-39.9 Hz, 2 channels, S carries {share:.1f} % of the " + (
+    assert repr(made) == f"ModalBasis(rim, 3 modes 15.9-39.9 Hz, 2 channels, S has {share:.1f} % of the " + (
         "static compliance)"
     )
     empty = basis(omega=np.zeros(0), zeta=np.zeros(0), rows=np.zeros((2, 0)))
@@ -121,8 +121,8 @@ def test_repr_tells_modes_band_and_the_share_of_S():
         ({"zeta": np.zeros(2)}, r"zeta must have shape \(3,\), found \(2,\)"),
         ({"rows": np.zeros((3, 2))}, r"rows must have shape \(2, 3\)"),
         ({"S": np.zeros((2, 3))}, r"S must have shape \(2, 2\)"),
-        ({"omega": np.array([1.0, np.nan, 2.0])}, "omega holds values that are not finite"),
-        ({"S": np.full((2, 2), np.inf)}, "S holds values that are not finite"),
+        ({"omega": np.array([1.0, np.nan, 2.0])}, "omega contains values that are not finite"),
+        ({"S": np.full((2, 2), np.inf)}, "S contains values that are not finite"),
         ({"kind": "ring"}, "kind must be"),
     ],
 )
@@ -162,7 +162,7 @@ def test_refuses_provenance_that_is_not_json(tmp_path):
         cf.ModalBasis.load(path)
 
 
-def test_refuses_files_that_hold_no_basis(tmp_path):
+def test_refuses_files_that_keep_no_basis(tmp_path):
     path = basis().save(tmp_path / "casing.npz")
     with np.load(path) as file:
         data = dict(file)

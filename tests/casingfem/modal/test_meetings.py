@@ -21,7 +21,7 @@ def test_engine_orders_are_met_linearly_between_speeds():
     np.testing.assert_allclose(DATA.speed_hz, [0.0, 20.0, 60.0], rtol=1e-14)
 
 
-def test_a_diagram_is_told_as_plain_data_and_as_a_table():
+def test_a_diagram_is_reported_as_plain_data_and_as_a_table():
     told = json.loads(json.dumps(DATA.to_json(orders=5)))
     assert told["crossings"] == [
         {"order": 3, "mode": 1, "speed_hz": pytest.approx(105.0 / 2.25)},
@@ -89,7 +89,7 @@ def test_meetings_of_one_pair_have_all_three_conditions():
 
 
 @pytest.mark.parametrize(("high", "said"), [(24.9, True), (25.1, False)])
-def test_a_sum_out_of_reach_is_told_by_the_pair_that_comes_nearest(high, said):
+def test_a_sum_out_of_reach_is_reported_by_the_pair_that_comes_nearest(high, said):
     """n f of 100 Hz for n = 4; n = 2 of 60 Hz is farther."""
     text = repr(cf.interactions({4: [100.0], 2: [60.0]}, [20.0], speed_hz=(0.0, high)))
     assert (f"n f = {4 * high:.4g} Hz < f_c = 100 Hz" in text) == said

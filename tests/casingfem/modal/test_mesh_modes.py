@@ -21,7 +21,7 @@ def found(steel):
 
 
 def test_ring_has_doublets_with_pure_labels_in_the_order_of_the_shell(found, steel):
-    """The chart shell says which n, within the 3.3 % that a thick wall and a coarse mesh cost."""
+    """The chart shell gives this n, within the 3.3 % that a thick wall and a coarse mesh cost."""
     shell = cf.Shell(
         chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
         thickness=0.05,
@@ -89,7 +89,7 @@ def test_parts_that_hinge_are_doubted(steel):
 
 
 @pytest.mark.parametrize(("wanted", "count"), [((), 40), ((2,), 2)])
-def test_forty_modes_are_computed_if_nothing_is_said(steel, wanted, count):
+def test_forty_modes_are_computed_if_nothing_is_stated(steel, wanted, count):
     skin = cf.imported.grid_mesh(
         "quad9", (3, 2), lambda u: np.insert(u * [0.3, 0.1], 2, 0.0, axis=1), groups={"root": (0, 0.0)}
     )

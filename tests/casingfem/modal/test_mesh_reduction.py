@@ -240,7 +240,7 @@ OPEN = cf.imported.grid_mesh(
 BAD = {
     "no node": (solid, cf.modal.AtNodes((1, 99999)), "node 99999 that no cell has"),
     "twice": (solid, cf.modal.AtNodes((1, 1)), "each once"),
-    "held": (solid, cf.modal.AtNodes((1,)), "node 1 is held"),
+    "held": (solid, cf.modal.AtNodes((1,)), "node 1 is fixed"),
     "corner": (cornered, cf.Tip("corner"), "grid: interface 'corner': .*mesh-group-no-facets"),
     "no pieces": (
         solid,
@@ -251,7 +251,7 @@ BAD = {
     "100 pieces": (solid, cf.TipNodes("tip", 100), "piece 0 of 100 on 'tip' has no facet"),
     "group": (solid, cf.Tip("tpi"), "no group 'tpi' .did you mean 'tip'"),
     "pieces": (lambda: strip((2, 1)), cf.TipNodes("tip", 60), "has no facet"),
-    "held edge": (solid, cf.Tip("root"), "'root' is held"),
+    "held edge": (solid, cf.Tip("root"), "'root' is fixed"),
     "harmonics": (ring, cf.Rim("top", 40), "between 1 and 16 on 'top', found 40"),
     "lines": (ring, cf.Rim("top", 3, lines=(0.1,)), "lines: found 0.1 m on an imported mesh"),
     "gaps": (
@@ -308,7 +308,7 @@ def test_outputs_of_the_wrong_kind_of_structure_are_refused_in_words():
         lambda x: cf.reduce(x, cf.Tip("tip")),
     ],
 )
-def test_what_is_no_structure_is_told_what_it_lacks(call):
+def test_what_is_no_structure_is_reported_what_it_lacks(call):
     with pytest.raises(cf.errors.ModelError, match="found Material, which has no mesh, supports, density, assembled"):
         call(STEEL)
 
@@ -321,7 +321,7 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
         ("locate", lambda x: cf.locate(x, TABLE)),
     ],
 )
-def test_what_needs_a_chart_says_so(name, call):
+def test_what_needs_a_chart_states_so(name, call):
     with pytest.raises(cf.errors.ModelError, match=f"{name}: found Solid, which has no chart: .*structure-chart"):
         call(solid())
 

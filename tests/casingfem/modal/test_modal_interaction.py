@@ -35,7 +35,7 @@ def test_waves_change_sides_with_what_turns():
     assert "f_c + f_b = n f is not met" in repr(casing)
 
 
-def test_the_table_says_when_the_sum_is_out_of_reach():
+def test_the_table_states_when_the_sum_is_out_of_reach():
     text = repr(cf.interactions({10: [426.0], 8: [371.0]}, [380.0], speed_hz=(0.0, 5.0)))
     assert "n f = 50 Hz < f_c = 426 Hz, and so for every n here: f_c + f_b = n f cannot be met" in text
     assert "f_b = f_c - n f" in text

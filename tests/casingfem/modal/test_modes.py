@@ -92,7 +92,7 @@ def test_a_thickness_field_splits_by_the_same_rule(frustum):
 
 
 @pytest.mark.slow
-def test_members_of_a_split_pair_stand_a_quarter_wave_apart(split_modes):
+def test_members_of_a_split_pair_are_a_quarter_wave_apart(split_modes):
     for low, high in split_modes.doublets:
         n = split_modes.nodal_diameters[low]
         if np.isfinite(split_modes.angle_deg[low]):
@@ -101,7 +101,7 @@ def test_members_of_a_split_pair_stand_a_quarter_wave_apart(split_modes):
 
 
 @pytest.mark.slow
-def test_a_perfect_pair_has_no_orientation_and_stands_as_cosine_and_sine(perfect_modes):
+def test_a_perfect_pair_has_no_orientation_and_is_as_cosine_and_sine(perfect_modes):
     assert np.all(np.isnan(perfect_modes.angle_deg))
     grid = perfect_modes.grid
     at_zero = np.flatnonzero((grid.nodes[1] == 0.0) & (grid.nodes[0] == 0.25))[0]
@@ -245,7 +245,7 @@ def test_cantilever_strip_bends_as_a_beam_does(steel):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["shell", "fourier"])
-def test_a_count_that_cuts_a_doublet_gives_as_many_modes_and_says_so(frustum, coarse, method):
+def test_a_count_that_cuts_a_doublet_gives_as_many_modes_and_states_so(frustum, coarse, method):
     whole, cut = (cf.modes(frustum(mesh=coarse), count, method=method) for count in (8, 7))
     assert (len(whole), len(cut)) == (8, 7)
     assert (whole.sturm_count, cut.sturm_count) == (8, 8)
@@ -367,7 +367,7 @@ def test_the_valley_behind_a_hump_is_as_in_the_whole_shell(steel):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["shell", "fourier"])
-def test_a_band_holds_the_modes_of_the_count_and_no_other(frustum, coarse, method):
+def test_a_band_contains_the_modes_of_the_count_and_no_other(frustum, coarse, method):
     shell = frustum(mesh=coarse)
     freq = cf.modes(shell, 16, method=method).freq
     found = cf.modes(shell, band=(freq[2] * (1 + 1e-12), freq[9]), method=method)  # both ends on doublets
@@ -442,7 +442,7 @@ def test_pairs_that_the_mesh_itself_splits_are_doubted(frustum):
 
 @pytest.mark.slow
 def test_modes_of_a_thin_soft_ring_are_not_missed_by_the_harmonics(frustum):
-    """The floor of each harmonic, below which no mode is looked for, counts the weakest part: here the ring."""
+    """The floor of each harmonic, below which no mode is searched for, counts the weakest part: here the ring."""
     soft = cf.Material(E=2e9, nu=0.3, rho=8000.0)
     free = cf.Ring(section=cf.edge.Section.rectangle(width=0.004, depth=0.03), material=soft)
     mesh = cf.ShellMesh(order=8, rows=1, around=11)

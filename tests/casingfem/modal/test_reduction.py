@@ -106,9 +106,9 @@ def test_diaphragm_edges_are_reduced_in_their_own_frame(frustum):
 
 
 @pytest.mark.parametrize("support", [cf.Clamped(), cf.ShearDiaphragm()], ids=["clamped", "diaphragm"])
-def test_a_held_rim_cannot_be_pushed(frustum, support):
+def test_a_fixed_rim_cannot_be_pushed(frustum, support):
     tube = frustum(chart=cf.Cylinder(radius=0.5, height=0.3), supports={"base": cf.Clamped(), "top": support})
-    with pytest.raises(ValueError, match="'top' is held, nothing can be pushed there"):
+    with pytest.raises(ValueError, match="'top' is fixed, nothing can be pushed there"):
         cf.reduce(replace(tube, mesh=cf.ShellMesh(order=4, rows=1, around=7)), cf.Rim("top", n_max=3), modes=4)
 
 
@@ -126,7 +126,7 @@ def test_round_trip_and_provenance(casing, tmp_path):
 
 
 @pytest.mark.slow
-def test_provenance_tells_two_structures_apart(casing, frustum):
+def test_provenance_shows_two_structures_apart(casing, frustum):
     other = cf.reduce(frustum(mesh=casing.grid.mesh), RIM, modes=2)
     assert other.provenance["matrices"] != cf.reduce(casing.shell, RIM, modes=2).provenance["matrices"]
 

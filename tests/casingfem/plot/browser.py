@@ -137,7 +137,7 @@ def browser(folder: Path, *, webgl: bool = True) -> Iterator[Tab]:
     to_read, to_write = os.pipe()
     back_read, back_write = os.pipe()
 
-    def third_and_fourth() -> None:  # the browser's own places for them, whatever stands there here
+    def third_and_fourth() -> None:  # the browser's own places for them, whatever is there here
         ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (to_read, back_write)]
         os.dup2(ends[0], 3)
         os.dup2(ends[1], 4)

@@ -136,7 +136,7 @@ def test_a_value_shows_under_the_pointer(tab, width, surveyed):
     assert tab.heard == []
 
 
-def test_on_paper_stand_the_still_pictures(tab):
+def test_on_paper_are_the_still_pictures(tab):
     tab.open(tab.file, 1200)
     tab.send("Emulation.setEmulatedMedia", media="print")
     shown = "getComputedStyle(document.querySelector('%s')).display"
@@ -179,6 +179,6 @@ def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
 
 
 def press(tab: Tab, live: str, words: str) -> None:
-    """Press a button of a moving picture by what stands on it."""
+    """Press a button of a moving picture by what is on it."""
     buttons = f"[...document.querySelectorAll('[data-live={live}] button')]"
     tab.run(f"{buttons}.find((button) => button.textContent === '{words}').click()")

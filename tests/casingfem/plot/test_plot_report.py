@@ -110,7 +110,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
 
 
 @pytest.mark.slow
-def test_the_page_is_well_formed_and_stands_alone(page):
+def test_the_page_is_well_formed_and_is_alone(page):
     assert page.open == []
     outside = [link for link in page.links if not link.startswith(("data:image/", "#"))]
     assert outside == []
@@ -168,7 +168,7 @@ def test_a_table_cell_cannot_break_out_of_the_page():
 
 
 @pytest.mark.slow
-def test_the_verdict_stands_above_all_and_the_source_is_named(page):
+def test_the_verdict_is_above_all_and_the_source_is_named(page):
     at = [page.text.index(words) for words in ("Found", "How sure", "Next", "sha256", "Inputs")]
     assert at == sorted(at)
     assert "RMS frequency error" in page.text[at[0] : at[1]]
@@ -186,7 +186,7 @@ def test_numbers_have_digits_that_mean_something(page):
 
 
 @pytest.mark.slow
-def test_values_stand_where_they_are_drawn():
+def test_values_are_where_they_are_drawn():
     """The marker's colour is in the picture where the page says that its value is; a value outside is not told."""
     figure = new_figure(4.0, 3.0)
     axes = figure.add_subplot()
@@ -261,7 +261,7 @@ def test_json_has_no_nan():
     }  # fmt: skip
 
 
-def test_a_notebook_is_told_how_a_figure_looks(monkeypatch):
+def test_a_notebook_shows_a_figure_in_its_own_style(monkeypatch):
     """It shows the figures of pyplot, of itself; a stand-in for IPython, whose formatter keeps types with functions."""
     known = {}
     formatter = SimpleNamespace(type_printers=known, for_type=known.__setitem__)

@@ -36,7 +36,7 @@ def free():
 
 
 @pytest.mark.slow
-def test_a_travelling_wave_stands_in_the_full_spectrum_at_its_diameters_and_sign_alone(free):
+def test_a_travelling_wave_is_in_the_full_spectrum_at_its_diameters_and_sign_alone(free):
     """q = (cos wt, sin wt) runs towards +theta; with a positive speed the blades run towards -theta on the casing."""
     motion = rim_motion(*free)
     freq, amplitude = full_spectrum(motion)
@@ -102,7 +102,7 @@ def test_a_band_spans_the_lowest_and_highest_value_and_the_closeup_shows_each():
     assert np.array_equal(closeup.lines[0].get_ydata(), values[inside])
 
 
-def test_marks_of_a_spectrum_stand_at_their_frequencies_and_names_keep_apart():
+def test_marks_of_a_spectrum_are_at_their_frequencies_and_names_keep_apart():
     time = 1e-3 * np.arange(4000)
     marks = [Mark(40.0, "8", "f_c"), Mark(40.4, "7", "f_c"), Mark(60.0, "f_b", "f_b"), Mark(499.0, "2", "f_c")]
     values = np.sin(2.0 * np.pi * 50.0 * time)
@@ -144,7 +144,7 @@ STATES = {
 
 
 @pytest.mark.parametrize("name", STATES)
-def test_the_first_sentence_says_whether_the_speed_is_safe(name):
+def test_the_first_sentence_states_whether_the_speed_is_safe(name):
     given, state, words = STATES[name]
     verdict = scene_verdict(ran_sample(**given))
     assert (verdict.state, verdict.found[: len(words)]) == (state, words)

@@ -17,7 +17,7 @@ height = 0.25
 THIN = f"""{FRUSTUM}[shell]
 thickness = 3.0e-3
 """
-# short and thick: few nodal diameters, so a coarse mesh carries all that is asked of it
+# short and thick: few nodal diameters, so a coarse mesh resolves all that is asked of it
 THICK = f"""{FRUSTUM}[shell]
 thickness = 20e-3
 [[imperfection]]

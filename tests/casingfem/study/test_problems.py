@@ -117,7 +117,7 @@ def test_a_shell_on_no_support_is_doubted_and_a_ring_of_rods_is_taken(tmp_path):
     ]
 
 
-def test_an_imported_part_is_held_and_seen_as_its_tables_say(tmp_path):
+def test_an_imported_part_is_fixed_and_seen_as_its_tables_state(tmp_path):
     file, write = WRITERS["Gmsh 2.2, text"]
     ends = {"root": (0, 0.0), "tip": (0, 1.0)}
     write(cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u, groups=ends), tmp_path / file)

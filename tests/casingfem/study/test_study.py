@@ -258,7 +258,7 @@ def inline(value):
     return json.dumps(value) if isinstance(value, bool | str) else str(value)
 
 
-def test_whatever_stands_at_a_key_the_study_loads_or_says_what_is_wrong(tmp_path):
+def test_whatever_is_at_a_key_the_study_loads_or_states_what_is_wrong(tmp_path):
     (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,8,370,1\n")
     spring = 'kind = "elastic"\nk_face = 1e13\naround = [{p = 4, cos = 0.3}]'
     whole = FRUSTUM.replace('kind = "clamped"', spring) + UPDATE + "sigma = 1e9\n"

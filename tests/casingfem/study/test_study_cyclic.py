@@ -91,7 +91,7 @@ COUNTED, BAND = "[modes]\ncount = 2\n", "[modes]\nband_hz = [1395.0, 1469.5]\n"
 TURNING = '[rotation]\nspeed_hz = 100.0\naxis = "z"\n'
 
 
-def test_a_band_of_a_tuned_wheel_at_rest_holds_the_modes_of_its_diameters_within(write, disk):
+def test_a_band_of_a_tuned_wheel_at_rest_contains_the_modes_of_its_diameters_within(write, disk):
     answer = run("modes", write(MISTUNED + COUNTED, f"nodal_diameters = [0, 1]\n{BAND}"), "--json")
     assert answer.exit_code == 0, answer.output
     freq = np.array([row["freq_hz"] for row in cf.modal.cyclic_modes(disk, 2, diameters=[0, 1]).records()])

@@ -81,7 +81,7 @@ def made(path):
 
 
 @pytest.mark.slow
-def test_exact_responses_carry_the_truth(study):
+def test_exact_responses_have_the_truth(study):
     test = made(study(CASING + EXACT))
     assert len(test.frfs) == 24
     assert test.frfs.card[0].startswith("SYNTHETIC")
@@ -127,7 +127,7 @@ def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
 
 
 @pytest.mark.slow
-def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_path):
+def test_the_command_writes_everything_and_all_of_it_states_synthetic(study, tmp_path):
     out = tmp_path / "out"
     path = study(CASING + BURST + "keep_records = true\n" + SCAN)
     result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(out)])
@@ -158,7 +158,7 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
 
 
 @pytest.mark.slow
-def test_troubles_are_made_and_their_truth_is_told(study, tmp_path):
+def test_troubles_are_made_and_their_truth_is_reported(study, tmp_path):
     path = study(CASING + EXACT + "[rig.test.troubles]\nsetups = 3\nshift = 0.002\ndead = 2\nhalf_rim = true\n")
     result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output

@@ -39,7 +39,7 @@ def test_an_axis_by_name_and_place(tmp_path):
     assert placed.shell.rotation == on_hub.shell.rotation
 
 
-def test_a_casing_turns_about_z_and_a_dome_stands_on_a_plane_of_symmetry(tmp_path):
+def test_a_casing_turns_about_z_and_a_dome_is_on_a_plane_of_symmetry(tmp_path):
     shell = loaded(tmp_path, domed(0.0, 60.0)).shell
     assert shell.rotation.axis == (0.0, 0.0, 1.0)
     assert shell.supports["base"] == cf.edge.Symmetry()

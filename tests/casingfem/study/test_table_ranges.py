@@ -1,4 +1,4 @@
-"""Keys of study.toml: the last value that is taken and the first that is not; what stands for keys left out."""
+"""Keys of study.toml: the last value that is taken and the first that is not; what represents keys left out."""
 
 import pytest
 from pydantic import ValidationError
@@ -237,7 +237,7 @@ LEFT_OUT = {
 
 
 @pytest.mark.parametrize("table", LEFT_OUT, ids=lambda table: table.__name__)
-def test_a_key_that_is_left_out_has_what_the_manual_says(table):
+def test_a_key_that_is_left_out_has_what_the_manual_states(table):
     whole = table.model_validate(LEAST[table])
     assert {key: getattr(whole, key) for key in type(whole).model_fields if key not in whole.model_fields_set} == (
         LEFT_OUT[table]

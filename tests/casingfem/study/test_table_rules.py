@@ -131,7 +131,7 @@ def test_these_keys_do_not_go_together(table, keys, words):
         ),
     ],
 )
-def test_an_output_is_what_its_keys_say(keys, output):
+def test_an_output_is_what_its_keys_state(keys, output):
     assert OutputTable(name="a", **keys).output() == output
 
 

@@ -52,7 +52,7 @@ def test_tight_bolts_get_another_stiffness_and_loose_ones_keep_theirs():
     assert alone == {"k": 3e8}
 
 
-def test_what_holds_an_edge_under_a_ring_is_the_rings_own_support():
+def test_what_keeps_an_edge_under_a_ring_is_the_rings_own_support():
     own = {"kind": "bolts"}
     tables = {"support": {"base": {"kind": "ring", "support": own}, "top": {"kind": "elastic"}}}
     assert holding(tables, "base") is own
@@ -80,7 +80,7 @@ def test_a_pattern_of_the_only_spring_or_of_all_stays_one_list(support, spring):
     assert waves == []
 
 
-def test_a_change_of_a_harmonic_adds_to_where_it_stands():
+def test_a_change_of_a_harmonic_adds_to_where_it_is():
     first = {"of": "radius", "harmonics": [{"p": 2, "cos": 0.1}]}
     second = {"of": "radius", "harmonics": [{"p": 3, "cos": 0.2}]}
     imperfections = [{"of": "radius", "survey": "a.csv"}, first, {"of": "thickness", "harmonics": [{"p": 5}]}, second]
@@ -172,7 +172,7 @@ def test_even_takes_the_variation_of_each_support_and_nothing_else():
     ("value", "own"),
     [({}, True), ({"p": 1}, True), ([{"k": 1}], True), ([{"p": 1}], False), ([], False), ([1.0], False), ("p", False)],
 )
-def test_tables_stand_under_their_names_but_waves_within_a_line(value, own):
+def test_tables_are_under_their_names_but_waves_within_a_line(value, own):
     assert nested(value) is own
 
 
@@ -190,12 +190,12 @@ def test_toml_writes_every_table_where_it_belongs():
 
 
 @pytest.mark.parametrize(("key", "text"), [("k-z_1", "k-z_1"), ("a b", '"a b"'), ("é", '"\\u00e9"'), ("-_", '"-_"')])
-def test_a_key_stands_bare_where_toml_allows_it(key, text):
+def test_a_key_is_bare_where_toml_allows_it(key, text):
     assert bare(key) == text
     assert tomllib.loads(f"{bare(key)} = 1") == {key: 1}
 
 
-def test_values_stand_as_toml_writes_them():
+def test_values_are_as_toml_writes_them():
     values = [True, "é", 1, 0.1, [1, "a"], {"p": 2, "a b": [False]}]
     assert [literal(value) for value in values] == [
         "true", '"é"', "1", "0.1", '[1, "a"]', '{p = 2, "a b" = [false]}'

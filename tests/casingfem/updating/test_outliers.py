@@ -64,7 +64,7 @@ def test_sigma_grows_with_a_misfit_and_a_misfit_too_small_is_called_so():
 
 @pytest.mark.campaign
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
-def test_a_wrong_row_that_stands_for_another_mode_nearby_is_named():
+def test_a_wrong_row_that_represents_another_mode_nearby_is_named():
     """Row 3, n = 7, 2.6 % high lies beside the pair n = 8: paired anew it contradicts nobody, as it was fitted all."""
     draw = wrong_rows.drawn(measured(wrong_rows.ROWS, wrong_rows.MESH), 42, 1)
     assert (draw.wrong, draw.found, draw.alarms) == (1, 1, 0)

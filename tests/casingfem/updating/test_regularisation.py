@@ -1,4 +1,4 @@
-"""How strongly parameters are held: who is, where an L-curve turns, which weight noise allows."""
+"""How strongly parameters are regularised: which ones, where an L-curve turns, which weight noise allows."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_a_regularised_update_is_stationary_at_the_weight_that_its_rule_chooses(
     else:
         t, x, y = np.log(curve.T)
         dx, dy = np.gradient(x, t), np.gradient(y, t)
-        still = np.maximum((dx**2 + dy**2) ** 1.5, 1e-12)  # where the curve stands still it does not turn
+        still = np.maximum((dx**2 + dy**2) ** 1.5, 1e-12)  # where the curve does not change it does not turn
         bend = (dx * np.gradient(dy, t) - dy * np.gradient(dx, t)) / still
         chosen = curve[2 + bend[2:-2].argmax(), 0]
     assert abs(np.log(chosen / w)) < 0.2

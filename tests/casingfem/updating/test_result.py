@@ -36,7 +36,7 @@ def test_a_fit_has_arrived_where_it_converged_within_two_sigma(fit, rms, stopped
     assert replace(fit, values=rms * np.array([1.0, -1.0] * 3), stopped=stopped).arrived is arrived
 
 
-def test_parameters_that_correlate_beyond_95_per_cent_are_told(fit):
+def test_parameters_that_correlate_beyond_95_per_cent_are_reported(fit):
     for r, told in ((0.951, True), (-0.951, True), (0.949, False)):
         C = np.array([[4.0, 2.0 * 3.0 * r], [2.0 * 3.0 * r, 9.0]])
         found = replace(fit, covariance=C)
@@ -47,7 +47,7 @@ def test_parameters_that_correlate_beyond_95_per_cent_are_told(fit):
     np.testing.assert_array_equal(blind.correlation, [[1.0, 0.0], [0.0, 0.0]])
 
 
-def test_rows_that_are_lost_or_unpaired_are_told_by_their_numbers(fit):
+def test_rows_that_are_lost_or_unpaired_are_reported_by_their_numbers(fit):
     assert replace(fit, lost=(2, 4)).to_json()["lost"] == [3, 5]
     assert "because mode 3, 5 of the table could not be followed" in repr(replace(fit, lost=(2, 4)))
     assert replace(fit, pairing=replace(fit.pairing, unpaired_rows=(0, 3))).unpaired == (1, 4)

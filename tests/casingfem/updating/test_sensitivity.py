@@ -92,7 +92,7 @@ def apart(found):
     return np.array([k for pair, s in zip(found.doublets, found.splits, strict=True) if s > 1e-3 for k in pair])
 
 
-def test_scaling_laws_hold_to_round_off(casing, frustum):
+def test_scaling_laws_keep_to_round_off(casing, frustum):
     """omega^2 goes with E (clamped), with 1/rho, and is untouched by E and rho together."""
     found = cf.modes(frustum(mesh=casing.mesh, radius_defect=casing.radius_defect), 6)
     G = cf.updating.eigen_derivatives(found, [parameter("material.E"), parameter("material.rho")])
@@ -137,7 +137,7 @@ def test_open_panels_have_derivatives_too(steel, support):
 
 
 @pytest.mark.slow
-def test_edges_held_in_their_own_frame(frustum, coarse):
+def test_edges_fixed_in_their_own_frame(frustum, coarse):
     shell = frustum(supports={"base": cf.ShearDiaphragm(), "top": cf.Clamped()}, mesh=coarse)
     found = cf.modes(shell, 4, method="shell")
     exact = np.diag(cf.updating.eigen_derivatives(found, [parameter("shell.thickness")])[0])
@@ -149,7 +149,7 @@ def test_edges_held_in_their_own_frame(frustum, coarse):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["chart.r_top", "radius.p8.cos", "chart.angle", "radius.p12.cos"])
-def test_held_directions_turn_with_the_surface(frustum, steel, name):
+def test_fixed_directions_turn_with_the_surface(frustum, steel, name):
     """A diaphragm on a cone, and a panel whose corners lie on a diaphragm and on clamped or symmetric edges."""
     waves = cf.FourierField.of({8: (0.004, 0.001), 12: 0.003})
     coarse = cf.ShellMesh(order=5, rows=1, around=9)

@@ -69,7 +69,7 @@ def test_a_circle_of_sensors_measures_radially_on_its_edge():
             cf.updating.SensorShapes.on_edge(shell, edge, THETA, np.ones((3, 1)), 0.2)
 
 
-def test_measured_shapes_need_a_noise_and_tell_what_is_unused(frustum):
+def test_measured_shapes_need_a_noise_and_show_what_is_unused(frustum):
     points = np.array([[np.cos(t), np.sin(t), 0.0] for t in THETA]) * 0.46 + [0.0, 0.0, 0.1]
     table = cf.FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], sigma_hz=0.1)
 

@@ -1,4 +1,4 @@
-"""What is said about an update: identifiability, regularisation, left-out rows, posteriors, the model's own error."""
+"""What is stated about an update: identifiability, regularisation, left-out rows, posteriors, the model's own error."""
 
 import json
 from dataclasses import replace
@@ -45,7 +45,7 @@ def many_harmonics(values):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", ["discrepancy", pytest.param("l-curve", marks=pytest.mark.campaign)])
-def test_many_harmonics_are_held_as_strongly_as_the_data_ask(rule):
+def test_many_harmonics_are_fixed_as_strongly_as_the_data_ask(rule):
     random = np.random.default_rng(23)
     true = 0.01 * random.standard_normal(8)
     found = cf.modes(many_harmonics(true), 16)
@@ -76,7 +76,7 @@ def test_regularising_nothing_is_refused():
 
 
 @pytest.mark.slow
-def test_left_out_rows_are_predicted_as_well_as_their_sigma_says(fit):
+def test_left_out_rows_are_predicted_as_well_as_their_sigma_states(fit):
     left = cf.updating.leave_one_out(fit)
     assert [row.mode for row in left.rows] == list(range(1, 9))
     assert 0.3 < left.rms_sigma < 2.0
@@ -113,7 +113,7 @@ def test_rows_that_the_parameters_cannot_do_without_are_not_left_out(rows, names
 
 
 @pytest.mark.slow
-def test_a_prior_stands_in_for_a_row_left_out():
+def test_a_prior_replaces_a_row_left_out():
     free = [vary("material.E")[0], *vary("shell.thickness", sigma=1e-4)]
     left = cf.updating.leave_one_out(cf.update(blade(), table(rows=2), free, outliers="keep"))
     assert [row.mode for row in left.rows] == [1, 2]
@@ -190,7 +190,7 @@ def test_a_saturated_fit_names_its_bound():
 
 
 @pytest.mark.slow
-def test_a_fit_at_its_upper_bound_says_so_and_that_its_worst_row_is_too_low():
+def test_a_fit_at_its_upper_bound_states_so_and_that_its_worst_row_is_too_low():
     """E of 196 instead of 200 GPa leaves every frequency below what was measured."""
     stuck = [cf.Parameter(name="material.E", lower=150e9, upper=196e9)]
     fit = cf.update(blade(195e9), table(rows=4), stuck, outliers="keep")
@@ -231,7 +231,7 @@ def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms():
 
 
 @pytest.mark.slow
-def test_the_sigma_of_a_prediction_holds_the_row_and_what_the_others_leave_of_the_parameter():
+def test_the_sigma_of_a_prediction_keeps_the_row_and_what_the_others_leave_of_the_parameter():
     """f^2 is as E: with E alone each other row knows ln E to twice its relative sigma."""
     rows, sigma = 4, np.array([1e-3, 2e-3, 3e-3, 4e-3])
     f = cf.modes(blade(200e9), rows).freq

@@ -1,4 +1,4 @@
-"""Updating: twins with and without noise, bounds, priors, what the data cannot tell, refusals."""
+"""Updating: twins with and without noise, bounds, priors, what the data do not determine, refusals."""
 
 import json
 
@@ -161,7 +161,7 @@ def test_an_open_shell_updates_by_order(frustum):
 
 
 @pytest.mark.campaign
-def test_covariance_tells_the_scatter_of_many_fits():
+def test_covariance_shows_the_scatter_of_many_fits():
     """Thirty draws: 60 deviations with unit variance. Those of doublets are in the twin's report."""
     f, random = cf.modes(blade(200e9, 3.02e-3), 6).freq, np.random.default_rng(401)
     vary = [
@@ -179,7 +179,7 @@ def test_covariance_tells_the_scatter_of_many_fits():
 
 
 @pytest.mark.slow
-def test_a_bound_in_the_way_is_met_and_told():
+def test_a_bound_in_the_way_is_met_and_reported():
     fit = cf.update(blade(), blade_table(), [cf.Parameter(name="material.E", lower=204e9, upper=250e9)])
     assert fit.value[0] == pytest.approx(204e9, rel=1e-6)
     assert fit.at_bound == (True,)
@@ -225,7 +225,7 @@ def test_parameters_that_do_the_same_are_named():
 
 
 @pytest.mark.slow
-def test_result_tells_before_after_and_how(exact_fit):
+def test_result_shows_before_after_and_how(exact_fit):
     fit, seen = exact_fit
     assert [k for k, _ in seen] == list(range(1, len(fit.history) + 1))
     assert tuple(rms for _, rms in seen) == fit.history

@@ -110,7 +110,7 @@ def test_an_orbit_is_found_from_chaos():
 def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch):
     """A rigid stop: the branch without contact ends where the mass grazes it, and another begins with touches.
 
-    Stopped on that one, it is not looked for again.
+    Stopped on that one, it is not searched for again.
     """
     said = []
     family = mass_on_stop().over("freq_hz", freq_hz=0.15)

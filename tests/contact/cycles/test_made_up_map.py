@@ -43,7 +43,7 @@ def test_an_orbit_of_two_periods_and_its_state_elsewhere_in_the_period(family):
     assert twice.multipliers == pytest.approx(found.multipliers**2)
 
 
-def test_an_unstable_orbit_says_so(family):
+def test_an_unstable_orbit_states_so(family):
     found = ct.cycles.orbit(family, 0.2, guess=np.array([-1.0, -1.0]))
     assert found.x == pytest.approx([fixed(0.2, -1.0)] * 2, rel=1e-12)
     assert not found.stable

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 HZ = 1.3 / (2.0 * math.pi)
 
 
-def test_the_orbit_is_the_same_whatever_the_looks():
+def test_the_orbit_is_the_same_whatever_the_number_of_evaluations():
     driven = rod(4.0)
     found = [ct.cycles.orbit(driven.over("freq_hz", freq_hz=10e3, looks=looks), 10e3) for looks in (300, 1200, 4800)]
     for other in found[1:]:
@@ -104,7 +104,7 @@ def test_bad_input_names_its_field(given, words):
         replace(mass_on_stop(100.0), **given)
 
 
-def test_contacts_that_cannot_be_told_apart_are_refused():
+def test_contacts_that_cannot_be_distinguished_are_refused():
     body = ct.ModalBody(omega=[1.0], zeta=[0.02], channels=("a", "b"), rows=[[-1.0], [-1.0]], S=np.zeros((2, 2)))
     patch = ct.Patch(body=body, normal=("a", "b"), clearance=0.1)
     with pytest.raises(ct.InputError, match="not independent"):
@@ -121,7 +121,7 @@ def test_an_undamped_mode_at_resonance_has_no_orbit():
 
 
 @pytest.mark.parametrize("looks", [9, 12])
-def test_the_least_gap_between_two_looks_is_found(looks):
+def test_the_least_gap_between_two_evaluations_is_found(looks):
     """Free motion before stops that it does not reach: gaps and amplitudes are those of many looks."""
     driven = replace(random_body(1, 2), amplitude=0.01)
     fine, coarse = (ct.cycles.orbit(driven.over("freq_hz", freq_hz=HZ, looks=n), HZ, settle=5) for n in (4096, looks))

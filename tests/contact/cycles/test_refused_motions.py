@@ -54,7 +54,7 @@ def test_a_start_inside_a_rigid_contact_is_refused():
 
 
 @pytest.mark.parametrize("stiffness", [0.0, -1.0, math.nan])
-def test_a_coating_that_holds_nothing_is_refused(stiffness):
+def test_a_coating_without_effect_is_refused(stiffness):
     rim = ct.RotatingRim(ring(), blade(), clearance=1e-5, speed_hz=5.0)
     assert ct.cycles.RimFamily(rim=rim, stiffness=1e-300).stiffness == 1e-300
     with pytest.raises(ct.InputError, match=rf"stiffness: found {stiffness} N/m, expected > 0 \(inf: no coating\)"):

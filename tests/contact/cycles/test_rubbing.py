@@ -118,7 +118,7 @@ def test_two_blades_in_a_coating_are_what_a_run_settles_on():
 
 
 def test_a_fixed_offset_is_a_wave_of_one_lobe():
-    """An offset in the casing passes once a turn; one that stands still before the blades only moves the gap."""
+    """An offset in the casing passes once a turn; one that does not change before the blades only moves the gap."""
     waves = [{"p": 1, "cos": 3e-6, "sin": -4e-6}]
     offset = ct.gaps.Whirl(amplitude=5e-6, phase_deg=math.degrees(math.atan2(-4e-6, 3e-6)))
     none = ct.gaps.RimProfile()

@@ -76,7 +76,7 @@ def test_what_a_killed_process_left_is_cleared_and_nothing_else(tmp_path):
 
 
 def full(path):
-    """A writer whose disk is full: the library says so without a name."""
+    """A writer whose disk is full: the library states it without a name."""
     path.write_text("half")
     raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -93,7 +93,7 @@ def test_a_full_disk_names_the_file_and_leaves_nothing(tmp_path, there):
         assert found(tmp_path) == ({f"out/{name}": text for name, text in OLD.items()} if there else {})
 
 
-def test_what_cannot_hold_a_set_is_refused_before_anything_is_written(tmp_path):
+def test_what_cannot_keep_a_set_is_refused_before_anything_is_written(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "nowhere")
     (tmp_path / "file").write_text("x")
     (tmp_path / "out" / "a.csv").mkdir(parents=True)

@@ -152,7 +152,7 @@ def test_without_its_staging_folder_a_set_cannot_be_recovered(stopped):
     assert found(stopped) == before
 
 
-def test_the_command_says_what_it_did(stopped):
+def test_the_command_states_what_it_did(stopped):
     (stopped / ".new").mkdir()
     (stopped / ".new" / "a.csv").write_text("of another version, or of the user")
     result = CliRunner().invoke(main, ["recover", str(stopped), "--json"])
@@ -307,7 +307,7 @@ def test_without_hard_links_or_locks_sets_are_written_too(tmp_path, monkeypatch)
     assert found(tmp_path / "out") == (AFTER, set())
 
 
-def test_names_that_no_text_can_hold(tmp_path):
+def test_names_that_no_text_can_store(tmp_path):
     odd = ["line\nend.csv", "quote'\".csv", "\udcff.csv", "x" * 250 + ".csv", ".hidden", "-f"]
     folder = tmp_path / "out dir\n"
     for text in ("old", "new"):

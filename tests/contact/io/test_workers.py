@@ -34,7 +34,7 @@ if __name__ == "__main__":
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every worker is a fresh process")
 @pytest.mark.parametrize(("words", "expected"), [([], ["True", "by the parent"]), (["thread"], ["False", ""])])
-def test_workers_have_what_their_parent_loaded_unless_a_thread_could_hold_a_lock(tmp_path, words, expected):
+def test_workers_have_what_their_parent_loaded_unless_a_thread_could_keep_a_lock(tmp_path, words, expected):
     script = tmp_path / "script.py"
     script.write_text(textwrap.dedent(SCRIPT))
     done = subprocess.run([sys.executable, script, *words], capture_output=True, text=True, timeout=120, check=True)

@@ -62,7 +62,7 @@ print("compiled" if sum(outer.stats.cache_misses.values()) else "read", *found)
 
 
 class Copy:
-    """A copy of the package with one loop of its own, whose callee stands in another file."""
+    """A copy of the package with one loop of its own, whose callee is in another file."""
 
     def __init__(self, root: Path) -> None:
         self.root, self.home = root, root / "home"

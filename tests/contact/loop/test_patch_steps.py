@@ -42,7 +42,7 @@ def obeys(force, motion, mu):
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("soft", [False, True])
-def test_contacts_of_a_body_obey_the_law_and_take_from_it_what_the_ledger_says(soft, mu):
+def test_contacts_of_a_body_obey_the_law_and_take_from_it_what_the_ledger_states(soft, mu):
     with plain() as module:
         ct, record = module("contact"), module("contact.record.record")
         problem = patch(ct, soft=soft, friction=mu > 0.0)

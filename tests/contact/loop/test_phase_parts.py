@@ -68,7 +68,7 @@ def test_what_is_watched_and_its_slope_are_those_of_the_closed_form(row):
     np.testing.assert_allclose(y, parts(moved(0.8)), atol=1e-14)
 
 
-def test_roots_and_turns_are_where_a_dense_look_finds_them():
+def test_roots_and_turns_are_where_a_dense_appear_finds_them():
     p, y, taus, seen = phase([0.2, 0.0]), parts(START), np.linspace(0.0, 4.0, 4001), set()
     for row in (0, 1):
         values = value(row, 0.4, taus, [0.2, 0.0])
@@ -99,7 +99,7 @@ def begin(p, y=START):
     return w
 
 
-def test_the_start_counts_and_tells_a_contact_that_is_past_its_event():
+def test_the_start_counts_and_shows_a_contact_that_is_past_its_event():
     p = phase()
     w = begin(p)
     slopes = [N.watched_at(p, parts(START), row, 0.4, 0.0)[1] for row in (0, 1)]
@@ -123,7 +123,7 @@ def test_the_start_counts_and_tells_a_contact_that_is_past_its_event():
 
 
 @pytest.mark.parametrize("longest", [0.02, 0.11, 0.4])
-def test_a_phase_without_events_ends_where_it_is_told_with_its_extremes(longest):
+def test_a_phase_without_events_ends_where_it_is_reported_with_its_extremes(longest):
     p, t, end = phase([5.0, 5.0]), 0.4, 3.3
     w = begin(p)
     assert N.pass_phase(p, w, 2, t, end, longest) == -1
@@ -172,7 +172,7 @@ def test_an_extreme_that_nobody_asks_for_stays():
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-5])
 @pytest.mark.parametrize("longest", [0.1, 0.25])
-def test_a_dip_below_zero_between_two_looks_is_an_event(depth, longest):
+def test_a_dip_below_zero_between_two_evaluations_is_an_event(depth, longest):
     t = 0.4
     taus = np.linspace(0.05, 4.0, 4001)
     values = value(0, t, taus)

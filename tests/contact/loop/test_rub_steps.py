@@ -156,7 +156,7 @@ def test_tips_obey_the_law_where_they_are_and_their_ledger_is_that_of_the_modes(
     assert sums.residual.max() <= 1e-13
 
 
-def test_a_step_without_a_solution_is_told(monkeypatch):
+def test_a_step_without_a_solution_is_reported(monkeypatch):
     with plain() as module:
         ct, record = module("contact"), module("contact.record.record")
         loop, scheme = module("contact.loop.rub.rub"), ct.ExactModal(law="forward")

@@ -27,7 +27,7 @@ def compliance(body):
 
 
 @pytest.mark.parametrize("modes", [1, 5, 40])
-def test_a_held_rod_has_its_frequencies_and_its_static_compliance(modes):
+def test_a_fixed_rod_has_its_frequencies_and_its_static_compliance(modes):
     M, K, dofs, points = rod(40, {41})
     body = ct.ModalBody.from_matrices(M, K, dofs=dofs, points=points, contact=[1, 21], modes=modes)
     k = np.arange(1, 6)[:modes]
@@ -55,7 +55,7 @@ def test_a_free_rod_keeps_its_rigid_mode_and_the_compliance_of_the_others():
     np.testing.assert_allclose(body.participation[0] ** 2, [0.78, *np.zeros(5)], atol=1e-9)
 
 
-def test_masses_that_nothing_holds_may_outnumber_those_that_something_does():
+def test_masses_without_support_may_outnumber_those_that_something_does():
     three = {"dofs": [(k, "x") for k in (1, 2, 3)], "contact": [1, 3]}
     body = ct.ModalBody.from_matrices(np.eye(3), np.diag([0.0, 0.0, 4.0]), **three)
     assert body.omega.tolist() == pytest.approx([0.0, 0.0, 2.0], rel=1e-9)
@@ -267,7 +267,7 @@ def test_channels_of_ones_own():
     assert compliance(body).item() == pytest.approx(0.25 * G[:2, :2].sum(), rel=1e-9)
 
 
-def test_a_missing_half_shows_beside_a_support_held_by_a_large_penalty():
+def test_a_missing_half_shows_beside_a_support_fixed_by_a_large_penalty():
     """The penalty 1e20 is no measure for the springs of the other dofs."""
     M, K, dofs, _ = rod(6, set())
     held = K.toarray()

@@ -90,7 +90,7 @@ def test_mass_centre_and_inertia_of_point_masses():
     assert (facts.gyroscopic, facts.cross) == (False, False)
 
 
-def test_the_lines_that_are_told_of_matrices():
+def test_the_lines_that_are_reported_of_matrices():
     _, facts = ct.bodies.body_of(point_masses(), [1])
     changed = replace(
         facts, massless=2, rigid=1, skew=(1e-7, 2e-6), coupling=0.25, gyroscopic=True, cross=True, rigid_motion="",

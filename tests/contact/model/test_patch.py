@@ -31,7 +31,7 @@ def run(patch, mu, t_end, dt, **more):
 @pytest.mark.parametrize(
     ("mu", "rest", "stops"), [(0.1, 0.0, 5.0), (0.07, -0.02, 7.0), (0.3, -0.2, 2.0), (1.2, 1.0, 0.0)]
 )
-def test_a_coulomb_oscillator_comes_to_rest_where_the_closed_form_says(mu, rest, stops):
+def test_a_coulomb_oscillator_comes_to_rest_where_the_closed_form_states(mu, rest, stops):
     """Each half swing is a cosine about +-mu, so that turning points fall by 2 mu, until one lies within mu of zero."""
     turning, swings = 1.0, 0
     while abs(turning) > mu * (1.0 + 1e-9):
@@ -56,7 +56,7 @@ def test_the_rest_position_converges_with_the_square_of_the_step():
     assert error(steps) > 100.0 * error(steps / 16.0)
 
 
-def test_a_belt_drags_a_block_to_the_friction_limit_and_holds_it_there():
+def test_a_belt_drags_a_block_to_the_friction_limit_and_keeps_it_there():
     patch = oscillator(displacement=[0.0, 0.0], slide=0.3, body=body([1.0, 0.0], np.eye(2), ("x", "y"), zeta=0.2))
     result = run(patch, 0.5, 80.0, 1e-2, record=ct.Record(state_every=1))
     assert result.state[-1, 0] == pytest.approx(0.5, rel=1e-3)
@@ -112,7 +112,7 @@ def table(contacts=16, modes=50, slide=(0.05, 0.02)):
     )  # fmt: skip
 
 
-def test_sticking_is_told_from_slipping_step_by_step(tmp_path):
+def test_sticking_is_distinguished_from_slipping_step_by_step(tmp_path):
     result = run(oscillator(), 0.3, 30.0, 1e-3, record=ct.Record(every=10))
     (pauses,) = result.sticking
     assert pauses[-1][0] == pytest.approx(2.0 * np.pi, abs=5e-3)  # two half swings, then rest at -.2 for good
@@ -155,7 +155,7 @@ def test_two_slip_directions_are_one_when_the_motion_is_straight():
     np.testing.assert_allclose(on_a_belt(0.02, body=block, **more), on_a_belt(0.02), atol=1e-9)
 
 
-def test_a_block_that_rests_at_its_first_turn_does_so_when_the_closed_form_says():
+def test_a_block_that_rests_at_its_first_turn_does_so_when_the_closed_form_states():
     def make(dt):
         ((pause,),) = run(oscillator(), 0.6, 4.0, dt).sticking
         return [pause[0]]

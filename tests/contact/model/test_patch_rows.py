@@ -6,7 +6,7 @@ import pytest
 import contact as ct
 
 
-def test_rows_and_compliance_of_a_patch_stand_contact_by_contact():
+def test_rows_and_compliance_of_a_patch_are_contact_by_contact():
     rng = np.random.default_rng(2)
     mixing = rng.standard_normal((5, 5))
     body = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.0] * 2, channels=("a", "b", "c", "d", "e"),

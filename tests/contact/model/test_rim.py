@@ -77,7 +77,7 @@ def test_energy_closes_with_rotation(imperfect, mu):
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.2])
-def test_intervals_hold_all_forces_and_end_within_a_step_of_them(mu):
+def test_intervals_keep_all_forces_and_end_within_a_step_of_them(mu):
     result = ct.run(rim(), law=law(mu), t_end=0.1, dt=1e-5)
     pressed, h = np.flatnonzero(result.force[:, 0] > 0.0), result.dt
     runs = np.split(result.time[pressed], np.flatnonzero(np.diff(pressed) > 1) + 1)

@@ -48,7 +48,7 @@ def test_rims_that_cannot_be_are_refused(change, words):
         rim(**change)
 
 
-def test_what_a_rim_is_where_nothing_is_said():
+def test_what_a_rim_is_where_nothing_is_stated():
     one = rim(clearance=0.045)
     assert (one.lean_deg, one.angle_deg, one.out_of_roundness) == (0.0, 0.0, ())
     assert (one.casing_velocity, one.blade_velocity) == (None, None)

@@ -88,7 +88,7 @@ def test_a_free_ring_has_rigid_motions_exactly():
     assert FREE.frequencies(1)[0] < 1e-3 * FREE.frequencies(2)[0]
 
 
-def test_twenty_waves_are_kept_where_nothing_is_said():
+def test_twenty_waves_are_kept_where_nothing_is_stated():
     assert ct.bodies.ring_modes(FREE).n_max == 20
     assert ct.bodies.ring_elements(FREE, 20).n_max == 20
     assert ct.bodies.ring_elements(FREE, 3, 3).omega.size == 12

@@ -80,7 +80,7 @@ def test_gravity_on_what_turns_is_a_steady_oscillation_of_the_exact_amplitude(tu
 
 
 @pytest.mark.slow
-def test_a_settled_rub_stays_where_gravity_holds_it():
+def test_a_settled_rub_stays_where_gravity_keeps_it():
     """Speed 0: q = P^T a/w^2 from the first step to the last; from zero it gets there by its damping."""
     still = rub([ct.gaps.BodyForce.gravity(turning="blades", axial=-3.0)], hz=0.0, angle=0.0, lean=0.0)
     exact = np.concatenate([
@@ -116,7 +116,7 @@ def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning)
         felt = felt * np.exp(-1j * axes)
         if on == "casing":
             return body.participation[:2].T @ [felt.real, felt.imag]
-        felt = felt * np.exp(-1j * np.radians(35.0 - 20.0))  # span stands there, flap a right angle on
+        felt = felt * np.exp(-1j * np.radians(35.0 - 20.0))  # span is there, flap a right angle on
         return body.participation[:2].T @ [felt.real, felt.imag]
 
     exact = answer(body, load, result.state_time)

@@ -47,7 +47,7 @@ QUICK = ("forward Lagrange", "linear body")  # the others compile other loops
 
 
 @pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in QUICK)) for kind in KINDS])
-def test_instants_and_channels_are_what_a_full_record_holds_there(kind):
+def test_instants_and_channels_are_what_a_full_record_keeps_there(kind):
     make = KINDS[kind]
     whole = make(record=ct.Record(state_every=1))
     stored = np.hstack([whole.state, whole.tip_force])

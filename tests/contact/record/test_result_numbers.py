@@ -70,7 +70,7 @@ def test_force_is_averaged_over_a_window_about_each_sample():
     np.testing.assert_allclose(MADE.windowed_force(0.001), FORCE, rtol=1e-9, atol=1e-15)  # never narrower than a step
 
 
-def test_records_columns_and_document_say_the_same():
+def test_records_columns_and_document_state_the_same():
     first, other = MADE.records()
     assert first == pytest.approx({
         "contact": 1, "closings": 2, "closed_s": 0.3, "impulse_N_s": 0.9, "peak_force_N": 6.0,
@@ -163,8 +163,8 @@ def test_the_table_of_forces_is_read_back_column_by_column(tmp_path):
     assert len(table.columns) == 7
 
 
-def test_a_run_that_diverged_says_when_and_how_fast_in_its_row_and_its_document():
-    """Growth is what the run had, theory's stands beside it; what is unknown is none."""
+def test_a_run_that_diverged_states_when_and_how_fast_in_its_row_and_its_document():
+    """Growth is what the run had, theory's is beside it; what is unknown is none."""
     end = Divergence(limit="wall", step=4, time=0.375, reached=3.0, allowed=2.0, growth=12.5, theory=99.0, words="far")
     far = replace(MADE.notes, flags=(Flag("far", "wall-deflection", failed=True),))
     grown = RunGrowth(

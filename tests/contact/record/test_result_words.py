@@ -19,7 +19,7 @@ CALM = ct.Result(
 )  # fmt: skip
 
 
-def test_a_calm_result_says_no_more_than_its_table():
+def test_a_calm_result_states_no_more_than_its_table():
     lines = repr(CALM).splitlines()
     assert len(lines) == 6
     assert lines[4] == "nothing touched: the least gap was 0.125 m, of contact 2, at 0.25 s"
@@ -44,7 +44,7 @@ def test_the_least_gap_and_columns_of_a_body():
         replace(CALM, channels=np.ones((2, 3))).state_of("casing")
 
 
-def test_what_is_stored_is_told_unless_it_is_every_step():
+def test_what_is_stored_is_reported_unless_it_is_every_step():
     assert "stored" not in repr(CALM)
     assert "stored: 3 samples, one of every 4 steps (at most 1,000,000 unless" in repr(replace(CALM, every=4))
     assert "stored: 3 samples, at the steps nearest to the instants; sums" in repr(replace(CALM, every=0))

@@ -15,7 +15,7 @@ OSCILLATOR = (SCENES / "coulomb_oscillator.toml").read_text()
 
 
 @pytest.mark.slow
-def test_the_shipped_oscillator_rests_where_and_when_the_closed_form_says():
+def test_the_shipped_oscillator_rests_where_and_when_the_closed_form_states():
     result = ct.run(ct.load_scene(SCENES / "coulomb_oscillator.toml"))
     x = result.state[:, 0]
     assert x[result.state_time > 5.0 * np.pi + 0.02] == pytest.approx(0.0, abs=1e-6)

@@ -137,7 +137,7 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["rim", "rub"])
-def test_side_that_turns_is_said_where_a_basis_has_matrices_of_rotation(kind, write, tmp_path):
+def test_side_that_turns_is_reported_where_a_basis_has_matrices_of_rotation(kind, write, tmp_path):
     """Left out: taken as the blades, with a warning; a casing that turns needs its own matrices."""
     skew = np.triu(np.ones((10, 10)), 1)
     casing = replace(rim3(), gyroscopic=skew - skew.T, stiffness_by_speed=np.eye(10))

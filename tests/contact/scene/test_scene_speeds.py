@@ -32,7 +32,7 @@ steps = 3
 """
 
 
-def test_a_pair_by_hand_is_looked_at_over_its_speeds(tmp_path):
+def test_a_pair_by_hand_is_checked_over_its_speeds(tmp_path):
     file = tmp_path / "pair.toml"
     file.write_text(PAIR)
     for load in (ct.scene.load_stability, ct.scene.load_interactions):
@@ -65,7 +65,7 @@ dt = 1e-5
 """
 
 
-def test_a_rim_is_looked_at_over_its_scan_or_up_to_twice_its_speed(tmp_path):
+def test_a_rim_is_checked_over_its_scan_or_up_to_twice_its_speed(tmp_path):
     ring().save(tmp_path / "casing.npz")
     blade().save(tmp_path / "blade.npz")
     file = tmp_path / "rim.toml"

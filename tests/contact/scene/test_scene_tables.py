@@ -41,7 +41,7 @@ TINY, UNDER = 1e-25, -1e-300
 BELOW_ONE, BELOW_90 = math.nextafter(1.0, 0.0), math.nextafter(90.0, 0.0)
 LINE = {"p": 2, "median": 1.0, "high": 2.0}
 
-# table, other keys, key, what may stand there, what may not
+# table, other keys, key, what may be there, what may not
 BOUNDS = [
     *((SectionOf, SECTION, key, [TINY], [0.0, -1.0]) for SectionOf in (BeamTable, CantileverTable) for key in SECTION),
     (BeamTable, SECTION, "elements", [1], [0]),
@@ -212,8 +212,8 @@ REFUSED = [
     (DriveTable, {"channel": "x", "freq_hz": 1.0, "from_n": 2.0, "to_n": 2.0}, "a range without length found"),
     (PairContact, {}, "neither stiffness nor compliance given"),
     (PairContact, {"stiffness": 1.0, "compliance": 1.0}, "stiffness and compliance both given"),
-    (DiskCasingTable, {}, "nothing found, expected one of both"),
-    (DiskCasingTable, {"basis": "b", "pair": {**PAIR, "radius": 1.0}}, "basis and pair found, expected one of both"),
+    (DiskCasingTable, {}, "nothing found, expected one of basis and pair"),
+    (DiskCasingTable, {"basis": "b", "pair": {**PAIR, "radius": 1.0}}, "basis and pair found, expected one"),
     (PatchBodyTable, {}, f"nothing {BASIS_OR_HAND}"),
     (PatchBodyTable, {"basis": "b", "zeta": [0.0]}, f"basis, zeta {BASIS_OR_HAND}"),
     (PatchBodyTable, {"basis": "b", **HAND}, f"basis, omega, channels, rows {BASIS_OR_HAND}"),

@@ -163,7 +163,7 @@ def test_gaps_of_the_energy_law_are_those_at_the_middle_of_steps():
     assert np.abs(result.gap[pressed, 0]).max() <= 1e-12
 
 
-def test_energy_law_says_what_it_is_not_for():
+def test_energy_law_states_what_it_is_not_for():
     side = {"omega": [3.0], "channels": ("x",), "rows": [[1.0]]}
     for zeta, S, message in ((0.1, 1.0, "damped modes"), (0.0, 0.0, "residual compliance > 0")):
         body = ct.ModalBody(**side, zeta=[zeta], S=[[S]])
@@ -215,7 +215,7 @@ def test_limits_are_refused_with_their_numbers():
 
 
 def test_energy_that_contact_adds_is_called_by_its_name():
-    """Near rho = 1 the averaged law gains energy over thousands of impacts: the ledger and the print say so."""
+    """Near rho = 1 the averaged law gains energy over thousands of impacts: the ledger and the print state it."""
     result = drop(20, 0.8, 2e5 * 0.8 / omega_max(20), record=ct.Record(every=100), on_limit="flag")
     assert result.energy.lost_in_contact < 0.0
     assert [(flag.code, flag.failed) for flag in result.flags] == [("energy-grows", True)]

@@ -165,7 +165,7 @@ def test_springs_in_the_law_are_springs_in_the_residual_compliance():
 
 
 @pytest.mark.parametrize("count", [1, 3])
-def test_a_block_slides_on_hertz_contacts_as_coulomb_says(count):
+def test_a_block_slides_on_hertz_contacts_as_coulomb_states(count):
     """It rests where the contacts bear its weight, slows down by mu g, and what friction takes is in the ledger."""
     k, mu, g = 1e8, 0.2, 9.81
     sunk = (MASS * g / count / k) ** (2.0 / 3.0)

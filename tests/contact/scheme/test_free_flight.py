@@ -28,7 +28,7 @@ def pair(scene, t_end=0.2, **settings):
 
 
 @pytest.mark.parametrize(("imperfect", "mu"), [(0.0, 0.0), (0.05, 0.2)])
-def test_the_same_run_with_and_without_leaps(imperfect, mu):
+def test_the_same_run_with_and_without_skips(imperfect, mu):
     leaping, plain = pair(lobed(imperfect=imperfect), law=ct.Coulomb(mu=mu) if mu else ct.Unilateral())
     assert 0.02 < plain.contact_steps[0] / plain.steps < 0.5
     assert len(plain.merged_intervals()[0]) >= 7
@@ -44,7 +44,7 @@ def test_the_same_run_with_and_without_leaps(imperfect, mu):
     assert abs(leaping.energy.unaccounted) <= 1e-11 * leaping.energy.scale
 
 
-def test_a_blade_out_of_reach_leaps_all_the_way():
+def test_a_blade_out_of_reach_skips_all_the_way():
     far = lobed(clearance=0.03, zeta=0.0, blade_velocity=[0.3, -0.2], casing_velocity=np.linspace(0.1, 1.0, 10))
     leaping, plain = pair(far, t_end=1.0)
     assert np.abs(leaping.state - plain.state).max() <= 1e-10 * np.abs(plain.state).max()

@@ -69,7 +69,7 @@ def test_a_contact_that_is_closed_from_the_start_closes_at_zero(name, speed, gra
 
 
 def test_an_implicit_beam_closes_in_the_step_before_its_first_force():
-    """Forces of Newmark stand at the end of their step; the closing is told to a part of it, whatever the step."""
+    """Forces of Newmark are at the end of their step; the closing is known to a part of it, whatever the step."""
     beam = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=6)
     circle = ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3)
     begins = []

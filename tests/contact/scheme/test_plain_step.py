@@ -43,7 +43,7 @@ def coupled(body, seed, *, cross=False):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_tips_press_as_steps_of_whole_matrices_say(name):
+def test_tips_press_as_steps_of_whole_matrices_state(name):
     count, axial, mu, law, couples = CASES[name]
     steps = {1: 500, 2: 120, 6: 40, 9: 40}[count]  # one tip is thrown off, and comes back
     other = count if count > 2 else 1
@@ -123,7 +123,7 @@ def test_tips_with_a_law_on_a_rim_that_whirls_closes_and_changes_speed(law, mu):
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("machined", [0.0, 3e-5])
-def test_tips_in_a_coating_press_and_wear_it_as_steps_of_whole_matrices_say(machined, mu):
+def test_tips_in_a_coating_press_and_wear_it_as_steps_of_whole_matrices_state(machined, mu):
     steps = 100
     coating = ct.Abradable(
         E=1e9, yield_stress=2e5, hardening=1e8, thickness=2e-3, width=0.04, tip=0.02, machined=machined, mu=mu
@@ -145,7 +145,7 @@ def test_tips_in_a_coating_press_and_wear_it_as_steps_of_whole_matrices_say(mach
 @pytest.mark.slow
 @pytest.mark.parametrize("tangents", [0, 1, 2])
 @pytest.mark.parametrize("law", ["rigid", "Hertz"])
-def test_contacts_of_a_patch_press_as_steps_of_whole_matrices_say(law, tangents):
+def test_contacts_of_a_patch_press_as_steps_of_whole_matrices_state(law, tangents):
     rng, h, steps = np.random.default_rng(8), 0.01, 150
     names = tuple(f"{way}{k}" for k in range(3) for way in "nst")
     body = ct.ModalBody(
@@ -165,7 +165,7 @@ def test_contacts_of_a_patch_press_as_steps_of_whole_matrices_say(law, tangents)
 
 
 @pytest.mark.slow
-def test_rims_in_lanes_press_as_steps_of_whole_matrices_say():
+def test_rims_in_batches_press_as_steps_of_whole_matrices_state():
     steps = 200
     scenes = [
         ct.Scene(

@@ -256,7 +256,7 @@ def test_augmented_lagrangian_gives_the_multiplier():
     assert abs(penalty.energy.unaccounted) <= 1e-12 * penalty.energy.scale
 
 
-def test_an_augmented_lagrangian_that_does_not_settle_says_so():
+def test_an_augmented_lagrangian_that_does_not_settle_states_so():
     few, many = (
         repr(ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=ct.laws.AugmentedLagrangian(stiffness=1.75e10,
         updates=updates),

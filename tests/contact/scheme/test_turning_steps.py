@@ -155,7 +155,7 @@ def test_a_casing_that_turns_alone_moves_as_the_exponential_of_its_matrices():
 
 
 @pytest.mark.slow
-def test_a_casing_at_rest_deflects_under_a_constant_force_as_its_stiffness_says():
+def test_a_casing_at_rest_deflects_under_a_constant_force_as_its_stiffness_states():
     casing = turning_ring(imperfect=0.05)
     K = casing.matrices(2.0 * np.pi * 20.0)[1]
     load = np.random.default_rng(5).standard_normal(casing.omega.size)

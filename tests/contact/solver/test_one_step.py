@@ -209,7 +209,7 @@ def test_bad_friction_problems_are_named(W, b, mu, word):
 
 
 @pytest.mark.parametrize("c", [1.0, 1.5])
-def test_where_contacts_that_close_each_other_have_no_forces_it_is_said_that_there_may_be_none(c):
+def test_where_contacts_that_close_each_other_have_no_forces_it_is_reported_that_there_may_be_none(c):
     W = np.kron(np.array([[1.0, -c], [-c, 1.0]]), np.eye(2))
     with pytest.raises(
         ct.NumericsError, match=r"friction: residual .*: there may be no solution; contacts that close each"
@@ -249,7 +249,7 @@ def motion_error(W, b, mu, force):
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("cond", [1e6, 1e10, 1e12])
-def test_closely_coupled_contacts_are_solved_in_motion_too_or_it_is_said(cond, dim):
+def test_closely_coupled_contacts_are_solved_in_motion_too_or_it_is_reported(cond, dim):
     """Few modes behind many contacts: forces nearly cancel, and 1e-12 of the largest was up to 0.4 of the motion."""
     rng, solved, said = np.random.default_rng(7), 0, []
     for _ in range(60):

@@ -20,7 +20,7 @@ TWO_BLADES = ct.Rub(
 )  # fmt: skip
 
 
-def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_stand():
+def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_are():
     """Compliances turned by hand through a turn; frequency and damping of a pair are the mean of its two."""
     casing, N, size = ring(imperfect=0.05), 6, 13
     mean, turned = ct.stability.perfect_mean(replace(casing, zeta=np.tile([0.01, 0.04], 5))), np.zeros((26, 26))

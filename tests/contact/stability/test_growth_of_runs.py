@@ -44,7 +44,7 @@ def test_a_free_rim_without_damping_is_bounded_at_its_amplitude():
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.slow
-def test_a_wave_with_the_blades_and_one_against_them_are_told_apart(sense):
+def test_a_wave_with_the_blades_and_one_against_them_are_distinguished(sense):
     """The blades run towards -theta in a casing whose angle grows; cos(n theta - w t) runs towards +theta."""
     rub = ct.Rub(
         ct.gaps.pair_rim(PAIR, radius=0.5),

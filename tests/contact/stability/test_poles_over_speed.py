@@ -92,7 +92,7 @@ def test_the_mean_of_a_pair_moves_by_the_mean_of_both_amplitudes():
     np.testing.assert_allclose(mean.rows, expected, atol=1e-14)
 
 
-def test_modes_belong_to_the_waves_they_have_most_of_and_stand_by_frequency():
+def test_modes_belong_to_the_waves_they_have_most_of_and_are_by_frequency():
     """Breathing of 7 rad/s keeps its own wave alone; of three modes of n = 1 the last is left to the compliance."""
     body = split([
         (7.0, 0.1, {0: 3.0, 1: 0.5, 3: 0.25}), (2.0, 0.0, {1: 2.0, 0: 0.5}), (4.0, 0.0, {2: 2.0}), (9.0, 0.0, {1: 6.0}),

@@ -106,7 +106,7 @@ def read(text):
 
 
 @pytest.mark.slow
-def test_a_grid_is_every_combination_and_the_table_says_what_each_did(scene):
+def test_a_grid_is_every_combination_and_the_table_states_what_each_did(scene):
     plan = load_sweep(scene(GRID))
     assert [run.values for run in plan.runs][:4] == [(15.0, 0.0), (15.0, 0.1), (15.0, 100.0), (20.0, 0.0)]
     result = sweep.run_sweep(plan)
@@ -415,7 +415,7 @@ def test_columns_of_varied_keys_end_in_the_unit_that_the_scene_file_has(scene, k
 
 
 @pytest.mark.slow
-def test_a_scene_with_a_sweep_runs_as_it_stands(scene):
+def test_a_scene_with_a_sweep_runs_as_it_is(scene):
     assert ct.run(ct.load_scene(scene(GRID))).steps == 2000
 
 
@@ -548,7 +548,7 @@ def test_a_task_whose_workers_on_a_cluster_die_goes_to_others_a_few_times(monkey
     assert cluster.begun.count(3) == 3
 
 
-def test_a_sweep_counts_what_is_done_and_says_why_the_first_other_is_not(scene):
+def test_a_sweep_counts_what_is_done_and_states_why_the_first_other_is_not(scene):
     plan = load_sweep(scene(GRID.replace("[0.0, 0.1, 100.0]", "[0.0, 0.1]")))
     rows = [dict.fromkeys(COLUMNS) | {"status": "done", "why": "none"} for _ in plan.runs]
     result = sweep.SweepResult(plan=plan, rows=tuple(rows), resumed=0)
@@ -600,7 +600,7 @@ def dies(task):
 
 
 @pytest.mark.campaign  # where workers are no copies they import everything: 3 s
-def test_a_task_that_kills_its_workers_time_and_again_is_told(tmp_path, monkeypatch):
+def test_a_task_that_kills_its_workers_time_and_again_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(sweep, "_load_loop", lambda task: None)
     monkeypatch.setattr(sweep, "run_task", dies)
     monkeypatch.setattr(sweep, "TRIES", 2)

@@ -62,7 +62,7 @@ def test_a_mesh_file_becomes_a_basis(tmp_path):
 
 
 @pytest.mark.campaign
-def test_calculix_stands_beside_us_where_it_is_installed(tmp_path):
+def test_calculix_is_beside_us_where_it_is_installed(tmp_path):
     other, coarse, default = beside_calculix.main(tmp_path, quick=True)
     assert coarse["worst error"] < 1e-3 > 3.0 * default["worst error"]
     if other["seconds"] is not None:  # a mesh far too coarse, but the same frustum

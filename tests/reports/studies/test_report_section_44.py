@@ -1,4 +1,4 @@
-"""Section 4.4 small: digging blades make n = 10 stand out unless the defect pulses them; their controls do not."""
+"""Section 4.4 small: digging blades make n = 10 dominant unless the defect pulses them; their controls do not."""
 
 import math
 
@@ -37,7 +37,7 @@ def test_four_rubs_and_twelve_controls(report):
 
 
 @pytest.mark.campaign
-def test_the_scenes_differ_only_in_what_their_names_say(report):
+def test_the_scenes_differ_only_in_what_their_names_state(report):
     out, _ = report
     scenes = {file.stem: ct.load_scene(file) for file in (out / "section_44").glob("*.toml")}
     assert len(scenes) == 16

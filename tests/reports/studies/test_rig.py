@@ -21,11 +21,11 @@ def chain(tmp_path_factory):
 
 
 @pytest.mark.campaign
-def test_the_chain_ends_in_a_report_that_stands_alone(chain):
+def test_the_chain_ends_in_a_report_that_is_alone(chain):
     out, _ = chain
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "SYNTHETIC" in page
-    page = re.sub(r"base64,[A-Za-z0-9+/=]+", "", page)  # pictures, in which any word may stand
+    page = re.sub(r"base64,[A-Za-z0-9+/=]+", "", page)  # pictures, in which any word may be
     assert "http" not in page.replace("http://www.w3.org", "").replace("https://www.w3.org", "").replace(
         "http://purl.org", ""
     ).replace("http://creativecommons.org", "")

@@ -23,7 +23,7 @@ def test_each_checkout_runs_its_own_packages(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_command_that_fails_says_so_and_is_not_equal(tmp_path):
+def test_a_command_that_fails_states_so_and_is_not_equal(tmp_path):
     found = numbers_of(Case("any", ("casingfem nonsense",)), tmp_path, tmp_path / "runs")
     assert row_of("any", found, found)["verdict"] == "changed"
     assert found["exit code"] != 0

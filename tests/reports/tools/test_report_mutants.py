@@ -17,12 +17,12 @@ SOURCE = '''"""A module."""
 
 
 def seen(x):
-    """Tests look at this."""
+    """Tests examine this."""
     return x < 2
 
 
 def unseen(x):
-    """Tests call this and look at nothing."""
+    """Tests call this and examine nothing."""
     return x + 1
 '''
 TESTS = """
@@ -177,7 +177,7 @@ def test_a_file_named_like_the_folder_comes_before_nearer_ones(campaign: Campaig
 def test_examples_of_a_docstring_are_tests(campaign: Campaign) -> None:
     """Those of a package; of other folders nothing runs them."""
     text = SOURCE.replace(
-        '"""Tests look at this."""',
+        '"""Tests examine this."""',
         '"""Text.\n\n    >>> from tiny.module import unseen\n    >>> unseen(1)\n    2\n    """',
     )
     for name in ("tiny/module.py", "tests/other.py"):
@@ -279,7 +279,7 @@ def test_time_that_is_spent_leaves_tests_out(campaign: Campaign) -> None:
     assert [(one["killed"], one["ran"], one["left_out"]) for one in kept] == [(False, [], 3)]
 
 
-def test_what_a_run_says_of_a_mutant() -> None:
+def test_what_a_run_states_of_a_mutant() -> None:
     assert verdict([("passed", "a"), ("begun", "b")], -11, "").how == "ended the process"
     assert verdict([], 2, "errors during collection").killed
     assert not verdict([("passed", "a"), ("skipped", "b"), ("left out", "c")], 0, "").killed

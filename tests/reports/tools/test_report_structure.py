@@ -42,7 +42,7 @@ def test_figures_of_a_small_house(tmp_path):
     }  # fmt: skip
 
 
-def test_imports_inside_functions_count_and_names_stand_for_their_module(tmp_path):
+def test_imports_inside_functions_count_and_names_represent_their_module(tmp_path):
     structure = built(tmp_path)
     assert structure.imports["casingfem.a.shell"] == {"casingfem.a.mesh"}
     assert structure.imports["casingfem.a.mesh"] == {"casingfem.a.shell", "casingfem.b"}
@@ -76,7 +76,7 @@ def test_no_modules_import_each_other_in_a_circle():
     assert circles(Structure(ROOT).imports) == []
 
 
-def test_a_duplicate_is_six_lines_that_stand_twice():
+def test_a_duplicate_is_six_lines_that_are_twice():
     body = [f"x{k} = {k}" for k in range(6)]
     assert duplicates({"a": body, "b": ["y = 1", *body, "z = 1"]}) == 1
     assert duplicates({"a": body[:5], "b": body[:5]}) == 0

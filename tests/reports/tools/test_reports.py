@@ -15,7 +15,7 @@ def test_command_line_hands_on_folder_and_haste(tmp_path, monkeypatch):
     assert seen == [(tmp_path, True)]
 
 
-def test_command_line_ends_with_an_error_where_rows_say_fail(tmp_path, monkeypatch):
+def test_command_line_ends_with_an_error_where_rows_state_fail(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["report", "--out", str(tmp_path)])
     with pytest.raises(SystemExit, match="1 rows say that something is wrong"):
         tables.command_line("A report.", lambda out, quick: [{"verdict": "pass"}, {"verdict": "FAIL"}])

@@ -72,7 +72,7 @@ def test_orders_may_depend_on_n():
 
 
 @pytest.mark.slow
-def test_an_edge_held_in_its_own_frame():
+def test_an_edge_fixed_in_its_own_frame():
     shell = casing(supports={"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_r=1e8)})
     plane, ring = cf.reduce(shell, RIM, modes=10), harmonic_basis(shell, RIM, orders=2)
     assert scaled_difference(ring.compliance, plane.compliance)[0] < 1e-4

@@ -8,7 +8,7 @@ from reports.verification.rubs import convergence as rub_convergence
 
 
 @pytest.mark.campaign
-def test_the_unstable_speed_is_where_the_condition_says(tmp_path, capsys):
+def test_the_unstable_speed_is_where_the_condition_states(tmp_path, capsys):
     rows = bladed_disk.main(tmp_path, quick=True)
     assert abs(rows[0]["off [%]"]) < 1.0
     assert abs(rows[0]["off poles [%]"]) < 0.01

@@ -38,7 +38,7 @@ def test_a_mode_lost_among_random_structures_is_a_fault(monkeypatch, capsys):
 
 
 @pytest.mark.slow
-def test_multigrid_serves_a_thick_block_and_says_that_it_fails_on_a_thin_plate(tmp_path):
+def test_multigrid_serves_a_thick_block_and_states_that_it_fails_on_a_thin_plate(tmp_path):
     rows = solid_solvers.main(tmp_path, quick=True)
     direct, multigrid, _, thin = rows
     assert [row["ended"] for row in rows[:3]] == ["done"] * 3
@@ -83,7 +83,7 @@ def test_default_mesh_does_not_lock(tmp_path):
     assert default[100] < 1e-4
     assert default[1000] < 1e-4
     low = {row["R/t"]: row["harmonics"] for row in rows if row["order"] == 3}
-    assert low[1000] > 1e-2  # what locking looks like
+    assert low[1000] > 1e-2  # what locking resembles
     assert max(row["reference moves"] for row in rows) < 1e-7
 
 

@@ -91,7 +91,7 @@ def test_the_judge_of_bad_values_sees_tracebacks_and_numbers_that_are_not_finite
 
 
 def unnamed(_):
-    """A reader whose error does not say of which file."""
+    """A reader whose error does not name the file."""
     raise OSError("no file")
 
 

@@ -17,8 +17,8 @@ def test_the_script_to_copy_runs(tmp_path, capsys):
     assert "the data determine" in capsys.readouterr().out
 
 
-def test_differences_are_extrapolated_and_tell_what_they_are_sure_to():
-    """exp at 0 from coarse steps; with noise of 1e-4 in its values the doubt says so."""
+def test_differences_are_extrapolated_and_show_what_they_are_sure_to():
+    """exp at 0 from coarse steps; with noise of 1e-4 in its values the uncertainty shows it."""
     found, doubt = extrapolated(lambda h: np.array([np.sinh(h) / h]), 0.5)
     assert abs(found[0] - 1.0) < doubt <= ENOUGH
     random = np.random.default_rng(1)

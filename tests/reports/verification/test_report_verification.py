@@ -19,7 +19,7 @@ def judged(rows, digits):
     return [row["verdict"] for row in rows]
 
 
-def test_the_kept_table_passes_or_says_why_not():
+def test_the_kept_table_passes_or_states_why_not():
     """That of the last full run; tests/references compute again what is published."""
     verdicts = judged(pd.read_csv(ROOT / "docs" / "verification.csv").to_dict("records"), 6)
     assert len(verdicts) >= 347
@@ -28,7 +28,7 @@ def test_the_kept_table_passes_or_says_why_not():
 
 
 @pytest.mark.campaign
-def test_verification_passes_or_says_why_not(tmp_path, capsys):
+def test_verification_passes_or_states_why_not(tmp_path, capsys):
     rows = verification.main(tmp_path, quick=True)
     verdicts = judged(rows, 12)
     assert "FAIL" not in verdicts

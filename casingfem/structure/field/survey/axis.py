@@ -1,6 +1,6 @@
 """The axis of a surveyed part: where the middles of its circles lie, and its points seen from there.
 
-A part that stands beside the middle of the turntable, or leans, shows one wave around, which is no shape.
+A part that is beside the middle of the turntable, or leans, shows one wave around, which is no shape.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from casingfem.structure.field.survey.points import SurveyPoints
 
 STEPS = 8  # the first leaves the square of the offset over the radius
 SETTLED = 1e-10  # of the radius
-FAR = 0.5  # of the radius: no part stands so far beside the middle of its turntable
+FAR = 0.5  # of the radius: no part is so far beside the middle of its turntable
 SMALL = 1e-5  # of the radius: an offset that changes nothing
 
 
@@ -78,7 +78,7 @@ def rough_axis(points: SurveyPoints) -> Axis:
     return Axis(complex(*found[:2]), tilt, float(points.z[0] - high[0]))
 
 
-Fit = Callable[[SurveyPoints, bool], SurveyFit]  # of points; whether stray ones are looked for
+Fit = Callable[[SurveyPoints, bool], SurveyFit]  # of points; whether stray ones are searched for
 
 
 def centred_points(points: SurveyPoints, fitted: Fit) -> tuple[SurveyPoints, Axis]:

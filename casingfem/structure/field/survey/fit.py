@@ -1,4 +1,4 @@
-"""The least-squares fit behind a survey: what the points carry, and the cone and defect they give."""
+"""The least-squares fit behind a survey: what the points determine, and the cone and defect they give."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ def resolved_harmonic(gap_deg: float) -> int:
 def fit_points(
     points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False, search: bool = True
 ) -> SurveyFit:
-    """Choose the fit that the points carry, or check the one asked, and make it.
+    """Choose the fit that the points determine, or check the one asked, and make it.
 
     A robust fit weighs points down by their residual; those set aside altogether count neither for the gap in theta
-    nor for what the points carry. Without `search` all points count as they are.
+    nor for what the points determine. Without `search` all points count as they are.
 
     Raises
     ------
@@ -134,11 +134,11 @@ class _Problem:
         return np.concatenate([self.mean_columns, scale * self.columns], axis=1)
 
     def weakness(self) -> str:
-        """Say why the points cannot carry the fit."""
+        """State why the points cannot determine the fit."""
         points, unknowns = self.design(1.0).shape
         if points < unknowns:
             return f"{points} points for {unknowns} unknowns"
-        return f"{points} points so placed that they do not tell {unknowns} unknowns apart"
+        return f"{points} points at places that do not determine {unknowns} unknowns apart"
 
     def determined(self, margin: bool) -> bool:
         """Whether the points are enough, and well enough placed: the condition of the normal matrix."""
@@ -150,7 +150,7 @@ class _Problem:
         return bool(spectrum[0] > spectrum[-1] / _WORST_CONDITION**2)
 
     def solved(self, weights: FloatArray | None = None) -> tuple[FourierField, tuple[float, float], FloatArray]:
-        """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c stands."""
+        """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c converges."""
         value, trend = self.points.value, self.mean_columns.shape[1]
         cone = np.full(len(self.points), np.median(value))
         for _ in range(20):

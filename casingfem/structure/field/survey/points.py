@@ -116,7 +116,7 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     ------
     InputError
         Malformed tables (see strict_csv), missing or unit-less columns, values
-        that are not positive, values that look like another unit than the column's.
+        that are not positive, values that resemble another unit than the column's.
     """
     table = named(read(path), SURVEY)
     wrong, parts = list[InputError](), dict[str, tuple[FloatArray, str]]()
@@ -182,7 +182,7 @@ def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: 
     low, high = _PLAUSIBLE[quantity]
     if not low <= median <= high:
         other = name.removesuffix("_m") + "_mm" if name.endswith("_m") else name.removesuffix("_mm") + "_m"
-        expected = f"{low:g} to {high:g} m; does the column hold {other}?"
+        expected = f"{low:g} to {high:g} m; is the column {other}?"
         found = f"a median {quantity} of {median:.4g} m"
         raise table.refuse_header(column=name, found=found, expected=expected)
 
@@ -191,6 +191,6 @@ def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float,
     span, scale = float(np.ptp(z)), value if quantity == "radius" else 0.5
     low, high = 1e-3 * scale, 50.0 * scale
     if span > high or (name == "z_mm" and 0.0 < span < low):
-        expected = f"{low:.3g} to {high:.3g} m; does the column hold {'z_m' if name == 'z_mm' else 'z_mm'}?"
+        expected = f"{low:.3g} to {high:.3g} m; is the column {'z_m' if name == 'z_mm' else 'z_mm'}?"
         found = f"heights over {span:.4g} m"
         raise table.refuse_header(column=name, found=found, expected=expected)

@@ -1,6 +1,6 @@
 """Outliers and repeats of a survey: weights that set stray points aside, points that contradict all others, passes.
 
-Points measured twice tell the scatter; second measurements may differ from the first beyond chance.
+Points measured twice show the scatter; second measurements may differ from the first beyond chance.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ SHARE = 0.1  # of the points at most
 SEARCHED = 2000  # points: of more, a search for one after the other takes minutes
 FREE = 5  # degrees of freedom that must be left
 SURE = 5.0  # standard deviations: of what two passes differ by
-FEW = 12  # places measured twice, below which nothing is said
+FEW = 12  # places measured twice, below which nothing is stated
 
 
 def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:

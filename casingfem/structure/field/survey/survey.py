@@ -22,7 +22,7 @@ from casingfem.structure.field.survey.stray import passes_words, pure_error
 
 WORDS: dict[Outside, str] = {
     "fit": "the fitted polynomial goes on",
-    "nearest": "the shape of the nearest height holds",
+    "nearest": "the shape of the nearest height continues",
     "zero": "the shape goes down to zero over a quarter of the measured heights",
 }
 
@@ -33,7 +33,7 @@ class SurveyField(SeriesBehind):
 
     r(z, theta) = (a + b z) (1 + f),  f = sum_{p >= 1} (cos_pd cos p theta + sin_pd sin p theta) zeta^d
 
-    A thickness is t = a (1 + f), where f may also hold p = 0, d >= 1 (a taper).
+    A thickness is t = a (1 + f), where f may also contain p = 0, d >= 1 (a taper).
 
     A Field itself: what a Shell takes as ``radius_defect`` or ``thickness_defect``.
 
@@ -91,25 +91,25 @@ class SurveyField(SeriesBehind):
     ) -> SurveyField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
-        Or x_m|x_mm, y_m|y_mm, z_m|z_mm, as measuring machines write them; what other columns hold is left out.
+        Or x_m|x_mm, y_m|y_mm, z_m|z_mm, as measuring machines write them; what other columns contain is left out.
 
         Parameters
         ----------
         n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most 40
         degree : of the polynomial in z; by default 0 for one height, 1 below four, else 2,
-            lowered (then n_max) while the points cannot carry it
-        robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and say which
+            lowered (then n_max) while the points cannot determine it
+        robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and state which
             were set aside
         centred : take the points about the part's own axis, offset and lean fitted, not the one it was turned about
         outside : beyond the lowest and highest point the polynomial goes on ("fit"), the shape of the nearest height
-            holds ("nearest"), or it goes down to zero over a quarter of the measured heights ("zero")
+            continues ("nearest"), or it goes down to zero over a quarter of the measured heights ("zero")
 
         Warns
         -----
         ModelWarning
             `survey-outliers`: a robust fit set points aside; `survey-stray`: a plain one has points that contradict
             all others; `survey-passes`: places measured twice differ beyond chance; `survey-eccentric`: the part
-            stood beside the axis of the survey by more than it is out of round.
+            was beside the axis of the survey by more than it is out of round.
 
         Raises
         ------
@@ -176,7 +176,7 @@ class SurveyField(SeriesBehind):
         if words := passes_words(points.at(fit.kept)):
             warn("survey-passes", f"{name}: {words}", stacklevel=4)
         if axis is None and (beside := eccentric(fit, points)) is not None:
-            warn("survey-eccentric", f"{name}: the part stood {beside}", stacklevel=4)
+            warn("survey-eccentric", f"{name}: the part was {beside}", stacklevel=4)
         residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,
@@ -248,7 +248,7 @@ class SurveyField(SeriesBehind):
         if self.fit.reach is not None:
             lines.append(f"  outside   {WORDS[self.outside]}")
         if self.axis is not None:
-            lines.append(f"  centred   the part stood {self.axis}")
+            lines.append(f"  centred   the part was {self.axis}")
         if self.pure_error is not None:
             lines.append(f"  repeats   {self.repeats}, pure error {self.pure_error * 1e6:.3g} um")
         if self.set_aside:

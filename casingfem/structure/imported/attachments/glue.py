@@ -53,7 +53,7 @@ class Gluing:
 
 
 def tied(mesh: MeshData, gluings: Sequence[Gluing]) -> MeshData:
-    """A mesh with faces tied; nodes that follow stand on the facets that they follow.
+    """A mesh with faces tied; nodes that follow are on the facets that they follow.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def tied(mesh: MeshData, gluings: Sequence[Gluing]) -> MeshData:
     Warns
     -----
     ModelWarning
-        `mesh-tie-loose` of nodes that stand too far off to be tied.
+        `mesh-tie-loose` of nodes that are too far off to be tied.
 
     Examples
     --------
@@ -109,7 +109,7 @@ def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
         x[apart[own]] = np.where(far[own, None], x[apart[own]], places.x[own])
     if far.all():
         least = min(float(places.distance.min()) for places in found)
-        message = f"{where}: {gluing.follower!r} stands {least:.3g} m from {gluing.master!r} or farther"
+        message = f"{where}: {gluing.follower!r} is {least:.3g} m from {gluing.master!r} or farther"
         raise ModelError("mesh-tie", message)
     if far.any():
         message = f"{nodes_named(mesh, apart[far])} of {gluing.follower!r} off {gluing.master!r}"
@@ -128,7 +128,7 @@ def faces_of(mesh: MeshData, name: str) -> tuple[str, IntArray]:
     return mesh.cell_kind.facet, mesh.facet_nodes(mesh.group_facets(name))
 
 
-NEAR, STEPS = 12, 15  # facets looked at for each point, nearest centres first; Gauss-Newton steps on each
+NEAR, STEPS = 12, 15  # facets examined for each point, nearest centres first; Gauss-Newton steps on each
 SETTLED = 1e-14  # of the reference facet: a step that changes nothing
 
 

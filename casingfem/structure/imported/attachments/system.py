@@ -61,7 +61,7 @@ def attached(
     K, M
         Of the cells, supports included, on all dofs of nodes.
     held, still
-        Dofs that supports hold; nodes that supports hold against turning too.
+        Dofs that supports fix; nodes that supports fix against turning too.
     fields
         Rigid motions on all dofs of nodes, (dofs, 6).
     supports
@@ -107,8 +107,8 @@ def attached(
 def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
     """Which unknowns to keep, and idle motions (unknowns, motions) of those without mass (`bare`).
 
-    Nodes between springs follow statically. Of springs that hold fewer directions than a node has, the motions that no
-    spring feels are idle: as many unknowns are held as there are such motions, which changes nothing else.
+    Nodes between springs follow statically. Of springs that support fewer directions than a node has, the motions that
+    no spring feels are idle: as many unknowns are fixed as there are such motions, which changes nothing else.
     """
     inner = csc_array(K[:, bare][bare])
     idle = csc_array((K.shape[0], 0))
@@ -170,7 +170,7 @@ def mass_matrix(motions: Motions) -> csc_array:
 
 
 def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
-    """Refuse motions that a support holds and a connection moves; what a node ties of itself is held with it."""
+    """Refuse motions that a support fixes and a connection moves; what a node ties of itself is fixed with it."""
     for dof in held.tolist():
         if dof in rows.owner and dof not in rows.own:
             found = "a support on it, expected one on the node that it follows"

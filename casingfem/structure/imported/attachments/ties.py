@@ -1,6 +1,6 @@
 """Elimination of tied motions: every dof of a mesh with attachments as a combination of its unknowns.
 
-Beside the dofs of the nodes (`dofs` of each, node by node) stand three turns for each node that has all six
+Beside the dofs of the nodes (`dofs` of each, node by node) are three turns for each node that has all six
 components: nodes that no cell has, and reference nodes of rigid connections. Behind a rigid connection
 
     u_j = u + theta x (x_j - x),   w_j = theta x n_j on shells;
@@ -210,7 +210,7 @@ def take_equation(rows: Rows, equation: Equation) -> None:
 
 
 def take_tie(rows: Rows, tie: Tie, held: IntArray) -> None:
-    """Rows of a tie: displacements, and directors as the others' shape functions carry them, n + w ~ sum (n_k + w_k).
+    """Rows of a tie: displacements, and directors as the others' shape functions move them, n + w ~ sum (n_k + w_k).
 
     A node's own director is n = sum n_k/|sum n_k| (`cells/shell.py`), so that rigid motions pass.
     """

@@ -1,6 +1,6 @@
 """What rotation about an axis adds to a part through what hangs on it: masses on arms, forces in rigid connections.
 
-A point that a node carries on an arm r stands at u + theta x r + theta x (theta x r)/2, to second order. A mass m there
+A point that a node moves on an arm r is at u + theta x r + theta x (theta x r)/2, to second order. A mass m there
 has, at 1 rad/s and with A v = u + theta x r,
 
     spin softening  m A^T P A,   Coriolis  2 m A^T [a x] A,   force  F = m P (x + r - c),
@@ -81,7 +81,7 @@ def arm_stiffness(force: FloatArray, r: FloatArray) -> FloatArray:
 
 
 def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
-    """Stiffness of the forces that connections carry, on all motions.
+    """Stiffness of the forces of connections, on all motions.
 
     `residual` is what loads leave over of the inner forces at every motion; at one that follows others it is the
     force of its connection, and so is what those bring that follow it.

@@ -1,1 +1,1 @@
-"""What does one cell of an imported mesh strain, what do its matrices hold? Solids and shells."""
+"""What does one cell of an imported mesh strain, what do its matrices contain? Solids and shells."""

@@ -1,6 +1,6 @@
 """What groups of an imported mesh have of their own: supports, materials, thicknesses.
 
-A support holds directions; `Clamped` and `ElasticEdge(k_face=...)` serve there too.
+A support fixes directions; `Clamped` and `ElasticEdge(k_face=...)` serve there too.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ from casingfem.structure.material import Material
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fixed:
-    """Displacements held along some of the axes x, y, z; on groups of an imported mesh.
+    """Displacements fixed along some of the axes x, y, z; on groups of an imported mesh.
 
     Raises
     ------
@@ -41,7 +41,7 @@ class Fixed:
 
     @property
     def held(self) -> tuple[int, ...]:
-        """Held displacements among the dofs of a node."""
+        """Fixed displacements among the dofs of a node."""
         return tuple("xyz".index(direction) for direction in self.directions)
 
 

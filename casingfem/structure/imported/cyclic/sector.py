@@ -1,4 +1,4 @@
-"""A wheel of equal sectors, told by one: u of sector j in its turned axes is e^(i n alpha j) times that of sector 0.
+"""A wheel of equal sectors, described by one: u of sector j, in its turned axes, is e^(i n alpha j) times u_0.
 
 The faces meet, u_high = e^(i n alpha) R u_low with the turn R by alpha = 2 pi/N. With T_n that puts these motions on
 the dofs of the sector, K(n) = T_n^H K T_n and M(n) = T_n^H M T_n are Hermitian, one pencil for each nodal diameter n
@@ -80,7 +80,7 @@ class CyclicSector:
         for name, support in self.structure.supports.items():
             across = np.diag(np.isin(np.arange(3), support.held).astype(float))
             if isinstance(support, Fixed) and not np.allclose(self.turn.matrix @ across, across @ self.turn.matrix):
-                found = f"holds {', '.join(support.directions)}, another direction in each sector"
+                found = f"fixes {', '.join(support.directions)}, another direction in each sector"
                 raise ModelError("cyclic-support", f"cyclic: support.{name} {found}")
         require_axis(self.structure.rotation, self.turn)
         if attached := self.structure.mesh.attachments:
@@ -175,7 +175,7 @@ def assemble_cyclic(sector: CyclicSector) -> CyclicSystem:
     Raises
     ------
     ModelError
-        `cyclic-support` where a support holds a node of one face and not its partner; `static-loose` as in `spin`.
+        `cyclic-support` where a support fixes a node of one face and not its partner; `static-loose` as in `spin`.
     """
     structure: Any = sector.structure
     rotation: Rotation | None = structure.rotation
@@ -230,13 +230,13 @@ def tie(sector: CyclicSector, system: MeshSystem, turns: FloatArray, n: int) -> 
 
 
 def require_alike(sector: CyclicSector, loose: BoolArray) -> None:
-    """Refuse supports that hold a node of one face and not its partner; `loose` dofs (nodes, dofs)."""
+    """Refuse supports that fix a node of one face and not its partner; `loose` dofs (nodes, dofs)."""
     low, high = sector.pairs
     uneven = np.flatnonzero((loose[low] != loose[high]).any(axis=1))
     if len(uneven):
         mesh = sector.structure.mesh
         one, other = mesh.labels[low[uneven[0]]], mesh.labels[high[uneven[0]]]
-        found = f"node {one} of one face and node {other} of the other are not held alike"
+        found = f"node {one} of one face and node {other} of the other have different supports"
         raise ModelError("cyclic-support", f"{mesh.source}: {found}")
 
 

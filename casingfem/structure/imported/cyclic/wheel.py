@@ -33,7 +33,7 @@ def wheel_nodes(sector: CyclicSector) -> IntArray:
 
 
 def wheel_mesh(sector: CyclicSector) -> MeshData:
-    """The wheel's mesh, cells and nodes sector by sector; groups hold those of all sectors, none has the faces."""
+    """The wheel's mesh, cells and nodes sector by sector; groups contain those of all sectors, none has the faces."""
     mesh, nodes, N = sector.structure.mesh, wheel_nodes(sector), sector.sectors
     points = np.empty((nodes.max() + 1, 3))
     for j in reversed(range(N)):  # the first sector's faces as they are

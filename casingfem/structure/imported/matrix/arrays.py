@@ -28,7 +28,7 @@ PARTS = {"data": "data", "indices": "ir", "indptr": "jc"}  # MATLAB's names of t
 
 
 def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
-    """K, M, C and K4 of a file of arrays, told apart by their names.
+    """K, M, C and K4 of a file of arrays, distinguished by their names.
 
     Raises
     ------
@@ -117,10 +117,10 @@ def read_from_mat(path: Path) -> dict[str, Any]:
 
 
 def mat_arrays(path: Path) -> dict[str, Any]:
-    """All of them by name, sparse ones in parts; of cells and structs, which hold no numbers, only the size."""
+    """All of them by name, sparse ones in parts; of cells and structs, which contain no numbers, only the size."""
     found: dict[str, Any] = {}
     with warnings.catch_warnings():
-        # scipy 1.18 warns where nobody says which kind of sparse ones to give, either does; 1.14 cannot be told
+        # scipy 1.18 warns where the kind of sparse array is not given, either does; 1.14 has no such argument
         warnings.filterwarnings("ignore", ".*spmatrix", DeprecationWarning)
         variables = loadmat(path)
     for name, value in variables.items():

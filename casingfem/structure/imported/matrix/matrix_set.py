@@ -32,7 +32,7 @@ NEEDED = ("K", "M")
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class MatrixSet:
-    """Matrices of one part, (n, n) each; K, M, C and K4 symmetric where the file says so.
+    """Matrices of one part, (n, n) each; K, M, C and K4 symmetric where the file states it.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class MatrixSet:
     left_out
         Names of matrices of the files that are none of these.
     boundary
-        Nodes at which the part is joined to others, where the files say it: the grids of EXTRN cards.
+        Nodes at which the part is joined to others, where the files state it: the grids of EXTRN cards.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Binary OP4 files, in Fortran's records: integers of 32 or 64 bits, of either byte order.
 
-The length of the first record, a matrix's header, tells both. With 64-bit integers every word has eight bytes, so that
+The length of the first record, a matrix's header, shows both. With 64-bit integers every word has eight bytes, so that
 a number of either precision is one word.
 """
 

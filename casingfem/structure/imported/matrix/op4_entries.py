@@ -11,7 +11,7 @@ from casingfem.structure.imported.matrix.matrix_set import fault, is_part, role_
 WORDS = {1: 1, 2: 2}  # of a number, by type of real matrices
 OF_COMPLEX = {3: 1, 4: 2}  # of complex ones, whose values are two numbers each
 ROW_BITS = 65536  # also the first number of rows that needs long row numbers
-MOST = 2**31 - 1  # rows or columns: what a binary file can say
+MOST = 2**31 - 1  # rows or columns: the largest number in a binary file
 
 
 @dataclass(slots=True)

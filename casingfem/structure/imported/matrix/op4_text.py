@@ -1,4 +1,4 @@
-"""OP4 files as text: lines of whole numbers, and values as wide as the header's format says.
+"""OP4 files as text: lines of whole numbers, and values as wide as the header's format states.
 
 The header may end in the format of the values, 5E16.9 if it does not, and in `I16` where columns and rows take sixteen
 characters each.

@@ -1,4 +1,4 @@
-"""Read matrices of any format; the endings of the files tell which, in any order."""
+"""Read matrices of any format; the endings of the files show which, in any order."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -37,7 +37,7 @@ def read_matrices(
         y, along which its dofs are.
     dofs
         A table with the columns node, direction (x, y, z, rx, ry, rz, q, or 1 to 6 and 0), a line for each row of the
-        matrices; for formats that do not say it.
+        matrices; for formats that do not state it.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def of_others(files: Sequence[Path], rows: IntArray | None, bulk: Bulk | None) -
 
 
 def of_op4(paths: Sequence[Path], dofs: IntArray | None) -> MatrixSet:
-    """K, M, C and K4 of OP4 files, which do not say what their rows are; null ones of 1 x 1 are as none."""
+    """K, M, C and K4 of OP4 files, which do not state what their rows are; null ones of 1 x 1 are as none."""
     source = ", ".join(path.name for path in paths)
     every: dict[str, csc_array] = {}
     for path in paths:

@@ -13,8 +13,8 @@ from contact.io.infiles import read_bytes, read_loose_text
 KINDS = {"coordinate": ("general", "symmetric", "skew-symmetric"), "array": ("general", "symmetric")}
 MOST = 10**8  # rows
 PLAIN = str.maketrans(",Dd", " Ee")  # blanks between numbers, exponents as Python has them
-MOST_NUMBER = 1e15  # of a node: beyond, a float does not tell them apart
-Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file says it
+MOST_NUMBER = 1e15  # of a node: beyond, a float does not distinguish them
+Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file states it
 
 
 def numbers(path: Path, columns: int) -> FloatArray:
@@ -125,12 +125,12 @@ def dense_market(path: Path, *, symmetric: bool) -> csc_array:
 
 
 def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
-    """K, M and maybe C and K4 of .mtx files, told apart by their names; dofs from the files or beside them.
+    """K, M and maybe C and K4 of .mtx files, distinguished by their names; dofs from the files or beside them.
 
     Raises
     ------
     ModelError
-        `matrix-dofs` where neither the files nor a list say what the rows are.
+        `matrix-dofs` where neither the files nor a list state what the rows are.
     """
     named = {path.stem: path for path in paths}
     source = ", ".join(path.name for path in paths)
@@ -148,7 +148,7 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
 
 
 def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:
-    """A matrix and what its rows are: as its file says, else by the list of dofs."""
+    """A matrix and what its rows are: as its file states, else by the list of dofs."""
     A, own = matrix
     labels = own if own is not None else dofs
     assert labels is not None

@@ -144,7 +144,7 @@ class Equation:
 class Tie:
     """Nodes that follow weighted sums of others, all components of each: u_i = sum_k weights_ik u_others_ik.
 
-    `nodes` (n,), `others` and `weights` (n, k); of what a support holds the support is kept.
+    `nodes` (n,), `others` and `weights` (n, k); of what a support fixes the support is kept.
 
     >>> Tie(nodes=np.array([9]), others=np.array([[1, 2]]), weights=np.array([[0.5, 0.5]])).where
     'tie'
@@ -201,7 +201,7 @@ class Attachments:
 
     @property
     def links(self) -> Iterator[IntArray]:
-        """Nodes that each item holds together, two or more."""
+        """Nodes that each item joins, two or more."""
         for ends in self.pairs:
             if len(set(ends)) > 1:
                 yield np.array(ends, dtype=np.int64)

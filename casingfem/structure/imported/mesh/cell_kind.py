@@ -45,7 +45,7 @@ class Outline(NamedTuple):
 class CellKind:
     """One kind of cell, named as in meshio.
 
-    `edges` and `facets` name corners; nodes stand at the corners, then in the middles of edges, facets and cell as
+    `edges` and `facets` name corners; nodes are at the corners, then in the middles of edges, facets and cell as
     `middles` counts them. `facet` is the kind of the facets, `degree` that of
     the quadrature: one whose weights are all positive.
     """
@@ -66,7 +66,7 @@ class CellKind:
 
     @property
     def supports_of_nodes(self) -> Corners:
-        """Corners in whose middle each node stands."""
+        """Corners in whose middle each node is."""
         nodes: Corners = tuple((i,) for i in range(len(self.corners)))
         if self.middles:
             nodes += self.edges
@@ -129,8 +129,8 @@ def _kinds() -> dict[str, CellKind]:
 
 
 KINDS = MappingProxyType(_kinds())
-SOLIDS = tuple(name for name, kind in KINDS.items() if kind.dim == 3 and kind.facets)  # others stand in bricks
-SHELLS = ("quad", "quad8", "quad9")  # triangles stand in squares
+SOLIDS = tuple(name for name, kind in KINDS.items() if kind.dim == 3 and kind.facets)  # others are in bricks
+SHELLS = ("quad", "quad8", "quad9")  # triangles are in squares
 
 
 def shape_functions(name: str, points: Array) -> tuple[FloatArray, FloatArray]:

@@ -54,7 +54,7 @@ def forms(kind: str) -> tuple[tuple[str, tuple[int, ...], IntArray], ...]:
 
 
 def spread(target: str, kind: str) -> list[int]:
-    """Which node of a kind stands at each node of the kind that it is written as."""
+    """Which node of a kind is at each node of the kind that it is written as."""
     corners = CORNERS[target][kind]
     if kind not in KINDS:
         return list(corners)

@@ -18,9 +18,9 @@ NATIVE = ("hexahedron20", "quad8", "quad9")  # kinds of which collapsed cells ar
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Group:
-    """What a name stands for: nodes always; cells or facets where the file gives them.
+    """What a name represents: nodes always; cells or facets where the file gives them.
 
-    `facets` are pairs (cell, local facet), (m, 2); None where the group holds nodes only.
+    `facets` are pairs (cell, local facet), (m, 2); None where the group contains nodes only.
 
     >>> import casingfem as cf
     >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u, groups={"base": (2, 0.0)})

@@ -5,7 +5,7 @@ Wedge: with L the three area coordinates and t in [-1, 1] along it,
     corners  L_i ((2 L_i - 1)(1 -+ t) - (1 - t^2))/2,   edges across  2 L_i L_j (1 -+ t),   edges along  L_i (1 - t^2)
 
 Pyramid (Bedrosian, Int. J. Numer. Meth. Eng. 35, 1992, 95): rational functions, quadratic on each edge and face. Nodes
-are in VTK's order; the reference wedge stands on (0, 0), (1, 0), (0, 1) from z = 0 to 1, the pyramid on the unit square
+are in VTK's order; the reference wedge is on (0, 0), (1, 0), (0, 1) from z = 0 to 1, the pyramid on the unit square
 with its apex above the first corner.
 """
 

@@ -37,7 +37,7 @@ class Neighbours(NamedTuple):
 class Apart(NamedTuple):
     """A shell's mesh with a node for each wall where walls meet.
 
-    `mesh`: the new nodes stand behind the others. `nodes`: the node of the whole mesh that each of its nodes is,
+    `mesh`: the new nodes are behind the others. `nodes`: the node of the whole mesh that each of its nodes is,
     (nodes of `mesh`,).
     """
 

@@ -163,7 +163,7 @@ class AbaqusAttachments:
                 self.take_pair(line, cells[0].upper(), int(node), int(reference))
 
     def take_pair(self, line: str, kind: str, node: int, reference: int) -> None:
-        """One node that follows another: rigidly, or as if it stood there."""
+        """One node that follows another: rigidly, or as if it was there."""
         where = f"*MPC {kind} (line {line})"
         if kind == "BEAM":
             self.rigids.append(lambda: Rigid(reference=reference, nodes=np.array([node]), where=where))

@@ -65,7 +65,7 @@ class Parser(Numbers):
         self.turned: dict[int, int] = {}  # grid -> coordinate system of its displacements
 
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
-        """Take every card in turn; GRDSET, which may stand anywhere, first."""
+        """Take every card in turn; GRDSET, which may be anywhere, first."""
         if any(line.upper().startswith("GRDSET") for _, line in lines):
             self.defaults = next(([*card.fields, *BLANK] for card in cards(lines) if card.name == "GRDSET"), BLANK)
         takers = {"GRID": self.take_grid, "SPCADD": self.sums.append, "SPC": self.take_constraint}

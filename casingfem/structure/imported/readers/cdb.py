@@ -39,7 +39,7 @@ INTEGERS = re.compile(r"(\d*)i(\d+)", re.IGNORECASE)
 
 @dataclass(slots=True)
 class Archive:
-    """What the blocks of a file hold."""
+    """What the blocks of a file contain."""
 
     source: str
     lines: list[str]
@@ -103,7 +103,7 @@ def read_cdb(path: Path) -> Draft:
 
 
 def check_count(archive: Archive, at: int, fields: list[str], found: int) -> None:
-    """Refuse a block with fewer or more items than it says."""
+    """Refuse a block with fewer or more items than it states."""
     wanted = int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() else 0
     if wanted and found != wanted:
         short = ": cut short?" if found < wanted else ""
@@ -180,7 +180,7 @@ def take_component(archive: Archive, at: int, fields: list[str]) -> int:
     for number in given:
         ranged = range(members[-1] + 1 if members else 1, 1 - number)
         if number <= 0 and len(ranged) > most:
-            raise archive.fault(begun, f"found a range up to {-number}, more numbers than the file can hold")
+            raise archive.fault(begun, f"found a range up to {-number}, more numbers than the file has")
         members += [number] if number > 0 else ranged
     name = archive.lines[begun].split(",")[1].strip()
     archive.components[name] = (fields[1][:4], members)

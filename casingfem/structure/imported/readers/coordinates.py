@@ -71,7 +71,7 @@ def within(systems: Mapping[int, System], number: int) -> tuple[FloatArray, Floa
     z, out = b - a, c - a
     y = np.cross(z, out)
     if not np.linalg.norm(y) > SMALL * np.linalg.norm(z) * np.linalg.norm(out):
-        raise ValueError(f"the points of system {number} stand in a line")
+        raise ValueError(f"the points of system {number} are in a line")
     axes = np.stack([np.cross(y, z), y, z])
     return a, axes / np.linalg.norm(axes, axis=1, keepdims=True)
 
@@ -179,7 +179,7 @@ class CardSystems:
             waiting = left
 
     def waits(self, system: int, pending: Container[int]) -> bool:
-        """Whether a system stands in one whose grids are not placed yet."""
+        """Whether a system is in one whose grids are not placed yet."""
         seen = set[int]()
         while system in self.systems and system not in seen:
             seen.add(system)

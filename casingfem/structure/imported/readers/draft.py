@@ -1,4 +1,4 @@
-"""From what a mesh file holds to a `MeshData`: cells of one kind, everything else as groups."""
+"""From what a mesh file contains to a `MeshData`: cells of one kind, everything else as groups."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -154,7 +154,7 @@ def with_middles(draft: Draft) -> Draft:
         return replace(draft, blocks=blocks)
     numbers = np.concatenate([draft.node_numbers, np.zeros(len(tie.nodes), dtype=np.int64)])
     whole = replace(draft, points=points, node_numbers=numbers, blocks=blocks)
-    if top < 3:  # shells bend along their edges; what holds both ends of one holds its middle
+    if top < 3:  # shells bend along their edges; what contains both ends of one contains its middle
         own = draft.node_sets.items()
         sets = {name: np.concatenate([nodes, tie.nodes[np.isin(tie.others, nodes).all(axis=1)]]) for name, nodes in own}
         return replace(whole, node_sets=sets)
@@ -217,7 +217,7 @@ def to_turn(count: int, pairs: IntArray, against: BoolArray) -> BoolArray:
     [False, True, False]
     """
     a, b = pairs.T
-    # each cell stands twice, as it is and turned; neighbours are joined where they agree
+    # each cell is there twice, as it is and turned; neighbours are joined where they agree
     i, j = np.concatenate([a, a + count]), np.concatenate([b + count * against, b + count * ~against])
     graph = coo_array((np.ones(len(i)), (i, j)), shape=(2 * count, 2 * count))
     part = connected_components(graph, directed=False)[1].reshape(2, count)

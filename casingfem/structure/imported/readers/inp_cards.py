@@ -52,7 +52,7 @@ def cards(lines: Iterable[NumberedLine]) -> Iterator[Card]:
         yield card
 
 
-DIGITS = 15  # of numbers that a mesh has: beyond, a float does not tell them apart
+DIGITS = 15  # of numbers that a mesh has: beyond, a float does not distinguish them
 MOST = 10.0**DIGITS
 
 
@@ -67,7 +67,7 @@ class Frame:
     prefix
         Before the names of the sets that it refers to, and of those it defines where `owns` is true.
     turn, shift
-        Its nodes stand at turn @ x + shift.
+        Its nodes are at turn @ x + shift.
     """
 
     offset: int = 0

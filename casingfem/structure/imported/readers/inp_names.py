@@ -50,7 +50,7 @@ NONE = np.zeros(0, dtype=np.int64)
 
 
 class Names:
-    """What the names of a file stand for so far, and how its lines are refused."""
+    """What the names of a file represent so far, and how its lines are refused."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -144,7 +144,7 @@ class Names:
                 if max(abs(first), abs(last)) >= MOST:
                     raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
                 if len(members) > self.size:
-                    raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file can hold")
+                    raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file has")
                 found.append(np.array(members, dtype=np.int64) + self.frame.offset)
                 continue
             found += [self.numbers_of(sets, cell, line) for cell in cells if cell]

@@ -3,7 +3,7 @@
 The shape function of such an edge's middle goes in halves to its ends (Nastran, Ansys), which is what a node in the
 middle does whose motion is the mean of theirs: it is put in, tied. An edge that another cell has with a middle node
 takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes. On
-shells the middles that are put in move freely: a thin shell whose edge is held straight cannot bend along it.
+shells the middles that are put in move freely: a thin shell whose edge is fixed straight cannot bend along it.
 """
 
 from collections.abc import Collection, Sequence

@@ -2,7 +2,7 @@
 
 A CBUSH has six springs at a place between two grids, or from one to the ground.
 
-The springs stand at A + S (B - A), S = 1/2 if left out, and reach the grids by rigid arms r: along a direction a
+The springs are at A + S (B - A), S = 1/2 if left out, and reach the grids by rigid arms r: along a direction a
 
     k/2 (a.(u_A + theta_A x r_A) - a.(u_B + theta_B x r_B))^2,   a.(theta x r) = theta.(r x a)
 
@@ -46,7 +46,7 @@ class NastranCards:
         return f"{card.name} {self.field(card, 0)} (line {card.line})"
 
     def place(self, grid: int) -> FloatArray:
-        """Where a grid stands, (3,)."""
+        """Where a grid is, (3,)."""
         return np.asarray(self.points[int(self.index(np.array([grid]))[0])])
 
     def positive(self, card: Card, k: float) -> float:

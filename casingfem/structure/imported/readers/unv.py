@@ -9,7 +9,7 @@
     2420                      systems of coordinates: only those that are the global one are taken
 
 Nodes of quadratic elements go round, corner and middle in turn; 114 with 13 nodes is a pyramid, as Salome has it. Line
-elements are edges of shells, by their groups. Beams in no group, springs, rigid elements, masses, and sets that hold
+elements are edges of shells, by their groups. Beams in no group, springs, rigid elements, masses, and sets that contain
 none of these are left out with a warning; responses and shapes are passed over.
 """
 
@@ -59,7 +59,7 @@ class DataSet(NamedTuple):
 
 @dataclass(slots=True)
 class Universal:
-    """What the sets of a file hold, by labels."""
+    """What the sets of a file contain, by labels."""
 
     source: str
     lines: list[str]
@@ -117,7 +117,7 @@ class Universal:
             at = end + 1
 
     def take(self, one: DataSet) -> None:
-        """What a set holds."""
+        """What a set contains."""
         if one.number in NODES:
             self.take_nodes(one)
         elif one.number in ELEMENTS:

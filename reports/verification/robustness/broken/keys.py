@@ -30,7 +30,7 @@ NUMBER = re.compile(r"[-+]?\d+\.?\d*(e[-+]?\d+)?")
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of a file: its place, the table it stands in, key and value."""
+    """A line of a file: its place, the table it is in, key and value."""
 
     place: int
     table: str
@@ -44,12 +44,12 @@ class Line:
 
     @property
     def numeral(self) -> bool:
-        """Whether one number stands there."""
+        """Whether one number is there."""
         return NUMBER.fullmatch(self.value) is not None
 
     @property
     def word(self) -> bool:
-        """Whether one text stands there."""
+        """Whether one text is there."""
         return self.value.startswith('"') and self.value.endswith('"')
 
 

@@ -20,7 +20,7 @@ TABLES = {
     "table.csv": ("freq_hz", "371.2"), "survey.csv": ("radius_m", "0.5000"), "blades.csv": ("deviation", "-0.01"),
     "places.csv": ("angle_deg", "36.5"), "picks.csv": ("freq_hz", "371.2"), "profile.csv": ("depth_m", "2.5e-5"),
 }  # fmt: skip
-# what may stand in the cell of a number
+# what may be in the cell of a number
 CELLS = {
     "a word": "broken", "a decimal comma": "371,2", "a question mark": "?", "its unit": "371.2 Hz", "nan": "nan",
     "inf": "inf", "a thousands mark": "1'000.0", "an error of a spreadsheet": "#DIV/0!", "nothing": "",
@@ -64,7 +64,7 @@ READS = READERS | {"profile.csv": in_scene, "blades.csv": in_wheel}
 
 
 def once(old: str, new: str) -> Callable[[str], str]:
-    """One text for another, the first time it stands there."""
+    """One text for another, the first time it is there."""
 
     def change(text: str) -> str:
         assert old in text, old

@@ -1,8 +1,8 @@
 """Targets of the contact part, line by line: what is asked, what is reached, and whether that passes.
 
 `python -m reports.verification.schemes.targets [--quick] [--out DIR]` prints and writes contact_targets.csv. The lines
-come from the functions in `LINES`; each returns rows made by `target`. Missed lines say so. --quick leaves out the long
-runs.
+come from the functions in `LINES`; each returns rows made by `target`. Missed lines are marked. --quick leaves out the
+long runs.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Parts of the evaluation of circles against what they say: orders told apart, labels, lines, noise."""
+"""Parts of the evaluation of circles against what they say: orders distinguished, labels, lines, noise."""
 
 import numpy as np
 import pytest

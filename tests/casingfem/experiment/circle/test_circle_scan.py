@@ -41,7 +41,7 @@ def test_a_standing_wave_gives_two_equal_lines_with_opposite_phases(n, psi, rate
 
 
 @pytest.mark.parametrize("back", [0.0, 0.25, 3.0])
-def test_what_travels_is_told(back):
+def test_what_travels_is_reported(back):
     seen = cf.circle.demodulate(wave(6, 0.2, back=back), 8).wave(0, 6)
     assert seen.travelling == pytest.approx(-back / (1.0 + back), abs=1e-9)
     assert seen.amplitude == pytest.approx(1.0 + back, rel=1e-9)
@@ -91,7 +91,7 @@ def test_orders_that_are_not_there_are_not_seen():
     assert false <= 2
 
 
-def test_a_fit_says_what_it_leaves():
+def test_a_fit_states_what_it_leaves():
     clean = wave(8, 0.11, seconds=4.0)
     noisy = clean.velocity + 0.01 * np.random.default_rng(SEED).standard_normal(clean.velocity.size)
     record = cf.circle.ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones)
@@ -109,7 +109,7 @@ def test_a_record_of_no_whole_turns_or_periods_does_not_leak():
     record = wave(8, 0.11, seconds=3.4567, rate=1.234)
     spectrum = np.abs(np.fft.rfft(record.velocity)) / len(record.velocity)
     at = np.fft.rfftfreq(len(record.velocity), 1.0 / FS)
-    assert spectrum[np.abs(at - 371.3) < 0.3].max() > 1e-3  # n = 0 is not there, but a bin says so
+    assert spectrum[np.abs(at - 371.3) < 0.3].max() > 1e-3  # n = 0 is not there, but a bin states it
 
 
 def test_a_tacho_mends_an_uneven_rate():
@@ -186,7 +186,7 @@ def test_a_turning_casing_runs_the_other_way():
     assert abs(both[0].travelling) > 0.05  # two members, out of phase
 
 
-def test_the_card_says_by_how_much_a_turning_ring_s_pair_splits(steel):
+def test_the_card_states_by_how_much_a_turning_ring_s_pair_splits(steel):
     """As whirl modes of a thin ring on soft springs have it, in the frame of the ring."""
     ring = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.02), thickness=2e-3, material=steel,
                     supports={"base": cf.ElasticEdge(k_face=1e7)}, rotation=cf.Rotation(omega=2.0 * np.pi * 2.5),
@@ -205,7 +205,7 @@ def test_the_card_says_by_how_much_a_turning_ring_s_pair_splits(steel):
 
 @pytest.mark.parametrize(("highest", "last"), [(None, 23), (8, 8)])
 def test_a_force_in_space_is_felt_at_as_many_frequencies_as_shapes_have_harmonics(highest, last):
-    """At omega - m W each; of a perfect pair only the wave answers that stands in space, n = -m."""
+    """At omega - m W each; of a perfect pair only the wave answers that is in space, n = -m."""
     rig, circle = ring_rig(split=0.0)
     made = cf.rig.scan(
         rig,
@@ -274,7 +274,7 @@ def test_a_force_in_space_that_hardly_turns_is_one_on_the_casing():
     np.testing.assert_allclose(slow.V.sum(axis=0), fixed.V[0], atol=1e-4 * np.abs(fixed.V).max())
 
 
-def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
+def test_run_out_and_speckle_repeat_every_turn_and_are_reported_from_the_wave():
     rig, circle = ring_rig()
     turn = cf.rig.Turning(mirror=2.0, runout=((0.1, 0.0), (0.0, 0.05)), speckle=1e-3)
     made = cf.rig.scan(rig, turn, [cf.rig.Tone(370.41)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED)
@@ -305,7 +305,7 @@ def test_force_makes_mobility():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("split", [1.5, 0.75])  # half-power bandwidth 1.48 Hz
-def test_a_close_pair_both_excited_is_told_apart(split):
+def test_a_close_pair_both_excited_is_distinguished(split):
     rig, circle = ring_rig(split=split, zeta=[0.002, 0.0025, 0.002, 0.002])
     tones = [cf.rig.Tone(f) for f in np.linspace(368.13, 371.93, 13)]
     made = cf.rig.scan(
@@ -396,7 +396,7 @@ def scan_of_a_pair(freq, amplitude=(1.0, 0.8), seed=None):
 
 
 @pytest.mark.slow
-def test_two_members_of_nearly_one_frequency_are_told_apart_without_noise():
+def test_two_members_of_nearly_one_frequency_are_distinguished_without_noise():
     pair = cf.circle.split_pair(scan_of_a_pair([370.0, 370.01]), 8)
     np.testing.assert_allclose(pair.freq, [370.0, 370.01], rtol=1e-9)
     np.testing.assert_allclose(pair.angle_deg, np.degrees(PSI), rtol=1e-6)
@@ -413,15 +413,15 @@ def test_two_members_of_nearly_one_frequency_are_told_apart_without_noise():
     ],
 )
 @pytest.mark.slow
-def test_two_members_of_one_frequency_and_damping_are_not_told_apart(freq, amplitude, seed):
+def test_two_members_of_one_frequency_and_damping_are_not_distinguished(freq, amplitude, seed):
     with pytest.raises(
-        cf.errors.InputError, match="the pair n = 8: the tones do not tell two members apart: found a misfit of"
+        cf.errors.InputError, match="the pair n = 8: the tones do not distinguish two members: found a misfit of"
     ):
         cf.circle.split_pair(scan_of_a_pair(freq, amplitude, seed), 8)
 
 
 @pytest.mark.slow
-def test_a_split_of_a_fifteenth_of_the_bandwidth_is_told_from_noise():
+def test_a_split_of_a_fifteenth_of_the_bandwidth_is_distinguished_from_noise():
     pair = cf.circle.split_pair(scan_of_a_pair([369.95, 370.05], seed=5), 8)
     assert pair.split == pytest.approx(0.1, abs=4.0 * pair.split_sigma)
     assert pair.split_sigma < 0.02
@@ -431,7 +431,7 @@ def test_a_split_of_a_fifteenth_of_the_bandwidth_is_told_from_noise():
 def test_noise_makes_no_two_of_a_double():
     """At a level of 1e-3 none of 200 draws, but once in five such counts."""
     for seed in range(200):
-        with pytest.raises(cf.errors.InputError, match="do not tell two members apart"):
+        with pytest.raises(cf.errors.InputError, match="do not distinguish two members"):
             cf.circle.split_pair(scan_of_a_pair([370.0, 370.0], seed=seed), 8)
 
 
@@ -508,7 +508,7 @@ def test_the_phase_of_a_wave_is_that_at_its_antinode(psi):
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_a_tacho_of_an_even_rate_says_what_the_rate_does(direction):
+def test_a_tacho_of_an_even_rate_states_what_the_rate_does(direction):
     at = np.arange(20) / (4 * 2.3)
     angle = cf.circle.from_tacho(at, FS, 3000, per_turn=4, first_angle=0.7, direction=direction)
     np.testing.assert_allclose(angle, turning(direction * 2.3, FS, 3000, first_angle=0.7), atol=1e-10)

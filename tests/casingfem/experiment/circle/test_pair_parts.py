@@ -19,7 +19,7 @@ def test_a_misfit_above_one_raises_the_sigma_and_one_below_does_not_lower_them()
 
 
 @pytest.mark.slow
-def test_six_tones_tell_a_pair_and_five_do_not():
+def test_six_tones_show_a_pair_and_five_do_not():
     seen = scan_of_a_pair([369.0, 371.0])
     assert cf.circle.split_pair(seen, 8).split == pytest.approx(2.0, rel=1e-6)
     fewer = replace(seen, tones=seen.tones[:5], V=seen.V[:5], sigma=seen.sigma[:5], floor=seen.floor[:5])

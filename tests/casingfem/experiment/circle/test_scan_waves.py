@@ -63,7 +63,7 @@ def test_the_shape_is_the_sum_of_the_lines_that_are_seen():
 @pytest.mark.parametrize(
     ("left", "floor", "said"), [(1.51, 0.01, True), (1.49, 0.01, False), (9.0, 6.1e-9, True), (9.0, 5.9e-9, False)]
 )
-def test_a_table_says_what_the_lines_leave_where_that_is_more_than_noise_and_round_off(left, floor, said):
+def test_a_table_states_what_the_lines_leave_where_that_is_more_than_noise_and_round_off(left, floor, said):
     """A half more than the noise, of which there is more than a billionth of the largest line, 6."""
     text = repr(scan(left=left, floor=np.full((2, 3), floor)))
     assert ("orders or tones that were not fitted" in text) == said

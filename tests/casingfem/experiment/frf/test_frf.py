@@ -30,7 +30,7 @@ def same(left: cf.frf.FrfSet, right: cf.frf.FrfSet) -> bool:
     return arrays and (left.kind, left.unit) == (right.kind, right.unit)
 
 
-def test_three_formats_hold_every_bit(three, tmp_path):
+def test_three_formats_keep_every_bit(three, tmp_path):
     assert same(cf.frf.FrfSet.from_csv(three.to_csv(tmp_path / "f.csv")), three)
     assert same(cf.frf.FrfSet.load(three.save(tmp_path / "f.npz")), three)
     path = cf.uff.write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
@@ -52,7 +52,7 @@ def test_missing_numbers_go_through_every_format(three, tmp_path):
         np.testing.assert_array_equal(read.responses, holes)
 
 
-def test_coherence_stands_beside_the_responses_of_a_universal_file(three, tmp_path):
+def test_coherence_is_beside_the_responses_of_a_universal_file(three, tmp_path):
     gamma2 = replace(three, kind="spectrum", responses=np.full((3, 33), 0.9), unit="")
     functions = [replace(each, kind=6, values=each.values.real) for each in gamma2.functions()]
     path = cf.uff.write_uff(tmp_path / "f.uff", functions=[*three.functions(), *functions], binary=True)

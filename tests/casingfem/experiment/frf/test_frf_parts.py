@@ -14,7 +14,7 @@ def frfs(**changes):
     return cf.frf.FrfSet.from_arrays(**given | changes)
 
 
-def test_places_of_one_number_are_those_of_every_channel_and_0_if_nothing_is_said():
+def test_places_of_one_number_are_those_of_every_channel_and_0_if_nothing_is_stated():
     found = frfs(responses=np.ones((2, 3)), response_point=7, reference_direction=[1, -2])
     assert found.response_point.tolist() == [7, 7]
     assert found.reference_direction.tolist() == [1, -2]
@@ -64,7 +64,7 @@ def test_an_abscissa_is_even_where_its_steps_are_to_a_billionth(x, step):
     ("kind", "number", "axis"),
     [("frf", 4, (18, "frequency", "Hz")), ("spectrum", 12, (18, "frequency", "Hz")), ("time", 1, (17, "time", "s"))],
 )
-def test_functions_say_their_kind_their_places_and_their_axes(kind, number, axis):
+def test_functions_state_their_kind_their_places_and_their_axes(kind, number, axis):
     first, second = frfs(
         kind=kind, responses=[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], response_point=[3, 4], response_direction=[-1, 2],
         reference_point=[5, 6], reference_direction=[3, -3],
@@ -96,7 +96,7 @@ def test_a_unit_is_that_of_the_ordinate_over_its_denominator(above, below, unit)
         ("time", (17, "sec"), True), ("time", (0, "s"), True), ("time", (18, "s"), False), ("time", (17, "Hz"), False),
     ],
 )  # fmt: skip
-def test_functions_stand_over_hertz_or_seconds(kind, axis, taken):
+def test_functions_are_over_hertz_or_seconds(kind, axis, taken):
     (function,) = frfs(kind=kind, responses=[[1.0, 2.0, 3.0]]).functions()
     axis = cf.uff.Axis(axis[0], unit=axis[1])
     given = replace(function, axes=cf.uff.Axes(axis, function.axes.ordinate))
@@ -120,7 +120,7 @@ def test_kinds_of_functions_are_chosen_by_their_numbers(tmp_path):
     assert cf.frf.read_coherence(path).response_point.tolist() == [6, 26]
 
 
-def test_a_table_says_which_of_its_columns_lack_or_are_unknown(tmp_path):
+def test_a_table_states_which_of_its_columns_lack_or_are_unknown(tmp_path):
     head = "# unit: m/N\nfreq_hz,response_point,response_direction,reference_point,reference_direction,real"
     for header, words in (
         (head, r"column 'imag': found no such column; expected freq_hz,response_point,"),

@@ -31,7 +31,7 @@ def written(folder, kind, **arrays):
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 @pytest.mark.parametrize("names", [("freq_hz", "frf"), ("f", "H"), ("Frequency", "FRFs")])
 @pytest.mark.parametrize("first", [True, False])
-def test_lines_stand_first_or_last_and_names_are_common_ones(kind, names, first, tmp_path):
+def test_lines_are_first_or_last_and_names_are_common_ones(kind, names, first, tmp_path):
     values = np.moveaxis(H, -1, 0) if first else H
     found = cf.frf.read_frfs(written(tmp_path, kind, **{names[0]: FREQ, names[1]: values}, **EXTRA))
     np.testing.assert_array_equal(found.x, FREQ)
@@ -43,7 +43,7 @@ def test_lines_stand_first_or_last_and_names_are_common_ones(kind, names, first,
 
 
 @pytest.mark.parametrize("kind", ["mat", "npz"])
-def test_channels_count_from_one_and_coherence_stands_beside(kind, tmp_path):
+def test_channels_count_from_one_and_coherence_is_beside(kind, tmp_path):
     path = written(tmp_path, kind, omega=W, frf=H[:, 0], coherence=0.9 * np.ones(H[:, 0].shape))
     found, coherence = cf.frf.read_frfs(path), cf.frf.read_coherence(path)
     np.testing.assert_allclose(found.x, FREQ, rtol=1e-15)

@@ -88,7 +88,7 @@ def test_every_visible_peak_of_many_is_in_the_answer_once():
 
 
 @pytest.mark.slow
-def test_noise_that_channels_share_makes_no_mode_and_its_intervals_hold():
+def test_noise_that_channels_share_makes_no_mode_and_its_intervals_keep():
     """Half of the noise is common to all channels, and alike on three lines."""
     x, errors = np.arange(80.0, 120.0, 0.1), []
     for seed in range(24):
@@ -124,8 +124,8 @@ def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencie
 
 
 @pytest.mark.slow
-def test_intervals_of_orientations_hold_where_waves_finer_than_the_sensors_resolve_turn_them():
-    """On 24 even sensors n = 20 and 28 look like n = 4: the other waves show their size."""
+def test_intervals_of_orientations_keep_where_waves_finer_than_the_sensors_resolve_turn_them():
+    """On 24 even sensors n = 20 and 28 resemble n = 4: the other waves show their size."""
     theta, rng = np.arange(24) * np.pi / 12, np.random.default_rng(2)
     order = np.setdiff1d(np.arange(2, 41), [4])
     finer = np.hstack([np.cos(np.outer(theta, order)), np.sin(np.outer(theta, order))])

@@ -23,7 +23,7 @@ def windowed():
 
 @pytest.fixture(scope="module")
 def plain(windowed):
-    """What is found of them where nothing is said of the window."""
+    """What is found of them where nothing is stated of the window."""
     return cf.identify(windowed)
 
 
@@ -51,7 +51,7 @@ def test_a_window_without_a_time_constant_is_refused(windowed, value, card):
 
 
 @pytest.mark.slow
-def test_a_dead_channel_is_left_out_and_a_missing_unit_is_said(windowed):
+def test_a_dead_channel_is_left_out_and_a_missing_unit_is_reported(windowed):
     rng = np.random.default_rng(42)
     H = np.array([[1.0], [0.0], [-0.6], [0.4]]) * X**2 / (110.0**2 - X**2 + 2j * 3e-3 * 110.0 * X)
     H = H * (1.0 + 1e-3 * rng.standard_normal(H.shape))
@@ -88,7 +88,7 @@ def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed
 
 @pytest.mark.slow
 def test_lines_that_are_not_coherent_weigh_less(windowed, plain):
-    """Every other stretch of 21 lines is noise like the signal, and the coherence says so."""
+    """Every other stretch of 21 lines is noise like the signal, and the coherence states it."""
     rng = np.random.default_rng(59)
     spoilt, clean = (np.arange(X.size) // 21) % 2 == 0, windowed.responses
     noise = 0.05 * np.abs(clean).max() * rng.standard_normal((2, *clean.shape))

@@ -57,7 +57,7 @@ def test_finds_every_member_of_split_pairs_and_nothing_else(drives, held):
 
 
 @pytest.mark.slow
-def test_intervals_of_frequency_and_damping_hold():
+def test_intervals_of_frequency_and_damping_keep():
     """64 members of pairs .5 to 3 bandwidths apart: at 95 % fewer than 53 hold, of either, in 1 of 1000 runs.
 
     Nor may they be too wide: the rms of 64 deviations over sigma lies outside 1 +- .29 in 1 of 1000 runs.
@@ -76,7 +76,7 @@ def test_intervals_of_frequency_and_damping_hold():
 
 
 @pytest.mark.slow
-def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_said_to_be_one():
+def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_given_as_one():
     bandwidth = 2 * 0.002
     pairs = [(6, 330.0, 0.5 * bandwidth, 11.0), (5, 350.0, 0.002 * bandwidth, 4.0)]
     rig = ring_rig(pairs, theta=THETA, drives=[0.3, 2.0])
@@ -121,7 +121,7 @@ def test_noise_alone_has_no_modes():
 
 
 @pytest.mark.slow
-def test_the_table_carries_sigma_and_says_synthetic():
+def test_the_table_has_sigma_and_states_synthetic():
     rig = ring_rig([(6, 330.0, 0.004, 11.0)], theta=THETA, drives=[0.3])
     found = cf.identify(measured(rig, np.arange(320.0, 340.0, 0.1), len(THETA), 1), angles=ANGLES)
     table = found.table()
@@ -139,7 +139,7 @@ def test_the_table_carries_sigma_and_says_synthetic():
         (np.zeros(9), -1, "no n is given: the 9 sensors have 1 angles from 0 to 0 deg"),
     ],
 )
-def test_sensors_that_do_not_tell_n_apart_say_so(angles, n, told):
+def test_sensors_that_do_not_show_n_apart_state_so(angles, n, told):
     rig = ring_rig([(5, 330.0, 0.01, 11.0)], theta=np.radians(np.arange(9) * 40.0), drives=[0.3])
     found = cf.identify(measured(rig, np.arange(320.0, 340.0, 0.1), 9, 1), angles=dict(enumerate(angles, start=1)))
     assert found.n.tolist() == [n, n]

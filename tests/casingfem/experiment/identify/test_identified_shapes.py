@@ -99,7 +99,7 @@ def test_other_files_are_refused(found, tmp_path):
         cf.correlation.read_shapes(tmp_path / "found.csv")
 
 
-def test_shapes_stand_at_their_sensors_with_n_and_noise(found, tmp_path):
+def test_shapes_are_at_their_sensors_with_n_and_noise(found, tmp_path):
     shapes = cf.correlation.read_shapes(found.save(tmp_path / "found.npz"))
     np.testing.assert_allclose(shapes.points, list(PLACES.values()))
     np.testing.assert_allclose(shapes.directions[:, 0], np.cos(THETA), atol=1e-12)

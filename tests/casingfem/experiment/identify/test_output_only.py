@@ -23,7 +23,7 @@ def shapes(at):
 
 
 def driven(seed, seconds, tone=0.0, noise=0.03, freqs=FREQ):
-    """Accelerations on a circle under four white forces; each step of the modes is exact for forces that are held."""
+    """Accelerations on a circle under four white forces; each step of the modes is exact for forces that are fixed."""
     rng, count = np.random.default_rng(seed), int(seconds * FS)
     forces, y = rng.standard_normal((len(LOADS), count)), np.zeros((len(THETA), count))
     for freq, zeta, push, seen in zip(freqs, ZETA, shapes(LOADS).T, shapes(THETA).T, strict=True):
@@ -50,7 +50,7 @@ ANGLES = dict(enumerate(np.degrees(THETA), start=1))
 
 
 @pytest.mark.slow
-def test_pairs_closer_than_their_bandwidth_are_told_apart():
+def test_pairs_closer_than_their_bandwidth_are_distinguished():
     """The pair of n = 4 is 0.4 of a bandwidth apart."""
     found = cf.identify(records(driven(7, 300.0)), angles=ANGLES, band=(100.0, 230.0))
     assert found.n.tolist() == list(N)
@@ -111,7 +111,7 @@ def test_a_tone_is_no_sure_mode():
 
 
 @pytest.mark.campaign
-def test_intervals_hold_what_they_say_over_a_hundred_records():
+def test_intervals_keep_what_they_state_over_a_hundred_records():
     """95 % intervals of frequency and damping hold 92 to 97 %; every mode is found, none besides is sure."""
     off, held, others = [], [], 0
     for seed in range(100):

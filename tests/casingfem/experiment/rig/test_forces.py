@@ -26,7 +26,7 @@ def rng():
     return np.random.default_rng(SEED)
 
 
-def test_a_pulse_is_a_raised_cosine_a_hundredth_of_a_second_late_if_nothing_is_said():
+def test_a_pulse_is_a_raised_cosine_a_hundredth_of_a_second_late_if_nothing_is_stated():
     time = np.array([0.0, 0.009, 0.0105, 0.011, 0.012, 0.014, 0.0141, 0.511, 0.512])
     force = cf.rig.Impact(peak=8.0, width=0.004).force(time, 0.5, rng())
     np.testing.assert_allclose(force, [0.0, 0.0, 4.0 - np.sqrt(8.0), 4.0, 8.0, 0.0, 0.0, 4.0, 8.0], atol=1e-9)
@@ -88,7 +88,7 @@ def test_a_record_has_a_block_of_16_samples_and_reaches_its_highest_frequency():
             recorded(**change)
 
 
-def test_a_chain_says_what_it_does_and_nothing_if_it_does_nothing():
+def test_a_chain_states_what_it_does_and_nothing_if_it_does_nothing():
     clean = recorded()
     same = cf.rig.measured(clean, seed=1)
     assert same.card == clean.card

@@ -1,4 +1,4 @@
-"""Files of the test rig: what is written is what is read, and says SYNTHETIC."""
+"""Files of the test rig: what is written is what is read, and is marked SYNTHETIC."""
 
 from dataclasses import replace
 

@@ -8,7 +8,7 @@ import casingfem as cf
 SEED = 20611
 
 
-def test_one_degree_of_freedom_answers_as_its_equation_says():
+def test_one_degree_of_freedom_answers_as_its_equation_states():
     m, k, zeta = 2.5, 4e6, 0.02
     omega = np.sqrt(k / m)
     rig = cf.rig.Rig.of(omega=[omega], zeta=[zeta], rows=[[1.0 / np.sqrt(m)]])

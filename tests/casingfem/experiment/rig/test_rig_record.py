@@ -32,7 +32,7 @@ def test_records_that_die_out_give_the_analytic_responses(quantity, excitation):
 
 
 @pytest.mark.slow
-def test_two_shakers_at_once_are_told_apart():
+def test_two_shakers_at_once_are_distinguished():
     forces = [cf.rig.BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25)] * 2
     test = cf.rig.record(RIG, forces, drives=[0, 2], sensors=[1], fs=FS, block=8192, blocks=6, seed=SEED)
     found = cf.rig.estimate(test, window="rectangular", overlap=0.0, band=(80.0, 600.0)).frfs
@@ -126,7 +126,7 @@ def test_noise_of_a_record_has_its_size_and_leaves_the_forces_alone():
         assert np.abs(now - before).max() <= 0.5 * lsb * (1.0 + 1e-9)
 
 
-def test_forces_are_what_their_names_say():
+def test_forces_are_what_their_names_state():
     time, rng = np.arange(4000) / 4000.0, np.random.default_rng(SEED)
     pulse = cf.rig.Impact(peak=8.0, width=0.05, delay=0.03).force(time, 0.25, rng).reshape(4, 1000)
     np.testing.assert_allclose(pulse[1:], pulse[:1].repeat(3, axis=0), atol=1e-9)  # one in every block

@@ -65,7 +65,7 @@ def test_a_scan_is_what_a_spot_sees_of_the_waves_of_its_shaker():
     assert "1.12 Hz" in found.record.card[-1]  # 1.6 x .7
 
 
-def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_said():
+def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_reported():
     asked = {"circle": CIRCLE, "drive": DRIVE, "fs": 4000.0, "seconds": 2.0, "seed": SEED}
     quiet, loud = (
         cf.rig.scan(ring(), cf.rig.Turning(mirror=2.5), [cf.rig.Tone(95.0)], snr_db=snr, **asked).record

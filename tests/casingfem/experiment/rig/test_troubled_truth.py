@@ -138,7 +138,7 @@ def test_there_are_no_more_groups_than_sensors():
     assert made(setups=8, shift=0.01).truth.setup.tolist() == [0, 1, 2, 3, 4] * 2
 
 
-def test_frequencies_are_shifted_up_and_down_by_as_much_as_is_said():
+def test_frequencies_are_shifted_up_and_down_by_as_much_as_is_reported():
     off = made(setups=100, shift=0.03).truth.freq / (OMEGA / (2.0 * np.pi)) - 1.0
     assert -0.03 <= off.min() < -0.029
     assert 0.029 < off.max() <= 0.03
@@ -243,7 +243,7 @@ ENDS = {"coherent": (0.0, 1.0), "shift": (0.0, 0.05), "double_hit": (0.0, 0.99),
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_ranges_hold_their_ends_and_nothing_beyond(name):
+def test_ranges_keep_their_ends_and_nothing_beyond(name):
     for value in ENDS.get(name, (0,)):
         assert getattr(cf.rig.Troubles(**{name: value}), name) == value
     for value in OUTSIDE[name]:

@@ -68,7 +68,7 @@ def test_functions_keep_the_digits_of_their_format(even, is_complex, double, tmp
     assert np.array_equal(text.x, given.x if even else rounded(given.x, 6))
 
 
-def test_an_axis_of_which_nothing_is_said_is_unknown(tmp_path):
+def test_an_axis_of_which_nothing_is_stated_is_unknown(tmp_path):
     """Kind 0, exponents 0 and NONE are the format's words for it."""
     given = function(even=True, is_complex=False, double=True)
     bare = replace(given, axes=cf.uff.Axes(abscissa=given.axes.abscissa, ordinate=cf.uff.Axis()))
@@ -238,7 +238,7 @@ def test_sets_that_are_not_read_are_listed_or_refused(tmp_path):
         parse_uff(data.replace(b"    18", b"     5", 1), "rig.uff")
 
 
-def test_what_looks_incomplete_is_doubted(tmp_path):
+def test_what_appears_incomplete_is_doubted(tmp_path):
     data = written(tmp_path, nodes=nodes(), nodes_set="15")
     lines = data.split(b"\n")
     with pytest.warns(cf.errors.ModelWarning, match=r"nodes 7 left out.*uff-gap"):
@@ -334,7 +334,7 @@ def test_headers_are_read_where_the_numbers_are_cut_short(tmp_path):
         (4, (3.0, 4.0), math.nan),
     ],
 )  # fmt: skip
-def test_a_shape_has_a_frequency_where_its_analysis_says_one(analysis, reals, freq):
+def test_a_shape_has_a_frequency_where_its_analysis_states_one(analysis, reals, freq):
     shape = cf.uff.Shape(
         text=("",) * 5, model=1, analysis=analysis, characteristic=3, quantity=8, integers=(), reals=reals,
         nodes=np.array([1]), values=np.zeros((1, 3)),
@@ -370,7 +370,7 @@ def test_numbers_that_leave_a_column_free_may_have_exponents_of_three_digits(tmp
         parse_uff(free.replace(b"1.50000E-100", b" 1.5000E-100"), "file.uff")
 
 
-def test_names_and_nodes_as_wide_as_their_columns_stand_side_by_side(tmp_path):
+def test_names_and_nodes_as_wide_as_their_columns_are_side_by_side(tmp_path):
     one = replace(
         function(even=True, is_complex=True, double=True),
         response=cf.uff.Channel("ABCDEFGHIJ", 1234567890, -3), reference=cf.uff.Channel("0123456789", 2147483647, 6),
@@ -406,7 +406,7 @@ def test_a_step_has_as_many_digits_as_leave_a_blank_before_it(step, text, tmp_pa
 
 @pytest.mark.parametrize("kept", [4, 10])
 @pytest.mark.parametrize("read", [cf.uff.read_headers, cf.uff.read_uff])
-def test_a_header_that_ends_early_says_how_many_lines_it_has(read, kept, tmp_path):
+def test_a_header_that_ends_early_states_how_many_lines_it_has(read, kept, tmp_path):
     path = tmp_path / "cut.uff"
     cf.uff.write_uff(path, functions=[function(even=True, is_complex=True, double=False)])
     lines = path.read_text().splitlines()

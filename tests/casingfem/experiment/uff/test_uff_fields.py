@@ -15,7 +15,7 @@ PARTS = {
     "58": {"functions": [function(even=True, is_complex=True, double=False)]},
 }
 FIRST = "the label of the first"
-CASES = {  # set, its line from 0, first column, width, what stands there then, words
+CASES = {  # set, its line from 0, first column, width, what is there then, words
     "factor": ("164", 1, 0, 25, "0.0", "factors above 0"),
     "label 0": ("2411", 0, 0, 10, "0", "found label 0; expected labels from 1, each once"),
     "label twice": ("2411", 2, 0, 10, FIRST, "again; expected labels from 1, each once"),

@@ -9,7 +9,7 @@ import pytest
 import casingfem as cf
 from tests.casingfem.experiment.uff.test_uff_sets import raw, read, refused, whole
 
-NOTHING = f"{whole(0)}{whole(0, 0, 0, width=5)}"  # said of an axis
+NOTHING = f"{whole(0)}{whole(0, 0, 0, width=5)}"  # stated of an axis
 VALUES = "  1.00000E+00  2.00000E+00  3.00000E+00"
 
 
@@ -40,7 +40,7 @@ def function(kind=4, points=3, spacing=1, step=0.5, form=2, axis="", values=VALU
             *([values] if values else [])]  # fmt: skip
 
 
-def test_a_function_says_where_it_was_measured_and_what_its_axes_show():
+def test_a_function_states_where_it_was_measured_and_what_its_axes_show():
     found = read_function(raw("58", function()))
     assert (found.kind, found.word, found.numbers, found.z) == (4, "frequency response", (7, 2, 9), 4.5)
     assert (found.response, found.reference) == (("rim", 12, -3), ("hammer", 1, 2))
@@ -49,7 +49,7 @@ def test_a_function_says_where_it_was_measured_and_what_its_axes_show():
     assert found.double is False
 
 
-def test_a_header_says_what_stands_below_it_and_where():
+def test_a_header_states_what_is_below_it_and_where():
     found = read_function_header(raw("58", function()))
     assert (found.kind, found.points, found.start, found.step, found.binary) == (4, 3, 10.0, 0.5, False)
     assert (found.line, found.fault) == (2, "")
@@ -105,7 +105,7 @@ def test_text_between_the_fields_of_an_axis_is_refused(column):
     ("form", "kind", "bad", "point"), [(2, "<f4", np.nan, 2), (5, "<f4", np.inf, 1), (4, "<f8", np.inf, 2)]
 )
 def test_bytes_that_are_no_number_are_named_by_their_point(form, kind, bad, point):
-    """Of three reals the second, of complex numbers the first; nan stands for a complex number that is missing."""
+    """Of three reals the second, of complex numbers the first; nan represents a complex number that is missing."""
     values = np.array([1.0, bad, 3.0, 4.0, 5.0, 6.0][: 6 if form == 5 else 3], kind)
     lines = function(form=form, values="")
     given = of_bytes(lines, values.tobytes())

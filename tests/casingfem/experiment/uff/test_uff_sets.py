@@ -1,4 +1,4 @@
-"""Sets of universal files line by line: how many nodes, values, numbers each may have, and where they stand."""
+"""Sets of universal files line by line: how many nodes, values, numbers each may have, and where they are."""
 
 import re
 import tempfile
@@ -77,7 +77,7 @@ def test_an_element_has_the_nodes_of_its_kind_and_a_beam_a_line_more(kind):
             refused(read_elements, raw("2412", element(kind, other)), words)
 
 
-def test_elements_have_nodes_from_1_and_end_where_they_say():
+def test_elements_have_nodes_from_1_and_end_where_they_state():
     lines = [*element(94, 4, 6), *element(94, 4)]
     zero = [*lines[:3], whole(11, 12, 0, 14)]
     refused(read_elements, raw("2412", zero), "line 6, set 2412 (elements): found node 0; expected nodes from 1")
@@ -178,7 +178,7 @@ def test_a_shape_may_have_six_integers_and_twelve_reals():
     assert found.values.shape == (2, 6)
 
 
-def test_nodes_of_a_shape_stand_once_and_whole():
+def test_nodes_of_a_shape_are_once_and_whole():
     refused(
         read_shape,
         of_shape(nodes=(3, 8, 3)),
@@ -221,5 +221,5 @@ def test_numbers_are_left_out_where_they_are_fewer_than_a_quarter_of_those_there
         (f"{1:10d}{3:10d}{3:10d} x", "found 'x'; expected nothing beyond column 30"),
     ],
 )
-def test_whole_numbers_stand_flush_right_in_their_columns(line, words):
+def test_whole_numbers_are_flush_right_in_their_columns(line, words):
     refused(read, raw("82", [line, "rim", whole(1, 2, 3)]), words)

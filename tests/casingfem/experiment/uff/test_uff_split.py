@@ -104,7 +104,7 @@ def of_three(values):
         ({"behind": b"\n  -1\n"}, "found no closing -1 behind"),
     ],
 )
-def test_a_binary_function_is_as_its_first_line_says(given, words):
+def test_a_binary_function_is_as_its_first_line_states(given, words):
     with pytest.raises(cf.errors.InputError, match=re.escape(words)) as caught:
         parse_uff(binary(**given))
     assert caught.value.where == "set 58b (functions, binary)"
@@ -175,7 +175,7 @@ def shape(nodes):
                  reals=(9.0, 1.0, 0.0, 0.0), nodes=np.array(nodes), values=np.ones((len(nodes), 3)))  # fmt: skip
 
 
-def test_what_looks_incomplete_is_said(tmp_path):
+def test_what_appears_incomplete_is_reported(tmp_path):
     with pytest.warns(cf.errors.ModelWarning, match="f.uff: shapes at 2 to 3 nodes, not the same.*uff-shapes"):
         parsed(tmp_path, {"shapes": [shape([1, 2]), shape([3, 1, 2])]})
     assert len(parsed(tmp_path, {"shapes": [shape([1, 2, 3]), shape([3, 1, 2])]}).shapes) == 2
@@ -186,7 +186,7 @@ def test_what_looks_incomplete_is_said(tmp_path):
         parsed(tmp_path, *(element(k) for k in (4, 5, 7, 8, 9)))
 
 
-def test_a_file_tells_what_it_holds(tmp_path):
+def test_a_file_shows_what_it_contains(tmp_path):
     found = parsed(tmp_path, {"nodes": some([1, 2, 3])}, element(1), {"shapes": [shape([1, 2])]})
     assert found.contents == "3 nodes, 1 elements, 1 shapes"
     skipped = text(*[MARK, "    18", "c", MARK] * 2, MARK, "   757", MARK)

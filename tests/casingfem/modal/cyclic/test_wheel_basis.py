@@ -1,4 +1,4 @@
-"""A wheel as a basis: directions at its nodes, and what is said of it."""
+"""A wheel as a basis: directions at its nodes, and what is stated of it."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def node(sector, place):
 
 
 @pytest.mark.slow
-def test_a_wheel_tells_its_damping_its_sectors_and_its_mistuning(quarter):
+def test_a_wheel_shows_its_damping_its_sectors_and_its_mistuning(quarter):
     at = cf.modal.AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
     tuned = cf.modal.cyclic_reduce(quarter, at, modes=1)
     equal = cf.modal.cyclic_reduce(quarter, at, modes=1, zeta=0.02, deviations=[0.0] * 4)
@@ -39,7 +39,7 @@ def test_a_wheel_tells_its_damping_its_sectors_and_its_mistuning(quarter):
     assert rise.max() > 1.01
 
 
-def test_six_modes_of_each_diameter_are_kept_if_nothing_is_said(quarter):
+def test_six_modes_of_each_diameter_are_kept_if_nothing_is_stated(quarter):
     at = cf.modal.AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
     assert len(cf.modal.cyclic_reduce(quarter, at)) == 4 * 6
     with pytest.raises(cf.errors.ModelError, match=r"zeta must lie in \[0, 1\), found -0\.001"):

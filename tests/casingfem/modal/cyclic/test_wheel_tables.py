@@ -8,7 +8,7 @@ import pytest
 import casingfem as cf
 
 
-def test_a_mistuned_mode_is_told_by_its_diameter_and_its_blade():
+def test_a_mistuned_mode_is_reported_by_its_diameter_and_its_blade():
     modes = cf.modal.MistunedModes(
         freq=np.array([100.0, 210.5]), content=np.array([[0.2, 0.5, 0.3], [0.9, 0.1, 0.0]]),
         energy=np.array([[0.1, 0.2, 0.6, 0.1], [0.4, 0.3, 0.2, 0.1]]),

@@ -27,7 +27,7 @@ def tuned(disk):
     return cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=3, zeta=0.002)
 
 
-def test_a_band_may_hold_no_mode_of_some_diameters_or_of_all(disk):
+def test_a_band_may_contain_no_mode_of_some_diameters_or_of_all(disk):
     first = cf.modal.cyclic_modes(disk, 1, diameters=[0, 1])
     lowest = int(first.freq.argmin())
     found = cf.modal.cyclic_modes(disk, (1.0, first.freq.mean()), diameters=[0, 1])
@@ -75,7 +75,7 @@ def test_waves_pass_from_sector_to_sector_with_the_phase_of_their_sense(axis):
 
 
 @pytest.mark.slow
-def test_a_table_of_waves_tells_what_turns_with_the_wheel_and_what_stands():
+def test_a_table_of_waves_shows_what_turns_with_the_wheel_and_what_is():
     waves = cf.modal.cyclic_whirl(bladed_disk(N, SMALL, TURNING), 1, diameters=[2, 1])
     turns = 900.0 / (2.0 * np.pi)
     fixed = [abs(waves.freq[0] - turns), waves.freq[1] + turns, waves.freq[2]]
@@ -117,7 +117,7 @@ def test_the_basis_knows_how_the_stiffness_grows_with_speed():
     assert np.abs(still - wanted).max() > 3e-2 * size
 
 
-def test_the_basis_is_a_body_whose_tips_stand_around(tuned, tmp_path):
+def test_the_basis_is_a_body_whose_tips_are_around(tuned, tmp_path):
     body = ct.ModalBody.load(tuned.save(tmp_path / "wheel.npz"))
     assert (body.sectors, len(body.channels), len(body.omega)) == (N, 6 * N, 3 * N)
     assert cf.ModalBasis.load(tmp_path / "wheel.npz").sectors == N
@@ -127,7 +127,7 @@ def loose(disk):
     return cf.imported.CyclicSector(structure=replace(disk.structure, supports={}), sectors=N)
 
 
-def test_nodes_of_a_wheel_stand_off_its_axis():
+def test_nodes_of_a_wheel_are_off_its_axis():
     """A quarter of a square block: one edge of it is the axis."""
     steel, groups = cf.Material(E=210e9, nu=0.3, rho=7800.0), {"low": (1, 0.0), "high": (0, 0.0), "held": (2, 0.0)}
     mesh = cf.imported.grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.1, 0.1, 0.05], groups=groups)

@@ -19,7 +19,7 @@ def bolted(frustum, bolts, mesh=QUIET):
 
 @pytest.mark.parametrize("around", [5, 8, 9])
 @pytest.mark.parametrize("loose", [{}, {3: 0.3, 7: 0.0}])
-def test_patches_carry_their_stiffness_whole_on_any_mesh(frustum, around, loose):
+def test_patches_have_their_stiffness_whole_on_any_mesh(frustum, around, loose):
     """A shift of 1 m strains nothing but the bolts: sum of k_z, and k_r cos^2 + k_theta sin^2 at each angle."""
     bolts = cf.Bolts(count=8, k=(1e6, 2e6, 3e6), first_angle=0.123, width=0.4, loose=loose)
     system = cf.shell.assemble(bolted(frustum, bolts, cf.ShellMesh(order=5, rows=1, around=around)))
@@ -36,7 +36,7 @@ def test_patches_carry_their_stiffness_whole_on_any_mesh(frustum, around, loose)
 
 
 def test_a_patch_across_the_seam_is_whole(frustum):
-    """Bolt 1 stands on the seam: turning all bolts by a pitch changes nothing."""
+    """Bolt 1 is on the seam: turning all bolts by a pitch changes nothing."""
     here, on = (
         cf.shell.assemble(bolted(frustum, cf.Bolts(count=8, k=1e7, first_angle=a))).K for a in (0.0, -np.pi / 4)
     )
@@ -127,12 +127,12 @@ def test_refuses_bolts_that_are_none(values, code):
         ({"width": 0.6, "spacing": 0.85}, r"patches of width 34\.38 deg on bolts at a spacing of 19\.09 deg overlap"),
     ],
 )
-def test_says_what_is_wrong_with_bolts(values, said):
+def test_states_what_is_wrong_with_bolts(values, said):
     with pytest.raises(cf.errors.ModelError, match=said):
         cf.Bolts(**{"count": 8, "k": 1e8} | values)
 
 
-def test_bolts_may_hold_by_their_rotation_alone_and_keep_what_they_were_given():
+def test_bolts_may_keep_by_their_rotation_alone_and_keep_what_they_were_given():
     given = {3: 0.5}
     bolts = cf.Bolts(count=24, k=0.0, k_rot=1e3, loose=given)
     given[3] = 0.0

@@ -31,7 +31,7 @@ def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
 @pytest.mark.slow
 @pytest.mark.parametrize("heavy", ["ring", "masses"])
 def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
-    """As if clamped there: its lowest bending mode looks like a turn about the heavy end, but the end stands still."""
+    """As if clamped there: its lowest bending mode resembles a turn about the heavy end, which does not move."""
     lead = replace(steel, rho=10.0 * steel.rho)
     parts = {
         "ring": {
@@ -84,7 +84,7 @@ def test_reduction_of_a_casing_on_a_ring(frustum):
 
 
 @pytest.mark.slow
-def test_a_stiff_massless_ring_holds_the_edge_round(frustum, steel):
+def test_a_stiff_massless_ring_keeps_the_edge_round(frustum, steel):
     """A ring without mass only stiffens; a huge one on stiff springs is a clamp."""
     light = cf.Material(E=steel.E, nu=steel.nu, rho=1e-6)
     springs = cf.ElasticEdge(k_face=1e12)
@@ -136,11 +136,11 @@ def test_a_mass_of_nothing_is_a_mass():
     assert cf.edge.EdgeMass(angle=0.0, mass=0.0).mass == 0.0
 
 
-def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
+def test_rings_and_masses_are_on_edges_that_run_around(steel, frustum):
     panel = cf.Panel(radius=0.6, length=0.3, angle=0.5)
     with pytest.raises(cf.errors.ModelError, match="ring-edge"):
         cf.Shell(chart=panel, thickness=3e-3, material=steel, supports={"left": cf.Ring(section=BAR)})
-    with pytest.raises(cf.errors.ModelError, match="ends on the held edge 'left'"):
+    with pytest.raises(cf.errors.ModelError, match="ends on the fixed edge 'left'"):
         cf.Shell(
             chart=panel, thickness=3e-3, material=steel, supports={"root": cf.Ring(section=BAR), "left": cf.Clamped()}
         )

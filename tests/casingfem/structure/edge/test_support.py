@@ -1,4 +1,4 @@
-"""Supports: what is held, how springs vary around an edge, refusals; and what they do to a shell."""
+"""Supports: what is fixed, how springs vary around an edge, refusals; and what they do to a shell."""
 
 from dataclasses import replace
 
@@ -98,7 +98,7 @@ def test_stiff_springs_approach_the_clamp_from_below(frustum):
     np.testing.assert_allclose(last, clamped, rtol=1e-4)
 
 
-def test_shear_diaphragm_holds_its_own_plane(steel):
+def test_shear_diaphragm_keeps_its_own_plane(steel):
     shell = cf.Shell(
         chart=cf.Cylinder(radius=0.5, height=0.4),
         thickness=5e-3,

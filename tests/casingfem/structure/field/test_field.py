@@ -182,7 +182,7 @@ def test_repr_names_the_largest_harmonics_first():
     assert repr(cf.FourierField.of({})) == "FourierField(0 harmonics, |f| <= 0.00e+00)"
 
 
-def test_repr_tells_a_bound_of_the_field_and_where_crests_are():
+def test_repr_shows_a_bound_of_the_field_and_where_crests_are():
     title, _, *rows = repr(
         cf.FourierField.of({0: -1e-3, 1: (0.0, 2e-3), 2: (0.0, -3e-3), 5: (3e-3, 4e-3)})
     ).splitlines()
@@ -207,7 +207,7 @@ def test_amplitude_and_highest_harmonic():
         ({"p": [2, 2], "cos": np.ones((2, 1)), "sin": np.ones((2, 1))}, "harmonic 2 is given twice"),
         ({"cos": [1.0]}, r"cos must have shape \(harmonics, degrees\), not \(1,\)"),
         ({"cos": np.ones((1, 2))}, r"cos \(1, 2\) and sin \(1, 1\) must both"),
-        ({"cos": [[np.nan]]}, "cos holds values that are not finite"),
+        ({"cos": [[np.nan]]}, "cos contains values that are not finite"),
         ({"p": [0], "sin": [[0.1]]}, "use cos for the mean"),
         ({"z_half": 0.0}, "z_half > 0"),
         ({"z_mid": np.inf}, "finite z_mid"),
@@ -216,7 +216,7 @@ def test_amplitude_and_highest_harmonic():
         ({"p": [[3]]}, "list of whole numbers"),
         ({"p": [10_001]}, "<= 10000, found 10001"),
         ({"cos": np.ones((1, 0)), "sin": np.ones((1, 0))}, r"cos must have shape .* not \(1, 0\)"),
-        ({"sin": [[np.inf]]}, "sin holds values that are not finite"),
+        ({"sin": [[np.inf]]}, "sin contains values that are not finite"),
     ],
 )
 def test_nonsense_is_refused_by_name(arguments, message):
@@ -242,7 +242,7 @@ def test_thirty_harmonics_on_a_mesh_are_those_of_each_point():
 
 @pytest.mark.parametrize("step", [0.0, 1e-30j])
 def test_points_that_share_their_places_are_as_those_alone(step):
-    """Points of a mesh stand in rows, and are evaluated once a row and once an angle."""
+    """Points of a mesh are in rows, and are evaluated once a row and once an angle."""
     field = random_field(7, harmonics=3, degrees=2)
     z, theta = np.array([[0.3, 0.3, -0.1], [0.1, 0.3, 0.1]]) + step, np.array([[2.0, -1.0, 2.0], [2.0, 0.5, -1.0]])
     together = np.array(field.derivatives(z, theta))

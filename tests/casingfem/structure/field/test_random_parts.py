@@ -48,7 +48,7 @@ def test_a_draw_is_that_of_its_own_numbers(draw, stream):
         np.testing.assert_array_equal(cf.field.RandomField(spectrum=SPECTRUM, seed=3).fit.cos, field.fit.cos)
 
 
-def test_the_example_is_told_in_walls():
+def test_the_example_is_reported_in_walls():
     """Medians 0.24 t at n = 2 and 0.019 t at n = 12, twice as large by a scale of 2; t/R = 0.01."""
     field = cf.field.RandomField.example(thickness=5e-3, radius=0.5, seed=1, scale=2.0, stream=5)
     median = dict(zip(field.spectrum.p.tolist(), field.spectrum.median, strict=True))

@@ -112,5 +112,5 @@ def test_coefficients_must_fit_the_spline():
         cf.FourierField(p=[2], cos=np.ones((1, 3)), sin=np.ones((1, 3)), spline=BASES[0])
 
 
-def test_repr_of_a_splined_field_tells_its_ends():
+def test_repr_of_a_splined_field_shows_its_ends():
     assert repr(wavy(BASES[0])).splitlines()[0].endswith(", 8 splines along z from 0.05 to 0.25 m)")

@@ -207,7 +207,7 @@ def test_a_robust_fit_does_not_believe_a_minority():
 
 
 @pytest.mark.parametrize("between", [0, 1, 2])
-def test_a_robust_fit_says_when_what_it_keeps_is_too_little(between):
+def test_a_robust_fit_states_when_what_it_keeps_is_too_little(between):
     """A ring of four points off their own plane tells the slope of three columns, and so do three points between."""
     theta, z = rings(heights=(0.0,), points=36)
     theta = np.concatenate([theta, np.radians([0.0, 90.0, 180.0, 270.0]), np.radians([45.0, 165.0, 285.0])])
@@ -223,7 +223,7 @@ def test_a_robust_fit_says_when_what_it_keeps_is_too_little(between):
 
 
 def one_height_and_four_points():
-    """Four of 36 points stand on a height of their own, which counts beside a ring of 32, and lie off."""
+    """Four of 36 points are on a height of their own, which counts beside a ring of 32, and lie off."""
     theta, z = rings(heights=(0.0,), points=32)
     theta, z = np.append(theta, np.radians([0.0, 90.0, 180.0, 270.0])), np.append(z, np.full(4, 0.2))
     radius = 0.5 + 1e-6 * np.random.default_rng(1).normal(size=z.size)

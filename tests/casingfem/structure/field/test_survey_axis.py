@@ -1,4 +1,4 @@
-"""Surveys of parts that stood beside the axis they were turned about, or leaned."""
+"""Surveys of parts that were beside the axis they were turned about, or leaned."""
 
 import warnings
 
@@ -43,9 +43,9 @@ def test_noise_and_a_stray_point_leave_the_axis_where_it_is():
     assert survey.fit.amplitude(2) == pytest.approx(6e-4, abs=6e-6)
 
 
-def test_a_plain_fit_says_that_the_part_stood_beside_the_axis(tmp_path):
+def test_a_plain_fit_states_that_the_part_was_beside_the_axis(tmp_path):
     theta, z, radius = turned_about(MIDDLE, 0.0)
-    with pytest.warns(cf.errors.ModelWarning, match=r"survey: the part stood 2.24 mm off the axis towards 27 deg"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: the part was 2.24 mm off the axis towards 27 deg"):
         cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # a run-out below the shape is none of this

@@ -49,7 +49,7 @@ def test_medians_that_hint_at_another_unit(tmp_path, header, value, refused):
     if refused:
         stem, unit = header.split("_")
         other = f"{stem}_{'m' if unit == 'mm' else 'mm'}"
-        with pytest.raises(cf.errors.InputError, match=f"line 1, column '{header}'.*does the column hold {other}"):
+        with pytest.raises(cf.errors.InputError, match=f"line 1, column '{header}'.*is the column {other}"):
             cf.SurveyField.from_csv(path)
     else:
         field = cf.SurveyField.from_csv(path)
@@ -61,14 +61,14 @@ def test_medians_that_hint_at_another_unit(tmp_path, header, value, refused):
     ("name", "height", "what", "value", "refused"),
     [
         ("z_m", "24.9", "radius_m", "0.5", ""),  # fifty radii
-        ("z_m", "25.1", "radius_m", "0.5", "0.0005 to 25 m; does the column hold z_mm"),
+        ("z_m", "25.1", "radius_m", "0.5", "0.0005 to 25 m; is the column z_mm"),
         ("z_mm", "0.51", "radius_m", "0.5", ""),
-        ("z_mm", "0.49", "radius_m", "0.5", "0.0005 to 25 m; does the column hold z_m[?]"),
+        ("z_mm", "0.49", "radius_m", "0.5", "0.0005 to 25 m; is the column z_m[?]"),
         ("z_mm", "0", "radius_m", "0.5", ""),
         ("z_m", "0.00049", "radius_m", "0.5", ""),
         ("z_m", "24.9", "thickness_m", "0.003", ""),  # of half a metre
-        ("z_m", "25.1", "thickness_m", "0.003", "does the column hold z_mm"),
-        ("z_mm", "0.49", "thickness_m", "0.003", "does the column hold z_m[?]"),
+        ("z_m", "25.1", "thickness_m", "0.003", "is the column z_mm"),
+        ("z_mm", "0.49", "thickness_m", "0.003", "is the column z_m[?]"),
     ],
 )
 def test_heights_that_hint_at_another_unit(tmp_path, name, height, what, value, refused):
@@ -173,7 +173,7 @@ survey = "rig.csv"
         ((600, 700), "", r"refused.*0% of the shell's 0 to 0.5 m, expected points on the shell.*survey-other", ""),
     ],
 )  # fmt: skip
-def test_a_survey_of_a_part_of_the_height_says_what_holds_outside(heights, rule, words, outside, tmp_path):
+def test_a_survey_of_a_part_of_the_height_states_what_applies_outside(heights, rule, words, outside, tmp_path):
     rows = [
         f"{angle};{z};{500 + 0.5 * np.cos(np.radians(3 * angle)):.4f}" for z in heights for angle in range(0, 360, 10)
     ]

@@ -167,7 +167,7 @@ def corner_lines(fillet):
     return (lines[1:-1] / lines[-1]).tolist()
 
 
-def test_element_lines_stand_where_pieces_meet():
+def test_element_lines_are_where_pieces_meet():
     casing = shell(meridian(), strips=(cf.Strip(start=meridian().owners[1][0], end=meridian().length, thickness=5e-3),))
     lines = casing.mesh.breaks * meridian().length
     for line in (*meridian().lines, meridian().owners[1][0]):

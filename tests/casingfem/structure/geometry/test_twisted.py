@@ -106,7 +106,7 @@ def test_thin_plates_are_within_half_a_per_cent_of_3d(reference):
 
 
 @pytest.mark.slow
-def test_what_stands_beyond_are_the_faces_which_lean_against_the_normal(reference):
+def test_what_is_beyond_are_the_faces_which_lean_against_the_normal(reference):
     """A solid with turned sections is the reference; one along the normal is the shell."""
     parts = anatomy(reference("twisted_plate_3d.csv"), 1, 20, 60)
     assert max(abs(row["solid, turned sections / table"]) for row in parts) < 0.15

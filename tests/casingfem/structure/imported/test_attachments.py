@@ -55,7 +55,7 @@ def joined_to(mesh, node, how):
 
 
 @pytest.mark.parametrize(("kind", "how"), [("solid", "rigid"), ("solid", "mean"), ("shell", "rigid")])
-def test_a_cantilever_with_a_tip_mass_swings_as_its_equation_says(kind, how):
+def test_a_cantilever_with_a_tip_mass_swings_as_its_equation_states(kind, how):
     """1 + cos b cosh b + mu b (cos b sinh b - sin b cosh b) = 0, omega = b^2 sqrt(EI/(rho A L^4)), mu = m/(rho A L)."""
     mesh, node = beam(kind=kind)
     mass = 2.0
@@ -403,7 +403,7 @@ SURFACE = "*SURFACE,NAME=S,TYPE=NODE\n1\n2\n*COUPLING,REF NODE=5,SURFACE=S\n"
 
 
 def test_masses_of_bulk_data_have_the_signs_and_factors_of_the_manual(tmp_path):
-    """Products of inertia stand with a minus in the matrix; PARAM, WTMASS multiplies masses, not offsets."""
+    """Products of inertia are with a minus in the matrix; PARAM, WTMASS multiplies masses, not offsets."""
     path = tmp_path / "a.bdf"
     card = "CONM2,9,5,,4.,.1,.2,.3,,+\n+,1.,.5,2.,.25,.125,3.\nPARAM,WTMASS,.5"
     path.write_text(TETRA.format(cd="", card=card))
@@ -479,7 +479,7 @@ def test_cards_that_are_not_understood_are_refused_by_line(card, told, tmp_path)
         ("RBAR,9,4,5,,123456,12", "rigids", {"reference": 4, "nodes": [3], "components": (0, 1)}),
     ],
 )
-def test_cards_are_what_the_manual_says(card, kind, wanted, tmp_path):
+def test_cards_are_what_the_manual_states(card, kind, wanted, tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card=card))
     (found,) = getattr(cf.read_mesh(path).attachments, kind)
@@ -535,7 +535,7 @@ def test_cards_are_what_the_manual_says(card, kind, wanted, tmp_path):
         ("*MPC\nBEAM,4,5\n", "rigids", {"nodes": [3], "reference": 4}),
     ],
 )
-def test_keywords_are_what_the_manual_says(text, kind, wanted, tmp_path):
+def test_keywords_are_what_the_manual_states(text, kind, wanted, tmp_path):
     path = tmp_path / "a.inp"
     path.write_text(INP + text)
     (found,) = getattr(cf.read_mesh(path).attachments, kind)

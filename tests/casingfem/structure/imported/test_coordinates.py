@@ -101,7 +101,7 @@ def test_points_in_a_line_are_seen_by_their_angle(size, tmp_path):
         return system("R", 1, size * np.array([[0, 0, 0], [0, 0, 2.0], [3.0 * slant, 0, 3.0]])) + "GRID,1,1,1.,2.,3.\n"
 
     np.testing.assert_allclose(read(tmp_path, text(1.5e-10)).points[0], X, atol=1e-9)
-    with pytest.raises(cf.errors.ModelError, match="the points of system 1 stand in a line"):
+    with pytest.raises(cf.errors.ModelError, match="the points of system 1 are in a line"):
         read(tmp_path, text(0.5e-10))
 
 
@@ -132,7 +132,7 @@ ENDDATA
 """
 
 
-def test_grids_stand_where_their_system_puts_them(tmp_path):
+def test_grids_are_where_their_system_puts_them(tmp_path):
     (tmp_path / "part.bdf").write_text(BDF)
     points = cf.read_mesh(tmp_path / "part.bdf").points
     np.testing.assert_allclose(points, [[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]], atol=1e-12)
@@ -148,7 +148,7 @@ def test_grids_stand_where_their_system_puts_them(tmp_path):
     [
         (lambda t: t.replace("GRID,1,5", "GRID,1,6"), "line 4: GRID: grid 1 in coordinate system 6: no system 6"),
         (lambda t: t.replace("CORD2C,5,0", "CORD2C,5,5"), "system 5 refers to itself"),
-        (lambda t: t.replace(",1.,0.,0.\n", ",0.,0.,2.\n", 1), "the points of system 5 stand in a line"),
+        (lambda t: t.replace(",1.,0.,0.\n", ",0.,0.,2.\n", 1), "the points of system 5 are in a line"),
         (lambda t: t.replace("CORD2C,5,0,0.", "CORD2C,5,0,x"), "line 2: CORD2C: found 'x', expected a real number"),
         (lambda t: t.replace("CORD2C", "CORD1C"), "line 2: CORD1C: found '0.', expected a whole"),
         (lambda t: t.replace("GRID,1,5", "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,5"), "5 is given twice"),

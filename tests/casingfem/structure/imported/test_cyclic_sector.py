@@ -99,7 +99,7 @@ def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
         (
             lambda: part(supports={"base": cf.imported.Fixed(directions=("x",))}),
             {"sectors": 8},
-            "holds x.*cyclic-support",
+            "fixes x.*cyclic-support",
         ),
     ],
 )
@@ -124,9 +124,9 @@ def test_other_diagonals_on_the_faces_are_refused():
         cf.imported.CyclicSector(structure=cf.Solid(mesh=other, material=STEEL), sectors=4)
 
 
-def test_supports_must_hold_both_faces_alike():
+def test_supports_must_keep_both_faces_alike():
     solid = part()
     groups = dict(solid.mesh.groups) | {"pin": cf.imported.Group(nodes=solid.mesh.groups["low"].nodes[:1])}
     pinned = cf.Solid(mesh=replace(solid.mesh, groups=groups), material=STEEL, supports={"pin": cf.Clamped()})
-    with pytest.raises(cf.errors.ModelError, match=r"not held alike.*cyclic-support"):
+    with pytest.raises(cf.errors.ModelError, match=r"have different supports.*cyclic-support"):
         cf.modal.cyclic_modes(cf.imported.CyclicSector(structure=pinned, sectors=8), 1)

@@ -71,7 +71,7 @@ def test_a_damaged_hdf5_file(old, new, tmp_path):
 
 
 @pytest.mark.slow
-def test_an_hdf5_matrix_that_says_it_fills_the_memory(tmp_path):
+def test_an_hdf5_matrix_that_states_it_fills_the_memory(tmp_path):
     """Nothing is stored of it: the file has some kilobytes."""
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.h5", "w") as file:

@@ -168,7 +168,7 @@ def test_shapes_of_imported_parts_for_paraview_and_test_software(text, mesh, tmp
 
 
 @pytest.mark.filterwarnings("default::casingfem.errors.ModelWarning")
-def test_doubts_come_in_words_on_stderr(tmp_path):
+def test_warnings_come_in_words_on_stderr(tmp_path):
     linear = cf.imported.grid_mesh("hexahedron", (1, 12, 2), WALL, groups=ENDS, wrap=1)
     ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, SOLID, linear)), "--json"])
     assert ran.exit_code == 0

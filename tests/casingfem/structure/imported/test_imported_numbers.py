@@ -38,7 +38,7 @@ def plate(kind):
 
 
 def numbers_of(part):
-    """Matrices and static answers of a part that is held."""
+    """Matrices and static answers of a part that is fixed."""
     system = part.assembled()
     mesh = part.mesh
     node = int(mesh.node_numbers[mesh.groups["tip"].nodes[-1]])

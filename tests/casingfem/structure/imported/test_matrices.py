@@ -355,7 +355,7 @@ def test_binary_op4_is_read_whole_or_refused_in_words(content, message, tmp_path
 
 @pytest.mark.parametrize("long", [False, True])
 @pytest.mark.parametrize("length", [-1, 0, 1, 3, 4])
-def test_strings_of_other_lengths_than_their_column_holds_are_refused(length, long, tmp_path):
+def test_strings_of_other_lengths_than_their_column_keeps_are_refused(length, long, tmp_path):
     """In words: one double has two, which is all that the column holds."""
     head, own = (-3, [length + 1, 1]) if long else (3, [1 + 65536 * (length + 1)])
     begun = record(1, head, 2, 2, more=b"K       ")
@@ -396,7 +396,7 @@ def test_a_second_matrix_of_one_name_in_an_op4_file_is_refused(tmp_path):
     assert column_of(tmp_path, OP4.replace("2K ", "2PG") * 2 + OP4 + OP4.replace("K ", "M ")) == [1.0, 2.0]
 
 
-def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
+def test_what_is_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
     """Loads and recovery matrices of EXTSEOUT: rectangular, or complex, some with an M or a K at their beginning."""
     plain, whole = tmp_path / "plain.pch", tmp_path / "whole.pch"
     plain.write_text(PCH)
@@ -481,7 +481,7 @@ def test_a_shell_on_a_chart_as_matrices():
         chart=cf.Cylinder(radius=0.5, height=0.2), thickness=0.01, material=STEEL,
         supports={"base": cf.Clamped(), "top": cf.ShearDiaphragm()}, mesh=cf.ShellMesh(order=4, rows=1, around=7),
     )  # fmt: skip
-    with pytest.raises(cf.errors.ModelError, match="an edge held in its own frame"):
+    with pytest.raises(cf.errors.ModelError, match="an edge fixed in its own frame"):
         cf.modal.structure_matrices(ringed)
 
 

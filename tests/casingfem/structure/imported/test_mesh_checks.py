@@ -141,7 +141,7 @@ def test_nearly_folded_cells_are_doubted():
         cf.Solid(mesh=changed(points=points), material=STEEL)
 
 
-def test_millimetres_look_like_a_very_large_part():
+def test_millimetres_resemble_a_very_large_part():
     with pytest.warns(cf.errors.ModelWarning, match=r"225\.\d m across.*scale = 1e-3.*mesh-units"):
         cf.Solid(mesh=changed(points=1e3 * SOUND.points), material=STEEL)
 

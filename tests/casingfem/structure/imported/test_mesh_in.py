@@ -230,7 +230,7 @@ BROKEN = {
     "joined.inp": (INP.replace("30, 40\n", "30, 40, 8, 10, 20, 30, 40\n"), "line 11: found 10 numbers, expected 5 an"),
     "digits.inp": (INP.replace(" 7, 10", f" 7, {10**20}"), "line 11: found .*, expected numbers below"),
     "node.inp": (INP.replace(" 10, 0., 0.", " 1.5, 0., 0."), "line 5: found the node 1.5, expected a whole number"),
-    "range.inp": (INP.replace("10, 30, 10", "10, 1000000000000"), "999999999991 numbers, more than the file can hold"),
+    "range.inp": (INP.replace("10, 30, 10", "10, 1000000000000"), "999999999991 numbers, more than the file has"),
     "step.inp": (INP.replace("10, 30, 10", "10, 30, 0"), "expected first, last, step"),
     "last.inp": (INP[: INP.index("*Surface") - 2], "the last line, 'bod', has no end: cut short?"),
     "no element.inp": (INP[: INP.index(" 7, 10")], "found 4 nodes and no elements"),
@@ -270,7 +270,7 @@ def test_broken_files_are_refused_with_the_place(name, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_binary_file_that_says_it_fills_the_memory_is_not_read(tmp_path):
+def test_a_binary_file_that_states_it_fills_the_memory_is_not_read(tmp_path):
     head = b"$MeshFormat\n2.2 1 8\n" + struct.pack("<i", 1) + b"\n$EndMeshFormat\n"
     nodes = b"$Nodes\n%d\n" % 10**9 + struct.pack("<iddd", 1, 0.0, 0.0, 0.0) + b"\n$EndNodes\n"
     (tmp_path / "a.msh").write_bytes(head + nodes + b"$Elements\n0\n$EndElements\n")
@@ -318,7 +318,7 @@ def test_defaults_of_grids_are_those_of_grdset(tmp_path):
     ("ending", "whole", "line"),
     [("inp", INP, "*Include, Input={}\n"), ("bdf", BDF, "INCLUDE '{}'\n"), ("nas", BDF, "include {}\n")],
 )
-def test_included_files_stand_where_they_are_named(ending, whole, line, tmp_path):
+def test_included_files_are_where_they_are_named(ending, whole, line, tmp_path):
     """In a folder of its own, and from there back beside the first file."""
     lines = whole.splitlines(keepends=True)
     (tmp_path / "parts").mkdir()
@@ -348,7 +348,7 @@ def test_truncated_binary_is_refused(tmp_path):
 
 
 def test_middles_of_shells_that_are_left_out_are_put_in_free(tmp_path):
-    """Without any they are cells of four; else the others stand in the middle of their edges, and nothing ties them."""
+    """Without any they are cells of four; else the others are in the middle of their edges, and nothing ties them."""
     grids = "".join(f"GRID,{k},,{x},{y},0.\n" for k, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0)), 1))
     text = "BEGIN BULK\n" + grids.replace("1,0.\n", "1.,0.\n") + "CQUAD8,9,1,1,2,3,4{}\nENDDATA\n"
     assert cf.read_mesh(write(tmp_path / "a.bdf", text.format(""))).kind == "quad"
@@ -386,7 +386,7 @@ def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_p
 
 
 FLAT = "BEGIN BULK\n" + "".join(f"GRID,{k + 1},,{k % 3}.,{k // 3}.,0.\n" for k in range(9))
-# as the Quick Reference Guide has them: T1 to T4 of CQUAD8 stand before the angle and the offset
+# as the Quick Reference Guide has them: T1 to T4 of CQUAD8 are before the angle and the offset
 SHELL_CARDS = {
     "CQUAD4": ("1,3,9,7", ""), "CQUADR": ("1,3,9,7", ""), "CTRIA3": ("1,3,9", ""), "CTRIAR": ("1,3,9", ""),
     "CTRIA6": ("1,3,9,2,6,5", ""), "CQUAD8": ("1,3,9,7,2,6,8,4", ",,,,"),
@@ -401,7 +401,7 @@ def in_lines(card):
 
 @pytest.mark.filterwarnings("ignore:.*mesh-orphan-nodes")
 @pytest.mark.parametrize("name", SHELL_CARDS)
-def test_an_offset_of_a_shell_is_said_to_be_left_out_and_an_angle_is_none(name, tmp_path):
+def test_an_offset_of_a_shell_is_reported_as_left_out_and_an_angle_is_none(name, tmp_path):
     nodes, between = SHELL_CARDS[name]
     card = f"{name},1,1,{nodes}{between},30."
     with pytest.warns(cf.errors.ModelWarning, match=rf"1 offset \(ZOFFS\) of {name} \(from line 11\).*mesh-left-out"):

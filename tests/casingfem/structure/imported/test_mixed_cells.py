@@ -215,7 +215,7 @@ def test_all_quadratic_kinds_swing_like_bricks_alone(omega):
 
 
 @pytest.mark.slow
-def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
+def test_facets_of_quadratic_kinds_have_pressures_and_foundations():
     """The pressure on the whole skin adds up to nothing, and its moment of places to the volume."""
     mesh = quadratic((3, 1, 2), bend=0.04)
     skin = replace(

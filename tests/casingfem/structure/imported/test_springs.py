@@ -63,7 +63,7 @@ def compliance(part, node):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*mesh-floating-spring")
-def test_a_slanted_spring_holds_one_direction_and_forces_across_it_are_refused(bar):
+def test_a_slanted_spring_fixes_one_direction_and_forces_across_it_are_refused(bar):
     mesh, (end, middle) = bar
     along = np.array([0.6, 0.0, 0.8])
     terms = tuple(
@@ -189,7 +189,7 @@ def test_sums_of_constraint_sets_are_groups(tmp_path):
 
 @pytest.mark.parametrize("kind", ["R", "C", "S"])
 def test_systems_by_grids_are_systems_by_their_places(kind, tmp_path):
-    """Grids 8 stands in system 9 by grids, one of which stands in a system by points."""
+    """Grids 8 is in system 9 by grids, one of which is in a system by points."""
     grids = "GRID,11,5,.9,90.,0.\nGRID,12,,.1,.9,1.\nGRID,13,,1.1,.9,0.\nGRID,8,9,1.,40.,50.\nSPC1,6,1,8"
     same = f"CORD2{kind},9,,.1,.9,0.,.1,.9,1.,+\n+,1.1,.9,0."
     places = []

@@ -106,7 +106,7 @@ def test_shells_are_tied_edge_to_edge():
         cf.MeshShell(mesh=standing, thickness=5e-3, material=STEEL, supports={"a.low": cf.Clamped()}).assembled()
 
 
-def test_what_a_support_holds_stays_held():
+def test_what_a_support_keeps_stays_fixed():
     """Clamped along a side that both blocks share, follower nodes included."""
     both = cf.imported.tied(pair("hexahedron20", (1, 1, 2), (1, 1, 3)), [GLUE])
     side = np.flatnonzero(both.points[:, 2] == 0.0)

@@ -53,7 +53,7 @@ def body(how):
 
 
 @pytest.mark.parametrize("how", ["cells", "mass", "pieces"])
-def test_a_rigid_body_on_springs_turns_as_euler_says(how):
+def test_a_rigid_body_on_springs_turns_as_euler_states(how):
     """k_x - m O^2, k_tx + (J_z - J_y) O^2, k_ty + (J_z - J_x) O^2; Coriolis 2 m O, (J_x + J_y - J_z) O."""
     part, mass, J = body(how)
     K, M, G = at_speed(part)
@@ -101,7 +101,7 @@ def pendulum(arm, hub, kind):
 
 
 @pytest.mark.parametrize("kind", ["offset", "rigid", "chain"])
-def test_a_pendulum_on_a_hub_stiffens_as_its_lengths_say(kind):
+def test_a_pendulum_on_a_hub_stiffens_as_its_lengths_state(kind):
     """Out of the plane k + m O^2 a (R + a), in it k + m O^2 a R, for an arm a at the hub's radius R; m a^2 moves."""
     arm, hub = 0.5, 0.3
     part, hinge, k = pendulum(arm, hub, kind)
@@ -156,7 +156,7 @@ def test_a_mass_beyond_the_tip_of_a_light_beam_stiffens_it(kind, how):
 
 
 @pytest.mark.slow
-def test_reduced_and_whirling_parts_carry_what_hangs_on_them():
+def test_reduced_and_whirling_parts_have_what_hangs_on_them():
     """A basis of a rotating beam with a tip mass, and its whirl: the same frequencies by the full matrices."""
     mesh = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.5, 0.03, 0.04],
                      groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip

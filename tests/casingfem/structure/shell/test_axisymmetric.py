@@ -23,7 +23,7 @@ def test_torsion_of_a_free_tube(steel):
     assert np.abs(found.freq / exact - 1).min() < 2e-5
 
 
-def test_rigid_motions_of_a_free_casing_stand_at_n_0_and_1(steel, frustum):
+def test_rigid_motions_of_a_free_casing_are_at_n_0_and_1(steel, frustum):
     """Along and about the axis; across and tilting, each twice in space: six, and none at other n."""
     for shell in (cf.Shell(chart=TUBE, thickness=5e-3, material=steel, mesh=LINE), frustum(supports={}, mesh=LINE)):
         found = cf.modes(shell, 20, method="fourier")

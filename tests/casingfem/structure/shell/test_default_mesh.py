@@ -104,7 +104,7 @@ def test_a_layer_wider_than_half_its_stretch_is_left_out(steel):
         assert any(abs(rows - 59 / 60) < 1e-9) is layered
 
 
-def test_a_stiffener_stands_on_a_line_and_the_thinnest_wall_counts(steel):
+def test_a_stiffener_is_on_a_line_and_the_thinnest_wall_counts(steel):
     """A strip of 1 mm: 0.46 R/sqrt(1e-3 * 0.3) = 13.3 diameters, 16 * 13.3/7 = 30.4 elements, rows of 0.522."""
     ring = cf.edge.Stiffener(at=0.12, section=cf.edge.Section.rectangle(width=0.01, depth=0.004), offset=(0.006, 0.0))
     mesh = mesh_of(steel, strips=(cf.Strip(start=0.2, end=0.3, thickness=1e-3),), stiffeners=(ring,))

@@ -51,7 +51,7 @@ def test_a_point_load_has_its_place_and_direction():
     np.testing.assert_allclose(nodal.sum(axis=0), [1.0, -2.0, 4.0, 0.0, 0.0], atol=1e-12)
 
 
-def test_a_deflection_is_told_as_a_table():
+def test_a_deflection_is_reported_as_a_table():
     shell = cf.Shell(
         chart=cf.Plate(length=0.4, width=0.2), thickness=5e-3, material=STEEL, supports={"root": cf.Clamped()},
         mesh=cf.ShellMesh(order=3, rows=1, around=1),

@@ -115,7 +115,7 @@ def test_modes_of_an_elliptic_cylinder_do_not_depend_on_its_parameters():
 
 
 def test_rows_are_divided_in_metres():
-    """The layer of a free edge is 2.5 t = 7.5 mm wide, wherever the parameter stands there."""
+    """The layer of a free edge is 2.5 t = 7.5 mm wide, wherever the parameter is there."""
     tube = Tube(height=0.2, lag=0.6)
     z = tube.surface(clamped(tube).mesh.breaks, 0.0, None).x[2]
     np.testing.assert_allclose(z, [0.0, 0.09625, 0.1925, 0.2], rtol=1e-4)

@@ -32,7 +32,7 @@ def test_a_plain_fit_is_what_a_survey_is_given(tmp_path):
         lambda: cf.SurveyField.from_csv(path, n_max=4),
         lambda: cf.SurveyField.from_points(np.radians(theta), 0.0 * theta, value, n_max=4),
     ):
-        with pytest.warns(cf.errors.ModelWarning, match="the part stood 1 mm off the axis towards 0 deg"):
+        with pytest.warns(cf.errors.ModelWarning, match="the part was 1 mm off the axis towards 0 deg"):
             survey = read()
         assert survey.axis is None
         assert survey.set_aside == ()

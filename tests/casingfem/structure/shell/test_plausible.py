@@ -20,7 +20,7 @@ def shell(chart=None, thickness=2e-3, E=210e9, nu=0.3, rho=7800.0, **parts):
     ("parts", "words"),
     [
         ({"supports": {"left": cf.Ring(section=BAR)}}, "support.left: a ring on an edge that runs along the axis"),
-        ({"supports": {"root": cf.Ring(section=BAR), "left": cf.Clamped()}}, "a ring ends on the held edge 'left'"),
+        ({"supports": {"root": cf.Ring(section=BAR), "left": cf.Clamped()}}, "a ring ends on the fixed edge 'left'"),
         ({"supports": {"top": cf.Clamped()}}, "this chart has no edge 'top'; it has root, tip, left, right"),
         ({"supports": {"root": 3.0}}, "expected Clamped, .*, Ring, found float"),
         (
@@ -49,7 +49,7 @@ def test_parts_that_cannot_belong_together(parts, words):
         shell(**parts)
 
 
-def test_what_may_stand_beside_a_ring():
+def test_what_may_are_beside_a_ring():
     shell(supports={"root": cf.Ring(section=BAR), "tip": cf.Clamped()})
     shell(supports={"root": cf.Ring(section=BAR), "left": cf.ElasticEdge(k_r=1e6)})
     shell(supports={"left": cf.edge.Symmetry()}, masses={"left": [cf.edge.EdgeMass(angle=0.1, mass=1.0)]})

@@ -87,7 +87,7 @@ def test_layers_are_counted_from_the_inside_out():
         ({"plies": ("steel",)}, "expected plies"),
     ],
 )
-def test_refuses_what_layers_cannot_stand_beside(changes, told):
+def test_refuses_what_layers_cannot_are_beside(changes, told):
     with pytest.raises(cf.errors.ModelError, match=told + ".*shell-plies"):
         casing(**({"plies": plies((0, 90))} | changes))
 

@@ -170,7 +170,7 @@ def test_laminae_at_their_bounds(changes, refused):
         cf.shell.Lamina(**given)
 
 
-def test_walls_that_look_the_same_in_a_mirror():
+def test_walls_that_appear_the_same_in_a_mirror():
     def of(*angles):
         return mirrored(tuple(cf.shell.Ply(thickness=1.0, angle_deg=angle, lamina=CARBON) for angle in angles))
 
@@ -222,7 +222,7 @@ def test_curvatures_and_inertia(chart, H, K):
     np.testing.assert_allclose(flat, [7800.0 * t, 0.0, 7800.0 * t**3 / 12], rtol=1e-15)
 
 
-def test_layers_follow_the_way_that_the_normal_looks():
+def test_layers_follow_the_way_that_the_normal_appears():
     """From the inside of a casing out: a normal a1 x a2 that points in counts them the other way."""
     plies = (cf.shell.Ply(thickness=1.0), cf.shell.Ply(thickness=2.0))
     assert parts(plies=plies).layers == plies[::-1]

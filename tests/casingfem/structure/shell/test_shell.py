@@ -120,7 +120,7 @@ def test_default_mesh_is_odd_around_and_finer_for_finer_fields(frustum):
     assert wavy.around > plain.around
 
 
-def test_default_mesh_grades_edges_that_nothing_holds(frustum):
+def test_default_mesh_grades_edges_without_support(frustum):
     layer = 2.5 * 3e-3 / np.hypot(0.25, 0.05)  # of the length along the wall
     assert frustum().mesh.rows == pytest.approx((0.0, 1.0 - layer, 1.0), abs=1e-12)
     assert frustum(supports={}).mesh.rows == pytest.approx((0.0, layer, 1.0 - layer, 1.0), abs=1e-12)

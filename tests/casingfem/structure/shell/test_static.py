@@ -97,7 +97,7 @@ def test_half_a_structure_on_its_symmetry_plane_is_the_whole():
     np.testing.assert_allclose(found[1], found[0], rtol=1e-6, atol=1e-6 * np.abs(found[0]).max())
 
 
-def test_corner_of_two_symmetry_planes_is_held_by_both():
+def test_corner_of_two_symmetry_planes_is_fixed_by_both():
     quarter = strip(supports={"root": cf.edge.Symmetry(), "left": cf.edge.Symmetry()}, material=STEEL)
     system = cf.shell.assemble(quarter)
     corner = np.flatnonzero((system.grid.nodes[0] == 0.0) & np.isclose(system.grid.nodes[1], -0.05))
@@ -122,7 +122,7 @@ def test_refused(supports, loads, code):
 
 
 @pytest.mark.slow
-def test_a_ring_carries_loads_and_its_weight_is_refused():
+def test_a_ring_has_loads_and_its_weight_is_refused():
     """A ring stiffens the loaded edge of a tube; gravity would miss its mass."""
     parts = {"chart": cf.Cylinder(radius=0.2, height=0.1), "thickness": 2e-3, "material": STEEL, "mesh": ROUND}
     ring = cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02))

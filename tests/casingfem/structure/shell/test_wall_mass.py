@@ -23,7 +23,7 @@ def test_torsion_of_a_tube_does_not_depend_on_its_wall(wall, off):
 @pytest.mark.slow
 @pytest.mark.parametrize("base", [cf.Clamped(), cf.ShearDiaphragm(), cf.ElasticEdge(k_r=1e9, k_z=1e9)])
 def test_harmonics_and_the_whole_shell_agree_on_a_thick_cone(base):
-    """On a diaphragm some displacements of a node are held and others take part in its rotations."""
+    """On a diaphragm some displacements of a node are fixed and others take part in its rotations."""
     cone = cf.Shell(
         chart=cf.Frustum(r_base=0.1, r_top=0.07, height=0.2), thickness=0.01, material=STEEL,
         supports={"base": base, "top": cf.ElasticEdge(k_r=1e9, k_theta=1e9)},

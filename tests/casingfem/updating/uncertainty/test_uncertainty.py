@@ -6,7 +6,7 @@ import pytest
 import casingfem as cf
 
 
-def test_samples_tell_their_spread_and_quantiles():
+def test_samples_show_their_spread_and_quantiles():
     samples = np.column_stack([np.arange(201.0), 5.0 - np.arange(201.0)])
     drawn = cf.updating.PosteriorSamples(
         names=("a", "b"), log=(False, True), samples=samples, gauss_newton=np.array([1.0, 2.0]), acceptance=0.4,
@@ -26,7 +26,7 @@ def test_samples_tell_their_spread_and_quantiles():
     assert (told["acceptance"], told["autocorrelation"], told["gap"]) == (0.4, 30.0, 0.01)
 
 
-def test_a_posterior_of_laplace_is_told_as_plain_data():
+def test_a_posterior_of_laplace_is_reported_as_plain_data():
     sure = cf.updating.Laplace(
         names=("a",), log=(False,), covariance=np.array([[4.0]]), gauss_newton=np.ones(1), bend=np.zeros(1)
     )

@@ -106,7 +106,7 @@ def test_responses_of_windowed_records_are_those_at_a_shifted_frequency():
     assert "exponential_window_s: 0.4" in found.card
 
 
-def test_a_record_that_ends_while_it_rings_says_how_much_is_left():
+def test_a_record_that_ends_while_it_rings_states_how_much_is_left():
     rig = replace(RIG, zeta=np.full(3, 1e-3), rows=RIG.rows * [1.0, 0.0, 0.0])
     take = tapped(blocks=1, rig=rig, quantity="receptance")
     found = cf.frf.estimate(take)

@@ -1,4 +1,4 @@
-"""What an assembled part gives and takes: fields and unknowns, forces, held dofs, with attachments and without."""
+"""What an assembled part gives and takes: fields and unknowns, forces, fixed dofs, with attachments and without."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ def bar(**items):
     return hung(mesh, rigids=(cf.imported.Rigid(reference=node, nodes=mesh.groups["tip"].nodes),), **items), node
 
 
-def test_fields_of_a_part_are_zero_where_it_is_held_and_where_no_cell_is():
+def test_fields_of_a_part_are_zero_where_it_is_fixed_and_where_no_cell_is():
     mesh, (orphan,) = added_nodes(BAR, (1.0, 1.0, 1.0))
     system = cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}).assembled()
     assert system.size == 3 * 8

@@ -33,7 +33,7 @@ def test_dense_arrays_with_tables(tmp_path):
     assert {node: x.tolist() for node, x in found.points.items()} == {9: [0.5, 1.5, 2.5], 7: [1.0, 2.0, 3.0]}
 
 
-def test_a_table_that_is_given_stands_for_that_of_the_file(tmp_path):
+def test_a_table_that_is_given_represents_that_of_the_file(tmp_path):
     found = read(tmp_path, "1,x\n2,y\n", K=K, M=M, dofs=np.zeros((5, 9)))
     assert (found.dofs.tolist(), found.points, found.C) == ([[1, 1], [2, 2]], {}, None)
 
@@ -102,7 +102,7 @@ def test_compressed_columns_that_do_not_fit_are_refused(given, told, tmp_path):
         read(tmp_path, M=M, dofs=DOFS, **given)
 
 
-def test_matlab_variables_by_name_without_what_holds_no_numbers(tmp_path):
+def test_matlab_variables_by_name_without_what_keeps_no_numbers(tmp_path):
     cells = np.empty((2, 2), dtype=object)
     cells[:] = "x"
     savemat(tmp_path / "a.mat", {"K": csc_array(K), "M": M, "dofs": DOFS, "W": WIDE, "cells": cells})
@@ -132,7 +132,7 @@ def test_hdf5_data_sets_and_sparse_groups(tmp_path):
 
 @pytest.mark.slow
 def test_a_mat_file_of_version_73_is_read_as_hdf5(tmp_path):
-    """512 bytes of MATLAB's own stand before it."""
+    """512 bytes of MATLAB's own are before it."""
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
         file["K"], file["M"], file["dofs"] = K, M, DOFS

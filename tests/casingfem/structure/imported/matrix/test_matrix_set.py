@@ -18,7 +18,7 @@ ONE = csc_array(np.eye(1))
         ("kdmpv", "C"), ("PAX", ""), ("Stiffness", "K"), ("x", ""), ("K_MASS", "M"), ("x_K4AA", "K4"),
     ],
 )  # fmt: skip
-def test_what_a_name_says(name, role, tmp_path):
+def test_what_a_name_states(name, role, tmp_path):
     """Beside a stiffness and a mass, unless the name is one itself."""
     others = {"MGGX": np.full((1, 1), 3.0), "KGGX": np.full((1, 1), 4.0)}
     others.pop({"K": "KGGX", "M": "MGGX"}.get(role, ""), None)

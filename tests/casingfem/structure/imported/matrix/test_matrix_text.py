@@ -45,19 +45,19 @@ def test_abaqus_entries_are_ordered_by_node_and_direction_and_mirrored(tmp_path)
 
 
 @pytest.mark.parametrize("field", ["real", "integer", "REAL"])
-def test_entries_of_a_general_matrix_stand_where_they_are_given(field, tmp_path):
+def test_entries_of_a_general_matrix_are_where_they_are_given(field, tmp_path):
     text = SPARSE.format(field, "general") + "% a comment\n3 3 4\n1 2 5\n3 1 -2\n2 2 4\n3 3 1\n"
     wanted = [[0.0, 5.0, 0.0], [0.0, 4.0, 0.0], [-2.0, 0.0, 1.0]]
     np.testing.assert_array_equal(stiffness(tmp_path, text, 3).toarray(), wanted)
 
 
-def test_entries_of_a_symmetric_matrix_stand_on_both_sides(tmp_path):
+def test_entries_of_a_symmetric_matrix_are_on_both_sides(tmp_path):
     text = SPARSE.format("real", "symmetric") + "3 3 3\n1 1 5.\n3 1 -2.\n3 3 1.\n"
     wanted = [[5.0, 0.0, -2.0], [0.0, 0.0, 0.0], [-2.0, 0.0, 1.0]]
     np.testing.assert_array_equal(stiffness(tmp_path, text, 3).toarray(), wanted)
 
 
-def test_entries_of_a_skew_matrix_stand_on_the_other_side_with_the_other_sign(tmp_path):
+def test_entries_of_a_skew_matrix_are_on_the_other_side_with_the_other_sign(tmp_path):
     text = SPARSE.format("real", "skew-symmetric") + "3 3 2\n2 1 5.\n3 1 -2.\n"
     wanted = [[0.0, -5.0, 2.0], [5.0, 0.0, 0.0], [-2.0, 0.0, 0.0]]
     np.testing.assert_array_equal(stiffness(tmp_path, text, 3).toarray(), wanted)
@@ -160,7 +160,7 @@ def test_matrices_of_calculix(tmp_path):
             cf.imported.read_matrices(tmp_path / "job.sti")
 
 
-def test_files_of_a_pair_are_told_apart_by_their_names(tmp_path):
+def test_files_of_a_pair_are_distinguished_by_their_names(tmp_path):
     text = SPARSE.format("real", "general") + "2 2 2\n1 1 {}\n2 2 1.\n"
     paths = [file(tmp_path, text.format(f"{k}."), f"{name}.mtx") for k, name in enumerate(("p_M", "p_C", "p_K"), 1)]
     file(tmp_path, "9.1\n2.3\n", "p_K.dof")

@@ -58,7 +58,7 @@ def test_a_matrix_may_end_without_values_behind_its_last_column(tmp_path):
 
 
 @pytest.mark.parametrize("letter", ["D", "E"])
-def test_numbers_are_as_wide_as_the_header_says(letter, tmp_path):
+def test_numbers_are_as_wide_as_the_header_states(letter, tmp_path):
     text = f"{4:8d}{4:8d}{2:8d}{2:8d}{'K':8}E9.2\n{1:8d}{1:8d}{2:8d}\n 1.25{letter}+00-2.50{letter}-01\n"
     text += f"{5:8d}{1:8d}{1:8d}\n 1.00{letter}+00\n"
     assert read(tmp_path, text + MASS).K.toarray()[:, 0].tolist() == [1.25, -0.25, 0.0, 0.0]

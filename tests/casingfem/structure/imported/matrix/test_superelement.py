@@ -224,7 +224,7 @@ def test_positions_in_another_unit_and_axes_a_degree_off_leave_rigid_motion(leng
     assert made().omega[6] == pytest.approx(2 * np.pi * 127.935, rel=1e-4)
 
 
-def test_parts_that_supports_hold_are_not_tested_and_hinges_are(folder):
+def test_parts_that_supports_keep_are_not_tested_and_hinges_are(folder):
     """A clamped beam, one on a hinge about z, and one whose hinge is along axes that are not given."""
     dofs = [(n, c) for n in (1, 2) for c in range(1, 7)]
     points = {1: (0.0, 0.0, 0.0), 2: (1.0, 0.0, 0.0)}
@@ -236,7 +236,7 @@ def test_parts_that_supports_hold_are_not_tested_and_hinges_are(folder):
         return facts
 
     clamped = found(list(range(6, 12)))
-    assert (clamped.rigid, clamped.rigid_motion) == (0, "rigid-body motion: not tested further, supports hold the part")
+    assert (clamped.rigid, clamped.rigid_motion) == (0, "rigid-body motion: not tested further, the part has supports")
     hinged = found([5, *range(6, 12)])
     assert (hinged.rigid, hinged.rigid_motion) == (1, clamped.rigid_motion)
     wrong = found([5, *range(6, 12)], turned(K), turned(M))

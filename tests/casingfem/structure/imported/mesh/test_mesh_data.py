@@ -12,7 +12,7 @@ X = [[0, 0], [3, 0], [3, 4], [0, 4], [7, 0], [9, 9]]
 PAIR = squares(X, [[0, 1, 2, 3], [1, 4, 2, 2]], source="part.inp")
 
 
-def test_groups_hold_each_number_once_in_order():
+def test_groups_keep_each_number_once_in_order():
     group = cf.imported.Group(nodes=[5, 2, 5], cells=np.array([3, 3, 1]), facets=[4, 1, 0, 2])
     assert (group.nodes.tolist(), group.cells.tolist()) == ([2, 5], [1, 3])
     assert group.facets.tolist() == [[4, 1], [0, 2]]

@@ -160,7 +160,7 @@ def test_attachments_join_pairs_and_parts():
 
 
 def test_parts_are_counted_with_the_largest_first():
-    """Squares 1, 2 | 3 | 4, 5, 6; then the first two parts are held together by a rigid connection of three nodes."""
+    """Squares 1, 2 | 3 | 4, 5, 6; then the first two parts are fixed together by a rigid connection of three nodes."""
     x = [[k, y] for y in (0, 1) for k in range(9)]
     cells = [[k, k + 1, k + 10, k + 9] for k in (0, 1, 3, 5, 6, 7)]
     cells[2] = [3, 4, 13, 12]

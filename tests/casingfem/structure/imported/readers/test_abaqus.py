@@ -108,7 +108,7 @@ def test_rigid_connections_of_an_input_file(text, reference, nodes, components, 
 def test_pins_join_displacements_alone_and_sets_follow_node_by_node_or_one_node(tmp_path):
     text = "*NSET, NSET=other\n12, 15\n*MPC\nPIN, two, other\nBEAM, two, 16\n"
     found = attached(tmp_path, text)
-    # other stands in the order of the file
+    # other is in the order of the file
     wanted = [(cf.imported.Term(2, c, 1.0), cf.imported.Term(1, c, -1.0)) for c in range(3)]
     wanted += [(cf.imported.Term(3, c, 1.0), cf.imported.Term(4, c, -1.0)) for c in range(3)]
     assert [equation.terms for equation in found.equations] == wanted
@@ -116,7 +116,7 @@ def test_pins_join_displacements_alone_and_sets_follow_node_by_node_or_one_node(
     assert [(rigid.reference, rigid.nodes.tolist()) for rigid in found.rigids] == [(5, [2]), (5, [3])]
 
 
-def test_equations_go_over_lines_and_several_stand_in_one_card(tmp_path):
+def test_equations_go_over_lines_and_several_are_in_one_card(tmp_path):
     text = "*EQUATION\n2\n12, 1, 2.,\n13, 6, -3.\n3.\n14, 2, 1., 15, 3, 4.\n16, 4, .5d1\n"
     found = attached(tmp_path, text).equations
     assert [equation.terms for equation in found] == [

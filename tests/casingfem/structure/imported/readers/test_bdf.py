@@ -39,7 +39,7 @@ def edge(*corners):
 CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 PRISM = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)]
 PYRAMID = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0.5, 1)]
-# middle nodes by the corners G1, G2, ... that they stand between, as the Quick Reference Guide draws them
+# middle nodes by the corners G1, G2, ... that they are between, as the Quick Reference Guide draws them
 MIDDLES = {
     "CTETRA": ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], ["12", "23", "31", "14", "24", "34"], "tetra10"),
     "CHEXA": (CUBE, ["12", "23", "34", "41", "15", "26", "37", "48", "56", "67", "78", "85"], "hexahedron20"),
@@ -55,7 +55,7 @@ LINEAR = {"wedge": "hexahedron", "pyramid": "hexahedron", "triangle": "quad"}
 
 @pytest.mark.parametrize("left_handed", [False, True])
 @pytest.mark.parametrize("name", MIDDLES)
-def test_nodes_of_quadratic_elements_stand_where_the_guide_draws_them(name, left_handed, tmp_path):
+def test_nodes_of_quadratic_elements_are_where_the_guide_draws_them(name, left_handed, tmp_path):
     corners, pairs, kind = MIDDLES[name]
     x = np.array(corners, dtype=float)
     x = np.vstack([x, [edge(*(corners[int(k) - 1] for k in pair)) for pair in pairs]])
@@ -160,7 +160,7 @@ def test_the_field_of_an_offset_is_no_offset_of_a_solid(tmp_path):
           "SPC 9 1": [12, 13], "SPC 9": [12, 13]}),
     ],
 )  # fmt: skip
-def test_grids_that_are_held_are_groups_by_set_and_components(cards, groups, tmp_path):
+def test_grids_that_are_fixed_are_groups_by_set_and_components(cards, groups, tmp_path):
     assert members(read(tmp_path, f"{TETRA}{cards}\n")) == groups
 
 

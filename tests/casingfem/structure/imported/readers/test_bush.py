@@ -84,7 +84,7 @@ def test_a_bush_between_two_grids(card, axes, part, tmp_path):
     assert {spring.where for spring in found} == {"CBUSH 30 (line 9)"}
 
 
-def test_a_bush_of_one_grid_holds_it_on_the_ground(tmp_path):
+def test_a_bush_of_one_grid_keeps_it_on_the_ground(tmp_path):
     check(
         springs(tmp_path, f"CBUSH,30,3,7,,,,,4\n{ALL}"),
         AXES,
@@ -104,7 +104,7 @@ def test_a_bush_of_one_grid_holds_it_on_the_ground(tmp_path):
         ("PBUSH,2,K,9.\nPBUSH,3,K,,,,4.", (0.0, 0.0, 0.0, 4.0, 0.0, 0.0)),
     ],
 )
-def test_stiffness_stands_behind_its_letter(property_card, stiffness, tmp_path):
+def test_stiffness_is_behind_its_letter(property_card, stiffness, tmp_path):
     found = springs(tmp_path, f"{property_card}\nCBUSH,30,3,5,6,,,,4")
     check(found, AXES, (A + B) / 2.0, [(0, A), (1, B)], stiffness)
 
@@ -139,7 +139,7 @@ def test_bushes_that_are_not_understood_are_refused(cards, told, tmp_path):
 
 
 @pytest.mark.parametrize(("away", "stands"), [(0.5e-12, False), (1.5e-12, True)])
-def test_an_orientation_along_the_line_is_told_to_round_off(away, stands, tmp_path):
+def test_an_orientation_along_the_line_is_reported_to_round_off(away, stands, tmp_path):
     grids = "GRID,11,,0.,0.,0.\nGRID,12,,2.,0.,0.\n"
     card = f"{grids}CBUSH,30,3,11,12,4.,{4.0 * away!r},0.\nPBUSH,3,K,1.,1."
     if stands:

@@ -33,7 +33,7 @@ def test_components_name_nodes_and_elements_with_ranges(tmp_path):
         assert (mesh.groups[name].cells.tolist(), len(mesh.groups[name].facets)) == ([0], 1)
 
 
-def test_a_range_begins_with_one_where_nothing_stands_before_it(tmp_path):
+def test_a_range_begins_with_one_where_nothing_is_before_it(tmp_path):
     first = [*PART[:2], *nodes_block(1), *elements_block(row(4, 7, 300, range(1, 9)))]
     mesh = read(tmp_path, [*first, "CMBLOCK,a,NODE,1", "(8i10)", f"{-3:10d}"])
     assert mesh.groups["a"].nodes.tolist() == [0, 1, 2]
@@ -47,17 +47,17 @@ def test_a_number_of_zero_in_a_component_is_none(tmp_path):
 def test_a_range_has_no_more_numbers_than_the_file_has_characters(tmp_path):
     lines = [*PART, "CMBLOCK,a,NODE,1", "(8i10)"]
     size = sum(map(len, lines)) + 10
-    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
+    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then searched for
         read(tmp_path, [*lines, f"{-size:10d}"])
     with pytest.raises(
-        cf.errors.ModelError, match=f"line 18: found a range up to {size + 1}, more numbers than the file can hold"
+        cf.errors.ModelError, match=f"line 18: found a range up to {size + 1}, more numbers than the file has"
     ):
         read(tmp_path, [*lines, f"{-size - 1:10d}"])
 
 
 @pytest.mark.parametrize("block", range(2))
 @pytest.mark.parametrize("by", [-1, 1])
-def test_a_block_has_as_many_items_as_it_says(block, by, tmp_path):
+def test_a_block_has_as_many_items_as_it_states(block, by, tmp_path):
     lines = [*PART[:2], *nodes_block(), *elements_block(BRICK, row(4, 7, 301, range(21, 29)))]
     (at,) = [k for k, line in enumerate(lines) if line.startswith(("NBLOCK", "EBLOCK")[block])]
     count = 8 if block == 0 else 2
@@ -69,7 +69,7 @@ def test_a_block_has_as_many_items_as_it_says(block, by, tmp_path):
 
 
 @pytest.mark.parametrize("head", ["NBLOCK", "NBLOCK,6", "NBLOCK,6,SOLID", "NBLOCK,6,SOLID,9,x", "NBLOCK,6,SOLID,0,0"])
-def test_blocks_that_say_no_number_may_have_any(head, tmp_path):
+def test_blocks_that_state_no_number_may_have_any(head, tmp_path):
     lines = [head if line.startswith("NBLOCK") else line for line in PART]
     assert len(read(tmp_path, lines).points) == 8
 

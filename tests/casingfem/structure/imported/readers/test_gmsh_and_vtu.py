@@ -143,7 +143,7 @@ def test_arrays_of_0_and_1_are_groups_of_a_grid_and_it_counts_from_0(tmp_path):
     ({}, 1.0, 8), ({"scale": 1e-3}, 1e-3, 8), ({"units": "mm-t-s"}, 1e-3, 8), ({"scale": 1e-3, "join": 1e-6}, 1e-3, 5),
     ({"join": 1e-6}, 1.0, 5), ({"join": 0.0}, 1.0, 8),
 ])  # fmt: skip
-def test_metres_and_nodes_apart_are_what_is_taken_if_nothing_else_is_said(given, size, nodes, tmp_path):
+def test_metres_and_nodes_apart_are_what_is_taken_if_nothing_else_is_reported(given, size, nodes, tmp_path):
     """Two tetrahedra with a facet at one place, each with nodes of its own; lengths are scaled before."""
     text = VTU.replace("0 0 0 1 0 0 0 1 0 0 0 1 2 2 2.5", "0 0 0 2 0 0 0 2 0 0 0 2 2 2 2.5 2 0 0 0 2 0 0 0 2")
     text = text.replace('NumberOfPoints="5"', 'NumberOfPoints="8"').replace("1 2 3 4 0 1 2", "5 6 7 4 0 1 2")

@@ -168,10 +168,10 @@ def test_a_range_has_no_more_numbers_than_the_text_has_characters(tmp_path):
     size = len(text) + len("10,999\n")
     whole = f"{text}10,{10 + size - 1}\n"
     assert len(whole) == size
-    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
+    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then searched for
         read(tmp_path, whole)
     with pytest.raises(
-        cf.errors.ModelError, match=f"line 16: found '10,{10 + size}', {size + 1} numbers, more than the file can"
+        cf.errors.ModelError, match=f"line 16: found '10,{10 + size}', {size + 1} numbers, more than the file has"
     ):
         read(tmp_path, f"{text}10,{10 + size}\n")
 
@@ -237,7 +237,7 @@ nodes, MASTER,
         ("*TRANSFORM, NSET=x\n1.,0.,0.,0.,1.,0.\n", r"\*TRANSFORM \(line 15\)"),
     ],
 )
-def test_what_is_left_out_is_said_with_its_line(card, told, tmp_path):
+def test_what_is_left_out_is_reported_with_its_line(card, told, tmp_path):
     with pytest.warns(cf.errors.ModelWarning, match=rf"a\.inp: {told}: .*mesh-left-out"):
         read(tmp_path, SHELLS + card)
 

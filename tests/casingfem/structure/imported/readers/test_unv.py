@@ -46,7 +46,7 @@ def ring(corners, middle):
 
 
 def around(mesh, cell):
-    """The nodes of a cell in the order of a universal file, from where they stand: rings, uprights between them."""
+    """The nodes of a cell in the order of a universal file, from where they are: rings, uprights between them."""
     kind, numbers = mesh.kind, {tuple(np.round(mesh.points[node], 9)): int(node) for node in cell}
     corners = list(cell[: len(mesh.cell_kind.corners)])
     if not mesh.cell_kind.middles:
@@ -110,7 +110,7 @@ def test_squares_triangles_and_edges_make_a_shell_with_a_group_of_edges(tmp_path
 
 
 @pytest.mark.parametrize(("descriptor", "count"), [(71, 3), (71, 4), (74, 3), (74, 4)])
-def test_membranes_are_told_by_their_nodes(descriptor, count, tmp_path):
+def test_membranes_are_reported_by_their_nodes(descriptor, count, tmp_path):
     mesh = read(tmp_path, nodes(SQUARE) + elements(descriptor, [[1, 2, 3, 4][:count]]))
     assert mesh.collapsed.tolist() == [count == 3]
 
