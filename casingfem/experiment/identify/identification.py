@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.frf.sensor_grid import sensor_grid
+from casingfem.experiment.frf.sensor_grid import SensorGrid, sensor_grid
 from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, sensor_notes
 from casingfem.experiment.identify.clusters import (
     Modal,
@@ -44,7 +44,7 @@ from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, 
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
 from casingfem.experiment.identify.usable import usable
-from casingfem.experiment.identify.verdict import reasons
+from casingfem.experiment.identify.verdict import reasons, without_copies
 from casingfem.io.arrays import Array, FloatArray
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
@@ -129,7 +129,7 @@ def identify(
         else _picked_fits(data, with_residues(data, _picks(picked, poles), rules), rules)
     )
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    alone = [] if picked is not None else _setups(data, fits, order, say, rules)
+    alone = [] if picked is not None else _setups(data, fits, grid, order, say, rules)
     if picked is None and not alone and leaks([(data, modal_of(fits, len(noise)))], rules):
         data = data._replace(leak=float(freq[1] - freq[0]))
         fits = _fits(data, modal_of(fits, len(noise)), say, rules)
@@ -139,6 +139,7 @@ def identify(
     modes = labelled(
         lambda at: _modes(fits, tracks, noise, at, picked is not None, rules), Sensors.of(grid, power, circle)
     )
+    modes = modes if tracks or picked is not None else without_copies(modes, grid.directions)
     doublets = paired(modes)
     modes = settled(modes, doublets)
     notes = (
@@ -241,11 +242,12 @@ def _picks(picked: FloatArray, poles: Array) -> Array:
 
 
 def _setups(
-    data: Responses, fits: list[PoleFit], order: int | None, say: Callable[[str], None], rules: Thresholds
-) -> list[SetUp]:
+    data: Responses, fits: list[PoleFit], grid: SensorGrid, order: int | None, say: Callable[[str], None],
+    rules: Thresholds,
+) -> list[SetUp]:  # fmt: skip
     """Each set-up identified alone; nothing where the channels are one set-up."""
     alone = list[SetUp]()
-    for channels in setups_of(data, fits, rules):
+    for channels in setups_of(data, fits, grid, rules):
         say(f"set-up {len(alone) + 1}: {len(channels)} channels")
         own = data.some(channels, rules)
         start = with_residues(own, first_poles(own, order, say, rules)[0], rules)

@@ -9,6 +9,8 @@ is half the sum of
 chi^2 the distance of N residues from one shape (`shared_shape`). The scatters come from the test itself. The sum over
 all modes is least: one set-up after the other is assigned anew by the Hungarian algorithm until nothing changes, from
 starts with each set-up first. Where shapes contribute nothing, the squares of the frequencies keep the order of modes.
+A mode that a roving mass shifts far more than the others is left in two rows by these squares: two neighbouring rows
+that no set-up shows together are one where no other mode is near, and where damping and shape agree.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ DAMPING = 0.2  # scatter of ln zeta before it is estimated, and at most
 LEAST = 1e-7, 0.005  # scatter of ln f and of ln zeta
 FEW = 6  # modes from which on a common shift has a slope
 ROUNDS, SWEEPS, STEPS = 3, 8, 12
+ASIDE = 2.0  # bandwidths within which two rows may be one; times their distance to the nearest other row
 Row = tuple[int, ...]  # of each set-up the number of its member, -1 where it lacks the mode
 
 
@@ -71,14 +74,15 @@ class _Likelihood(NamedTuple):
     shapes: Shapes
     by_shape: bool = False
 
-    def cost(self, row: Row) -> float:
-        """Negative log-likelihood of a row."""
+    def cost(self, row: Row, placed: bool = True) -> float:
+        """Negative log-likelihood of a row; of damping and shape alone where it is not `placed`."""
         some = [(s, k) for s, k in enumerate(row) if k >= 0]
         total = LACKING * (len(row) - len(some))
         if len(some) < 2:
             return total
         own = np.array([self.freq[s][k] - self.common[s][k] for s, k in some])
-        total += 0.5 * _scatter(own, np.array([self.tau**2 + self.sigma[s][k] ** 2 for s, k in some]))
+        if placed:
+            total += 0.5 * _scatter(own, np.array([self.tau**2 + self.sigma[s][k] ** 2 for s, k in some]))
         damp = np.array([self.damp[s][k] for s, k in some])
         by_damp = _scatter(damp, np.array([self.tau_damp**2 + self.sigma_damp[s][k] ** 2 for s, k in some]))
         count = float(len(some))
@@ -101,9 +105,32 @@ def matching(members: list[list[Member]], shapes: Shapes) -> Matching:
     for _ in range(ROUNDS):
         rows = _assigned(at)
         at = _learned(at, rows)
-    rows = sorted(rows, key=lambda row: _mean(at, row))
+    rows = _joined(at, sorted(rows, key=lambda row: _mean(at, row)))
     middle = np.array([_mean(at, row) for row in rows])
     return Matching(rows, middle, at.shifts, at.tau, _unclear(at, rows))
+
+
+def _joined(at: _Likelihood, rows: list[Row]) -> list[Row]:
+    """Rows (ascending) without those that are another one's mode in other set-ups."""
+    middle = [-np.inf, *(_mean(at, row) for row in rows), np.inf, np.inf]
+    done, k = list[Row](), 0
+    while k < len(rows):
+        below, own, above, beyond = middle[k : k + 4]
+        alone = ASIDE * (above - own) < min(own - below, beyond - above)
+        two = alone and _is_one(at, rows[k], rows[k + 1], above - own)
+        done.append(tuple(map(max, rows[k], rows[k + 1])) if two else rows[k])
+        k += 1 + two
+    return done
+
+
+def _is_one(at: _Likelihood, one: Row, two: Row, gap: float) -> bool:
+    """Whether two rows with that gap of ln f may be one mode: no set-up shows both, damping and shape agree."""
+    if any(min(each) >= 0 for each in zip(one, two, strict=True)):
+        return False
+    both = tuple(map(max, one, two))
+    zeta = float(np.exp(np.mean([at.damp[s][k] for s, k in enumerate(both) if k >= 0])))
+    near = gap < min(WIDEST, ASIDE * 2.0 * zeta)
+    return near and at.cost(both, placed=False) < at.cost(one, placed=False) + at.cost(two, placed=False)
 
 
 def _first(members: list[list[Member]], shapes: Shapes) -> _Likelihood:

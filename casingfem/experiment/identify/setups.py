@@ -15,11 +15,13 @@ of one test repeat, d_k ~ N(0, s_k^2). Poles of two set-ups are shifted, d_k ~ C
 width gamma. With e the share of poles that are shifted,
 
     ln L(e, gamma) = sum_k ln[(1 - e) N(d_k) + e Cauchy(d_k)],
-    evidence = 2 [max_gamma ln L(1, gamma) - max_(e <= 1/2, gamma) ln L(e, gamma)].
+    evidence = 2 [max_gamma ln L(1, gamma) - max_(e <= E, gamma) ln L(e, gamma)].
 
-In one test e is not zero: a local mode, or one of a pair, may be seen by one branch alone. Two branches whose evidence
-is below zero are one group. P groups are set-ups where the mean evidence of all pairs, times P - 1, exceeds what chance
-exceeds once in a thousand (chi-squared of one degree of freedom: Wilks, Ann. Math. Stat. 9, 1938, 60).
+In one test e is not zero: a local mode may be seen by one branch alone, E = 1/4. Two references at one sensor may drive
+different members of every second pair, E = 1/2. Two branches whose evidence is below zero are one group. P groups are
+set-ups where each has whole sensors, or whole references, and where the mean evidence of all pairs, times P - 1,
+exceeds what chance exceeds once in a hundred (chi-squared of one degree of freedom: Wilks, Ann. Math. Stat. 9, 1938,
+60).
 """
 
 from __future__ import annotations
@@ -33,6 +35,7 @@ from scipy.cluster.hierarchy import ClusterNode, linkage, to_tree
 from scipy.spatial.distance import squareform
 from scipy.special import chdtri
 
+from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.clusters import Responses
 from casingfem.experiment.identify.counting import counted
 from casingfem.experiment.identify.lscf import candidates, compressed
@@ -40,12 +43,14 @@ from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import FloatArray, IntArray
 
-LEAST_CHANNELS = 2  # of a set-up
-REPEATING = 0.5  # least share of poles that two groups of channels of one test have in common
-CHANCE = 1e-3  # that one test is taken for several set-ups
+LEAST_CHANNELS = 2  # of a branch
+SCREENED, LEVELS = 8, 2  # strongest windows in which branches are searched; levels of the tree in one cut
+MOVES = 3  # most times that channels go to another group
+SHIFTED = 0.25, 0.5  # largest share of shifted poles of one test: between sensors, between references of one sensor
+CHANCE = 1e-2  # that one test is taken for several set-ups
 FEWER = 0.9  # of either criterion: a weak pole that one branch lacks saves a few per cent of it
 HEARD = 2.0  # residues of a channel over their noise; sqrt(2) without signal
-SHARES = np.linspace(0.0, 1.0 - REPEATING, 6)[:, None, None]
+SHARES = np.linspace(0.0, 1.0, 6)[:, None, None]  # of the largest share
 WIDTHS = np.geomspace(1e-8, 1.0, 50)[:, None]  # gamma
 
 
@@ -64,20 +69,25 @@ class _Group(NamedTuple):
     fits: list[PoleFit]
 
 
-def setups_of(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[IntArray]:
+def setups_of(data: Responses, fits: list[PoleFit], grid: SensorGrid, rules: Thresholds = USUAL) -> list[IntArray]:
     """Channels of each set-up; an empty list where all are one."""
     fits = [fit for fit in fits if len(fit) and fit.refined]
     heard = _heard(fits)
     if len(heard) < 2 * LEAST_CHANNELS:
         return []
     far = _distances(fits)
-    tree = linkage(squareform(far[np.ix_(heard, heard)], checks=False), method="average")
-    whole = _Group(np.arange(data.Y.shape[1]), fits)
-    groups = _branches(data, fits, whole, heard, to_tree(tree), rules)
+    tree = to_tree(linkage(squareform(far[np.ix_(heard, heard)], checks=False), method="average"))
+    strong = sorted(fits, key=lambda fit: -float(np.sum(np.abs(fit.A) ** 2)))[:SCREENED]
+    branches = _branches(data, strong, _Group(np.arange(data.Y.shape[1]), strong), heard, tree, rules)
+    if len(branches) < 2:
+        return []
+    groups = _by_their_poles(data, fits, [_alone(data, fits, branch.channels, rules) for branch in branches], rules)
     left, evidence = list(range(len(groups))), dict[tuple[int, int], float]()
     while len(left) > 1:
         pairs = list(combinations(left, 2))
-        evidence |= {(i, j): shifted(*_differences(groups[i], groups[j])) for i, j in pairs if (i, j) not in evidence}
+        for i, j in pairs:
+            if (i, j) not in evidence:
+                evidence[i, j] = _evidence(grid, groups[i], groups[j])
         least = min(pairs, key=evidence.__getitem__)
         if evidence[least] >= 0.0:
             break
@@ -88,17 +98,58 @@ def setups_of(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -
     if len(left) < 2 or 2.0 / len(left) * total < chdtri(1, 2.0 * CHANCE):
         return []
     parts = [groups[k].channels for k in left]
-    for lonely in np.setdiff1d(np.arange(data.Y.shape[1]), np.concatenate(parts)).tolist():
-        nearest = int(np.argmin([far[lonely, groups[k].channels].mean() for k in left]))
-        parts[nearest] = np.sort(np.append(parts[nearest], lonely))
-    return parts
+    return parts if all(_whole(grid, part) for part in parts) else []
 
 
-def shifted(d: FloatArray, s: FloatArray) -> float:
+def _by_their_poles(data: Responses, fits: list[PoleFit], groups: list[_Group], rules: Thresholds) -> list[_Group]:
+    """The groups, each channel in the one whose poles fit it with the least information criterion."""
+    for _ in range(MOVES):
+        costs = [[_cost_of_channels(*each) for each in zip(fits, group.fits, strict=True)] for group in groups]
+        nearest = np.sum(costs, axis=1).argmin(axis=0)
+        parts = [np.flatnonzero(nearest == k) for k in range(len(groups))]
+        if all(np.array_equal(part, group.channels) for part, group in zip(parts, groups, strict=True)):
+            break
+        groups = [
+            group if np.array_equal(part, group.channels) else _alone(data, fits, part, rules)
+            for part, group in zip(parts, groups, strict=True)
+            if len(part)
+        ]
+    return groups
+
+
+def _cost_of_channels(whole: PoleFit, own: PoleFit) -> FloatArray:
+    """Information criterion of each channel of a window with the poles of a group, (channels,)."""
+    rest = fit_poles(whole.window, own.poles, steps=0).rest
+    count = 2.0 * len(rest)
+    squares = np.sum(np.abs(rest) ** 2, axis=0)
+    return np.asarray(count * np.log(np.maximum(squares / count, 1.0)) + 2.0 * len(own) * np.log(count))
+
+
+def _evidence(grid: SensorGrid, one: _Group, two: _Group) -> float:
+    """Evidence that two groups of channels are set-ups; below zero where they measure different directions.
+
+    A beam has a family of modes in each direction, which look like shifted copies.
+    """
+    sensors = [np.isin(grid.channels, group.channels).any(axis=1) for group in (one, two)]
+    first, second = (np.abs(grid.directions[some]) for some in sensors)
+    if not np.isin(first, second).any():
+        return -np.inf
+    return shifted(*_differences(one, two), SHIFTED[int(np.any(sensors[0] & sensors[1]))])
+
+
+def _whole(grid: SensorGrid, channels: IntArray) -> bool:
+    """Whether channels are all of some sensors, or all of some references."""
+    own = np.isin(grid.channels, channels)
+    return bool(np.all(own.all(axis=1) == own.any(axis=1)) or np.all(own.all(axis=0) == own.any(axis=0)))
+
+
+def shifted(d: FloatArray, s: FloatArray, most: float) -> float:
     """Evidence that poles are shifted by d (poles,), of standard deviation s; below zero where most of them repeat.
 
+    In one test a share of the poles up to `most` is shifted.
+
     >>> s, z = np.full(12, 1e-5), np.linspace(-1.5, 1.5, 12)
-    >>> shifted(z * s, s) < 0.0, round(shifted(100.0 * z * s, s), 1)
+    >>> shifted(z * s, s, 0.5) < 0.0, round(shifted(100.0 * z * s, s, 0.5), 1)
     (True, 16.6)
     """
     if not len(d):
@@ -106,7 +157,8 @@ def shifted(d: FloatArray, s: FloatArray) -> float:
     same = np.exp(-0.5 * (d / s) ** 2) / (s * np.sqrt(2.0 * np.pi))
     wide = np.hypot(WIDTHS, s)
     other = wide / (np.pi * (d**2 + wide**2))
-    mixed = np.log((1.0 - SHARES) * same + SHARES * other + 1e-300).sum(axis=-1)
+    shares = most * SHARES
+    mixed = np.log((1.0 - shares) * same + shares * other + 1e-300).sum(axis=-1)
     return float(2.0 * (np.log(other).sum(axis=-1).max() - mixed.max()))
 
 
@@ -131,23 +183,35 @@ def _heard(fits: list[PoleFit]) -> IntArray:
 def _branches(
     data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds
 ) -> list[_Group]:
-    """The branches of a tree of channels, cut while a criterion falls by a tenth; single channels are in none."""
-    sides = [node.get_left(), node.get_right()]
-    while min(side.get_count() for side in sides) < LEAST_CHANNELS:
-        node = max(sides, key=ClusterNode.get_count)
-        if node.get_count() < 2 * LEAST_CHANNELS:
-            return [whole]
+    """The branches of a tree of channels, cut while a criterion falls by a tenth; single channels are in none.
+
+    Where both criteria fall by less, four are tried: each of two branches may still be several set-ups.
+    """
+    nodes = _sides(node)
+    for _ in range(LEVELS):
+        if len(nodes) < 2:
+            break
+        parts = [_alone(data, fits, np.sort(heard[each.pre_order()]), rules) for each in nodes]
+        several = sum(_criteria(part, part.channels) for part in parts)
+        one = _criteria(whole, np.concatenate([part.channels for part in parts]))
+        if np.any(several < FEWER * one):
+            cut = [_branches(data, fits, *each, rules) for each in zip(parts, [heard] * len(nodes), nodes, strict=True)]
+            return [branch for branches in cut for branch in branches]
+        deeper = [side for each in nodes for side in _sides(each)]
+        if len(deeper) == len(nodes) or np.any(several >= one):
+            break
+        nodes = deeper
+    return [whole]
+
+
+def _sides(node: ClusterNode) -> list[ClusterNode]:
+    """The two branches of a node, without single channels; the node itself where it is too small for two."""
+    while node.get_count() >= 2 * LEAST_CHANNELS:
         sides = [node.get_left(), node.get_right()]
-    parts = [_alone(data, fits, np.sort(heard[side.pre_order()]), rules) for side in sides]
-    together = np.concatenate([part.channels for part in parts])
-    two, one = sum(_criteria(part, part.channels) for part in parts), _criteria(whole, together)
-    if np.all(two >= FEWER * one):
-        return [whole]
-    return [
-        each
-        for part, side in zip(parts, sides, strict=True)
-        for each in _branches(data, fits, part, heard, side, rules)
-    ]
+        if min(side.get_count() for side in sides) >= LEAST_CHANNELS:
+            return sides
+        node = max(sides, key=ClusterNode.get_count)
+    return [node]
 
 
 def _criteria(group: _Group, channels: IntArray) -> FloatArray:

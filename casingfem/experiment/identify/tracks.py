@@ -200,7 +200,8 @@ def _track(
         max(each.signal for each in found), max(each.split_bound for each in found),
     )  # fmt: skip
     share = own / (2.0 * zeta * freq)
-    why = _reasons(some, freqs, whole, match.scatter, share, rules)
+    own_logs = np.log(freqs) - [float(match.shifts.at(s, logs.mean())) for s, _ in some]
+    why = _reasons(some, whole, share, rules) + _exchanged(match, number, own_logs)
     if _too_many(match, number):
         why.append(
             "there are more modes nearby than any set-up shows: are two of them one? Give the sensors' angles, or"
@@ -221,17 +222,24 @@ def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: i
     return Residues(values, direct, np.concatenate(moved, axis=1))
 
 
-def _reasons(
-    some: list[tuple[int, Member]], freqs: FloatArray, whole: int, shift: float, share: float, rules: Thresholds
-) -> list[str]:
+def _exchanged(match: Matching, number: int, logs: FloatArray) -> list[str]:
+    """Why two modes may be exchanged between set-ups; `logs` are ln f without the common shifts.
+
+    A mode that has no other one within its own spread cannot be exchanged.
+    """
+    spread = float(np.std(logs, ddof=1)) if len(logs) > 1 else 0.0
+    other = np.delete(np.abs(match.middle - match.middle[number]), number).min(initial=np.inf)
+    if spread <= UNLIKE * match.scatter or other > UNLIKE * spread:
+        return []
+    return [
+        f"its frequency differs by {100.0 * spread:.2g} % between set-ups beyond their common shift, other modes' by"
+        f" {100.0 * match.scatter:.2g} %: two modes exchanged? Give the sensors' angles, or measure in one set-up"
+    ]
+
+
+def _reasons(some: list[tuple[int, Member]], whole: int, share: float, rules: Thresholds) -> list[str]:
     """Why a mode is doubtful; `share` is the deviation of its mean frequency in bandwidths."""
     reasons, count = [], len(some)
-    spread = float(np.std(np.log(freqs), ddof=1)) if count > 1 else 0.0
-    if spread > UNLIKE * shift > 0.0:
-        reasons.append(
-            f"its frequency differs by {100.0 * spread:.2g} % between set-ups, other modes' by {100.0 * shift:.2g} %:"
-            " two modes exchanged? Give the sensors' angles, or measure in one set-up"
-        )
     if 2 * count <= whole:
         reasons.append(f"it is seen in {count} of {whole} set-ups: a local mode, or one that two share? Measure again")
     if share > rules.sure_freq:

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from casingfem.experiment.identify.counting import repeated, widths
+from casingfem.experiment.identify.mode import Mode
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
+from casingfem.io.arrays import IntArray
 
 FEW = 6  # channels that confirm each other; fewer must be clearer
 MANY = 8  # channels from which on a mode can be local
+NEAR_COPY = 2.0  # bandwidths within which a mode may be that of another set-up
+UNSEEN, DEVIATIONS = 0.1, 3.0  # of one mode at a sensor: share of the other mode; its own standard deviations
+PURE = 0.9  # share of n from which a shape is that of a mode
 
 
 def reasons(fit: PoleFit, phases: list[float], rules: Thresholds = USUAL) -> list[str]:
@@ -70,6 +76,42 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
         )
     if twice:
         yield "it repeats the shape of a stronger mode within a bandwidth: one mode? Check for loose parts or level"
+
+
+def without_copies(modes: list[Mode], directions: IntArray) -> list[Mode]:
+    """The modes (ascending); of two close ones that no sensor sees together, the weaker one is doubtful.
+
+    Two set-ups of few modes look like this. Modes of pure n, and of different `directions` (sensors,), are no copies.
+    """
+    done = list(modes)
+    for k, one in enumerate(modes):
+        for j in range(k + 1, len(modes)):
+            other = modes[j]
+            if other.freq - one.freq > NEAR_COPY * 2.0 * max(one.zeta * one.freq, other.zeta * other.freq):
+                break
+            if _apart(one, other, directions):
+                weaker = min((k, j), key=lambda m: (not modes[m].reason, modes[m].signal))
+                text = (
+                    f"no sensor sees both it and the mode at {(other if weaker == k else one).freq:.2f} Hz: one mode"
+                    " in two set-ups? Measure all sensors at once"
+                )
+                done[weaker] = replace(
+                    done[weaker], reason="; ".join(part for part in (done[weaker].reason, text) if part)
+                )
+    return done
+
+
+def _apart(one: Mode, other: Mode, directions: IntArray) -> bool:
+    """Whether each sensor sees one of two modes alone, and none of them is the mode of a circle or a direction."""
+    if min(one.purity, other.purity) > PURE:
+        return False
+    sizes = [np.abs(mode.shape) for mode in (one, other)]
+    seen = [size > np.maximum(UNSEEN * size.max(), DEVIATIONS * mode.sigma_shape)
+            for size, mode in zip(sizes, (one, other), strict=True)]  # fmt: skip
+    if np.any(seen[0] & seen[1]) or not (seen[0].any() and seen[1].any()):
+        return False
+    first, second = (np.abs(directions[some]) for some in seen)
+    return bool(np.isin(first, second).any())
 
 
 def _one_line(fit: PoleFit, k: int) -> bool:

@@ -123,6 +123,43 @@ def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencie
     assert "different frequencies in 3 groups of channels" in " ".join(found.notes)
 
 
+def roving(modes, setups, shift, sensors=12, **places):
+    """Responses of a plate whose sensors are measured in set-ups; a roving mass lowers all modes by bandwidths."""
+    rng, x = np.random.default_rng(71), np.arange(100.0, 250.0, 0.1)
+    shapes = rng.uniform(0.4, 1.0, (sensors, modes)) * rng.choice([-1.0, 1.0], (sensors, modes))
+    part, zeta = np.arange(sensors) % setups, rng.uniform(2e-3, 4e-3, modes)
+    poles = []
+    for k, freq in enumerate(np.linspace(120.0, 230.0, modes).tolist()):
+        for s in range(setups):
+            own = freq * (1.0 - shift * 2.0 * zeta[k] * s * rng.uniform(0.7, 1.3))
+            poles.append((own, zeta[k], shapes[:, k] * (part == s)))
+    return receptances(x, poles, noise=0.3, **{key: value(part) for key, value in places.items()})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("setups", "shift"), [(2, 0.25), (6, 0.25)])
+def test_a_mode_that_a_roving_mass_shifts_by_part_of_a_bandwidth_is_given_once(setups, shift):
+    found = cf.identify(roving(6, setups, shift))
+    assert len(found) == 6
+    assert found.sure.all()
+    assert f"different frequencies in {setups} groups of channels" in " ".join(found.notes)
+
+
+@pytest.mark.slow
+def test_one_mode_in_two_set_ups_is_one_sure_mode_beside_a_doubtful_one():
+    found = cf.identify(roving(1, 2, 0.25))
+    assert found.sure.tolist().count(True) == 1
+    assert "one mode in two set-ups?" in "".join(found.reasons)
+
+
+@pytest.mark.slow
+def test_modes_of_two_directions_are_not_one_mode_in_two_set_ups():
+    """A beam bends in both directions at nearly the same frequencies."""
+    found = cf.identify(roving(4, 2, 1.0, response_direction=lambda part: 1 + part))
+    assert len(found) == 8
+    assert found.sure.all()
+
+
 @pytest.mark.slow
 def test_intervals_of_orientations_keep_where_waves_finer_than_the_sensors_resolve_turn_them():
     """On 24 even sensors n = 20 and 28 resemble n = 4: the other waves show their size."""
