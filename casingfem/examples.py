@@ -1,7 +1,8 @@
 """The examples that come with the program: the studies and scenes of data/, and what each needs to run.
 
 They stand in data/ of a checkout, which an installation has as casingfem/data. What an example needs is read from its
-file: the tables it names, and the studies whose reduction makes the bases it names.
+file: the tables it names, and the studies whose reduction makes the bases it names. A folder of scenes with a README.md
+is an example too: all its files, and the commands that the README names.
 """
 
 import shlex
@@ -9,7 +10,7 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from casingfem.extras import ROOT
 
@@ -69,13 +70,50 @@ class Example:
         return tuple(shlex.join(["casingfem", *words]) for words in (*bases, [self.verb, str(folder / self.file)]))
 
 
-def examples() -> dict[str, Example]:
-    """All by name: studies by their file's name, scenes by their path below data/scenes.
+@dataclass(frozen=True, slots=True)
+class ExampleFolder:
+    """A folder of studies and scenes that runs by itself: its README.md, below the folder of the examples."""
+
+    name: str
+    file: Path
+
+    @property
+    def about(self) -> str:
+        """The first sentence below the README's title."""
+        text = (DATA / self.file).read_text(encoding="utf-8").partition("\n\n")[2]
+        return first_sentence("".join(f"# {line}\n" for line in text.partition("\n\n")[0].splitlines()))
+
+    @property
+    def verb(self) -> str:
+        """What it holds, in place of one command."""
+        return "folder"
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All that is in the folder, its README first."""
+        folder = self.file.parent
+        return self.file, *(folder / path.name for path in sorted((DATA / folder).iterdir()) if path.suffix in KEPT)
+
+    def commands(self, folder: Path) -> tuple[str, ...]:
+        """Into the folder, then the commands of the README's blocks."""
+        lines = (DATA / self.file).read_text(encoding="utf-8").splitlines()
+        named = [line.partition("#")[0].strip() for line in lines if line.startswith("casingfem ")]
+        return shlex.join(["cd", str(folder / self.file.parent)]), *named
+
+
+AnyExample: TypeAlias = Example | ExampleFolder
+KEPT = (".toml", ".csv")  # what a folder of scenes holds beside its README
+
+
+def examples() -> dict[str, AnyExample]:
+    """All by name: studies by their file's name, scenes by their path below data/scenes, folders that have a README.
 
     >>> examples()["two_rods"].commands(Path("data"))
     ('casingfem contact data/scenes/two_rods.toml',)
     """
-    found = {}
+    found: dict[str, AnyExample] = {}
+    for path in sorted((DATA / "scenes").glob("*/README.md")):
+        found[path.parent.name] = ExampleFolder(path.parent.name, path.relative_to(DATA))
     for kind, mark in (("studies", "material"), ("scenes", "scene")):
         for path in sorted((DATA / kind).rglob("*.toml")):
             file = path.relative_to(DATA)

@@ -44,14 +44,14 @@ def example(name: str | None, as_json: bool, out: Path | None) -> None:
     told({"name": name, "files": written, "next": list(following)}, as_json)
 
 
-def listed(known: Mapping[str, examples.Example]) -> str:
+def listed(known: Mapping[str, examples.AnyExample]) -> str:
     """A line for each, and how to have one."""
     width = max(map(len, known)) + 2
     lines = [f"{e.name:<{width}}{shorten(e.about, WIDTH, placeholder=' ...')}" for e in known.values()]
     return "\n".join([*lines, "casingfem example NAME writes one, with what it needs"])
 
 
-def write(wanted: examples.Example, folder: Path) -> list[Path]:
+def write(wanted: examples.AnyExample, folder: Path) -> list[Path]:
     """Write an example and those of the files it needs that are not there yet, from another example."""
     contents = {file.as_posix(): (examples.DATA / file).read_bytes() for file in wanted.files}
     there = {name for name in contents if (folder / name).exists()}

@@ -2,6 +2,7 @@
 
 import json
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
+from casingfem.examples import strings
 from tests.casingfem.study.study_texts import STEEL_PLATE
 
 PLATE = f"""{STEEL_PLATE}[modes]
@@ -100,3 +102,22 @@ def test_watching_runs_again_when_the_file_or_what_it_names_is_saved(here, monke
 def test_the_shell_completes_names(words, start, found):
     known = ShellComplete(main, {}, "casingfem", "_CASINGFEM_COMPLETE").get_completions(list(words), start)
     assert found in [item.value for item in known]
+
+
+@pytest.mark.parametrize("name", ["rotor37", "rotor67"])
+def test_a_folder_of_scenes_is_an_example_that_runs_by_itself(tmp_path, name):
+    ran = invoke("example", name, "--out", tmp_path, "--json")
+    assert ran.exit_code == 0, ran.output
+    document = json.loads(ran.stdout)
+    folder = tmp_path / "scenes" / name
+    assert {path.name for path in folder.iterdir()} == {Path(path).name for path in document["files"]}
+    assert document["next"][0] == f"cd {folder}"
+    named = {word for line in document["next"] for word in line.split() if word.endswith(".toml")}
+    assert named == {path.name for path in folder.glob("*.toml")}
+    assert {line.split()[0] for line in document["next"][1:]} == {"casingfem"}
+    for path in folder.glob("*.toml"):
+        tables = tomllib.loads(path.read_text())
+        missing = [text for _, text in strings(tables) if text.endswith(".csv") and not (folder / text).exists()]
+        assert not missing
+        bases = {text for key, text in strings(tables) if key == "basis"}
+        assert bases <= {"blade.npz", "casing.npz"}
