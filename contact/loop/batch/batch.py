@@ -29,7 +29,7 @@ from contact.loop.batch.waves import (
     rotate_lanes,
     skip_in_batch,
 )
-from contact.loop.rub.deflection import add_waves, largest_around, matters, note_deflection, strained
+from contact.loop.rub.deflection import add_waves, matters, note_deflection, strained
 from contact.loop.tally import INSIDE, closing, note_event, note_stick
 from contact.model.gaps.limits import LOOK, REACHED, RIM, TIP
 from contact.record.record import Samples, Tally
@@ -93,11 +93,11 @@ def note_lane_line(s: BatchState, c: float, t: float, normal: float, tangent: fl
         rim.z[a] = part
     if rim.S.size > 0:
         rim.force[:] = 0.0
-        add_waves(rim.force[0], normal, c, t)
+        add_waves(rim.force[0], rim.z.size // 2, normal, c, t)
         if rim.force.shape[0] > 1:
-            add_waves(rim.force[1], tangent, c, t)
+            add_waves(rim.force[1], rim.z.size // 2, tangent, c, t)
         strained(rim, own)
-    note_deflection(s.limits[:, k], largest_around(rim.z, rim.places, rim.top), ends)
+    note_deflection(s.limits[:, k], rim, ends)
 
 
 @jit_inside

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, larger, load, put, same, total
+from contact.loop.modal.rows import product
 from contact.model.gaps.limits import LARGEST, REACHED, RIM, WATCHED
 
 
@@ -16,17 +18,16 @@ class RimWaves(NamedTuple):
     reach: Array  # (lines, width)
     soft: Array  # (lines, lines d)
     rows: Array  # (lines, 2 N + 1, width)
-    S: Array  # (lines, 2 N + 1, lines d, 2 N + 1), may be empty
+    S: Array  # (lines, 2 N + 1, lines d, 2 N + 1 and zeros to whole blocks), may be empty
     places: Array  # (2, points) cosine and sine of `places`
-    force: Array  # (lines d, 2 N + 1) forces of the tips by waves
+    force: Array  # (lines d, 2 N + 1 and zeros) forces of the tips by waves
     z: Array  # (2 N + 1,) motion by waves
     top: Array  # (8,)
 
 
 @jit
-def add_waves(force: Array, amount: float, c: float, s: float) -> None:
+def add_waves(force: Array, N: int, amount: float, c: float, s: float) -> None:
     """Add a force at the angle with this cosine and sine to the forces by waves 1, cos .. cos N, sin .. sin N."""
-    N = force.size // 2
     x, y = 1.0, 0.0
     force[0] += amount
     for n in range(1, N + 1):
@@ -39,11 +40,16 @@ def add_waves(force: Array, amount: float, c: float, s: float) -> None:
 def strained(rim: RimWaves, line: int) -> None:
     """Add the static deflection of a line under the forces to its motion by waves."""
     for a in range(rim.z.size if rim.S.size > 0 else 0):
-        part = 0.0
-        for b in range(rim.force.shape[0]):
-            for n in range(rim.force.shape[1]):
-                part += rim.S[line, a, b, n] * rim.force[b, n]
-        rim.z[a] += part
+        rim.z[a] += product(rim.S[line, a], rim.force)
+
+
+@jit
+def largest_of_waves(z: Array) -> float:
+    """Most that the sum of waves can be anywhere."""
+    N, most = z.size // 2, abs(z[0])
+    for n in range(1, N + 1):
+        most += math.sqrt(z[n] * z[n] + z[N + n] * z[N + n])
+    return float(most)
 
 
 @jit
@@ -84,8 +90,11 @@ def matters(limits: Array, bound: float, ends: bool) -> bool:
 
 
 @jit
-def note_deflection(limits: Array, deflected: float, ends: bool) -> None:
-    """Keep the largest; `ends`: of a step at which a deflection beyond the limit ends the run."""
+def note_deflection(limits: Array, rim: RimWaves, ends: bool) -> None:
+    """Keep the largest deflection; `ends`: of a step at which one beyond the limit ends the run."""
+    if not matters(limits, largest_of_waves(rim.z), ends):
+        return
+    deflected = largest_around(rim.z, rim.places, rim.top)
     limits[LARGEST] = max(limits[LARGEST], deflected)
     if ends:
         limits[REACHED + RIM] = max(limits[REACHED + RIM], deflected)

@@ -14,7 +14,7 @@ from contact.loop.modal.rows import move, product, product_of_sum
 from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
 from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
-from contact.loop.rub.deflection import add_waves, largest_around, matters, most_of, note_deflection, strained
+from contact.loop.rub.deflection import add_waves, matters, most_of, note_deflection, strained
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
 from contact.loop.rub.matrix import enter_cell
 from contact.loop.rub.motion import felt, see
@@ -170,9 +170,9 @@ def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, ends: bo
             cos, sin = rows.heading[j, 0], rows.heading[j, 1]
             for i in range(dim):
                 force = rim.force[rows.line[j] * dim + i]
-                add_waves(force, s.lam[j * dim + i], cos * c + sin * t, sin * c - cos * t)
+                add_waves(force, rim.z.size // 2, s.lam[j * dim + i], cos * c + sin * t, sin * c - cos * t)
         strained(rim, line)
-    note_deflection(s.limits, largest_around(rim.z, rim.places, rim.top), ends)
+    note_deflection(s.limits, rim, ends)
 
 
 @jit

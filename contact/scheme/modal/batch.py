@@ -18,6 +18,7 @@ from contact.base.remembered import remembered
 from contact.model.gaps.deflection import RimRows, places
 from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
+from contact.scheme.modal.blocks import whole
 from contact.scheme.modal.lane import Lane, give_back, lane_of
 from contact.scheme.modal.rub_stepper import RubStepper
 
@@ -279,9 +280,9 @@ def _rims(jobs: Sequence[Job]) -> RimWaves:
     strains = any(rim.S.size for rim in rims)
     return RimWaves(
         reach=np.zeros((0, 0)), soft=np.zeros((0, 0)), rows=np.zeros((lanes, size, jobs[0].run.system.omega.size)),
-        S=np.zeros((lanes, size, d, size)) if strains else np.zeros((0, 0, 0, 0)),
+        S=aligned(lanes, size, d, whole(size)) if strains else np.zeros((0, 0, 0, 0)),
         places=np.array([np.cos(angle), np.sin(angle)]),
-        force=np.zeros((d, size)), z=np.zeros(size), top=aligned(WIDTH),
+        force=aligned(d, whole(size)), z=np.zeros(size), top=aligned(WIDTH),
     )  # fmt: skip
 
 

@@ -180,9 +180,11 @@ def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
     lines, size, m = rim.rows.shape
     rows, reach = aligned(lines, size, width), aligned(lines, width)
     rows[:, :, :m], reach[:, :m] = rim.rows, rim.reach
+    S = aligned(*rim.S.shape[:3], whole(size)) if rim.S.size else rim.S
+    S[..., :size] = rim.S
     return RimWaves(
-        reach=reach, soft=rim.soft, rows=rows, S=rim.S, places=np.array([np.cos(places(size)), np.sin(places(size))]),
-        force=np.zeros((lines * dimensions, size)), z=np.zeros(size), top=aligned(BLOCK),
+        reach=reach, soft=rim.soft, rows=rows, S=S, places=np.array([np.cos(places(size)), np.sin(places(size))]),
+        force=aligned(lines * dimensions, whole(size)), z=np.zeros(size), top=aligned(BLOCK),
     )  # fmt: skip
 
 
