@@ -1,6 +1,7 @@
 """Which tests are near a function: how many references lie between them, read from the sources.
 
-References are names: what a function, class or constant at the top of a file uses, and the fixtures that a test takes.
+References are names: what a function, class or constant at the top of a file uses, the fixtures that a test takes, and
+modules that a text names.
 The examples of a docstring are a test. Nothing is run for it, so compiled loops and what other processes run are found
 like the rest.
 """
@@ -145,6 +146,14 @@ def names(statements: Iterable[ast.stmt]) -> Iterator[str]:
                 yield ast.unparse(node)
 
 
+def written(statements: Iterable[ast.stmt]) -> Iterator[str]:
+    """Texts with a dot: a test that runs a loop without compiling it names its module by one."""
+    for statement in statements:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and "." in node.value:
+                yield node.value
+
+
 def read_reach(root: Path, packages: Iterable[str], beside: Iterable[str]) -> Reach:
     """The references of all files of packages and of folders beside them, below a root.
 
@@ -181,6 +190,9 @@ def read_reach(root: Path, packages: Iterable[str], beside: Iterable[str]) -> Re
             for target in {meant(file, word) for word in used} | {(file, "")}:
                 if target not in (None, (file, name)):
                     users[target].add((file, name))
+            for other in {modules[text] for text in written(statements) if text in modules} - {file}:
+                for unit in sources[other].units:
+                    users[other, unit].add((file, name))
             attributes[file, name] = frozenset(word.rpartition(".")[2] for word in used if "." in word)
     tests = {
         (file, name): source.slow or any(SLOW in ast.unparse(d) for s in body for d in getattr(s, "decorator_list", []))

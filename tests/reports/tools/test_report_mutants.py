@@ -207,6 +207,17 @@ def test_tests_are_found_through_the_stub_of_a_package_and_its_rooms(campaign: C
 
 
 @pytest.mark.campaign
+def test_tests_are_found_by_the_module_that_a_text_names(campaign: Campaign) -> None:
+    """Plain loops are imported by their dotted names."""
+    text = 'from importlib import import_module\n\nN = import_module("tiny.module")\n'
+    text += "\n\ndef test_plain():\n    N.alone(1)\n"
+    (campaign.root / "tests/test_plain.py").write_text(text)
+    module = campaign.root / "tiny/module.py"
+    module.write_text(module.read_text() + "\n\ndef alone(x):\n    return x - 1\n")
+    reach = read_reach(campaign.root, ("tiny",), ("tests",))
+    assert ("tests/test_plain.py", "test_plain") in reach.distances(("tiny/module.py", "alone"))
+
+
 def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     campaign: Campaign, capsys: pytest.CaptureFixture[str]
 ) -> None:

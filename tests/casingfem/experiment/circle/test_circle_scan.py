@@ -132,6 +132,18 @@ def test_a_tacho_mends_an_uneven_rate():
     assert abs(blind / truth - 1.0) > 0.05
 
 
+@pytest.mark.parametrize("wander", [0.01, 0.03])
+def test_the_rate_of_a_spot_wanders_by_the_share_that_is_stated_at_any_speed(wander):
+    rig, circle = ring_rig()
+    off = []
+    for mirror in (2.0, 5.0):
+        turn = cf.rig.Turning(mirror=mirror, wander=wander)
+        made = cf.rig.scan(rig, turn, [cf.rig.Tone(370.4)], circle=circle, drive=0, fs=FS, seconds=2.0, seed=SEED)
+        off.append(np.diff(made.record.angle) * FS / (2.0 * np.pi * mirror) - 1.0)
+    np.testing.assert_allclose(off[0], off[1], atol=1e-9)
+    assert 0.3 * wander < np.std(off[0]) < 3.0 * wander
+
+
 def ring_rig(split=0.0, psi=0.13, zeta=0.002, count=48):
     """Pairs n = 8 and n = 7 seen from a circle: cosines and sines about psi."""
     theta = 2.0 * np.pi * np.arange(count) / count
