@@ -37,6 +37,7 @@ SOURCES = (
     *JIT,
     ROOT / "io/trust.py",
     ROOT / "record/record.py",
+    ROOT / "record/spin.py",
     ROOT / "model/bodies/band.py",
     ROOT / "model/gaps/limits.py",
     *sorted((ROOT / "loop").rglob("*.py")),

@@ -16,7 +16,7 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.progress import each
 from contact.model.gaps.permanent import ClosedContact
-from contact.stability.waves import Waves, waves_of
+from contact.stability.waves import FreePoles, waves_of
 
 Complex = NDArray[np.complex128]
 MOST = 60  # rounds
@@ -59,15 +59,14 @@ def first_order(contact: ClosedContact, speed: float) -> FirstOrder:
     )  # fmt: skip
 
 
-def closed_poles(seen: Waves, compliance: float, speed: float) -> Complex | None:
-    """All poles s [1/s, rad/s] of one contact at a speed [rad/s], (2 m,); None where the iteration does not settle.
+def closed_poles(free: FreePoles | None, compliance: float) -> Complex | None:
+    """All poles s [1/s, rad/s] of one contact, (2 m,), of free ones at one speed; None where no iteration settles.
 
     In a hundredth of what eigenvalues of all modes take: the free bodies have the poles p (N,), of which the
     contact sees the residues a (`contact.stability.waves`), so that f(s) = S + sum_j a_j/(s - p_j) = 0. Aberth's
     iteration (Math. Comp. 27, 1973, 339) finds its N roots together: Newton's step for f(s) prod (s - p_j), the others
     divided out.
     """
-    free = seen.poles(np.array([speed]), math.copysign(1.0, speed) if speed else 0.0)
     if free is None or not free.s.size:
         return None
     p, a = free.s[0], free.residues[0]
@@ -78,28 +77,18 @@ def closed_poles(seen: Waves, compliance: float, speed: float) -> Complex | None
 
 def _roots(p: Complex, a: Complex, S: float) -> Complex | None:
     """Zeros of S + sum a/(s - p), (N,)."""
+    from contact.loop.aberth import aberth, first_guess
+
     size = float(np.abs(p).max(initial=1.0))
-    gaps = p[:, None] - p
-    np.fill_diagonal(gaps, math.inf)
-    with np.errstate(all="ignore"):
-        s = p - a / (S + np.sum(a / gaps, axis=1))  # what the others' share there leaves of each
-        bad = ~np.isfinite(s) | (s == p)
-        s[bad] = p[bad] + 1e-6 * size * np.exp(1j * np.arange(np.count_nonzero(bad)))
-        active = np.arange(p.size)
-        for _ in range(MOST):
-            near = 1.0 / (s[active, None] - p)
-            apart = s[active, None] - s
-            apart[np.arange(active.size), active] = math.inf
-            f = S + near @ a
-            ratio = -(near**2 @ a) / f + near.sum(axis=1)  # g'/g of g = f prod (s - p)
-            step = 1.0 / (ratio - np.sum(1.0 / apart, axis=1))
-            if not np.isfinite(step).all():
-                return None
-            s[active] -= step
-            active = active[np.abs(step) > SETTLED * size]
-            if not active.size:
-                return np.asarray(s)
-    return None
+    p_re, p_im, a_re, a_im = (np.ascontiguousarray(part) for part in (p.real, p.imag, a.real, a.imag))
+    x, y, steps = np.empty(p.size), np.empty(p.size), np.full(p.size, math.inf)
+    first_guess(p_re, p_im, a_re, a_im, S, x, y)
+    s = x + 1j * y
+    bad = ~np.isfinite(s) | (s == p)
+    s[bad] = p[bad] + 1e-6 * size * np.exp(1j * np.arange(np.count_nonzero(bad)))
+    x[:], y[:] = s.real, s.imag
+    settled = aberth(p_re, p_im, a_re, a_im, S, x, y, steps, MOST, SETTLED * size)
+    return x + 1j * y if settled else None
 
 
 def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
@@ -136,10 +125,14 @@ def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
     speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     if len(contact.Q) > 1 or contact.omega.size < MANY or not np.isfinite(speed).all():
         return list(poles(contact, speed))
-    seen = waves_of(contact)
-    S = {sense: float(contact.compliance(sense)[0, 0]) for sense in np.unique(np.sign(speed))}
-    found = (closed_poles(seen, S[np.sign(hz)], 2.0 * math.pi * hz) for hz in each(speed.tolist(), "speed"))
-    return [poles(contact, speed[k : k + 1])[0] if every is None else every for k, every in enumerate(found)]
+    found: list[Complex] = [np.zeros(0, dtype=complex)] * speed.size
+    for sense in np.unique(np.sign(speed)):
+        S, own = float(contact.compliance(sense)[0, 0]), np.flatnonzero(np.sign(speed) == sense)
+        frees = waves_of(contact).poles_each(2.0 * math.pi * speed[own], float(sense))
+        for k, free in zip(each(own.tolist(), "speed"), frees, strict=True):
+            every = closed_poles(free, S)
+            found[k] = poles(contact, speed[k : k + 1])[0] if every is None else every
+    return found
 
 
 def floor_of(contact: ClosedContact) -> float:

@@ -92,7 +92,7 @@ def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, 
             continue
         crossings = _crossings(seen, sense, top)
         speed = np.array([crossing[0] for crossing in crossings])
-        free, below, above = (_poles_each(seen, speed * by, sense) for by in (1.0, 1.0 - STEP, 1.0 + STEP))
+        free, below, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0, 1.0 - STEP, 1.0 + STEP))
         for k, (at, wave, mode) in enumerate(crossings):
             here = free[k]
             if here is not None and _met(here, wave, mode):
@@ -136,17 +136,6 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
         low, below = np.where(before, speed, low), np.where(before, middle, below)
         high, above = np.where(before, high, speed), np.where(before, above, middle)
     return list(zip(speed.tolist(), waves[i].tolist(), modes[j].tolist(), strict=True))
-
-
-def _poles_each(seen: Waves, speed: Array, sense: float) -> list[FreePoles | None]:
-    """Free poles at each speed [rad/s]; None where two of them have become one."""
-    every = seen.poles(speed, sense) if speed.size else None
-    if every is None:
-        return [seen.poles(speed[k : k + 1], sense) for k in range(speed.size)]
-    return [
-        every._replace(s=every.s[k : k + 1], seen=every.seen[k : k + 1], pushed=every.pushed[k : k + 1])
-        for k in range(speed.size)
-    ]
 
 
 def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave: int, mode: int) -> float:

@@ -9,6 +9,7 @@ H(s) = sum_j seen_j pushed_j/(s - s_j).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from contact.model.gaps.permanent import ClosedContact, equal_modes, powers
 
 Complex = NDArray[np.complex128]
 COUPLED = 1e-12  # of the largest entry of C or K: a smaller one couples no waves
+TOGETHER = 64  # speeds whose poles are computed at once
 DEFECT = 1e10  # condition of the eigenvectors of a wave beyond which two of its poles have become one
 
 
@@ -99,6 +101,18 @@ class Waves:
             sign[place] = np.repeat([-1.0, 1.0], size)
             casing[place] = (at[:, 0] < contact.casing)[:, None]
         return FreePoles(s, seen, pushed, order, sign, casing)
+
+    def poles_each(self, speed: Array, sense: float) -> Iterator[FreePoles | None]:
+        """Poles at each of many speeds [rad/s] of one sense; None where two of them have become one."""
+        for first in range(0, speed.size, TOGETHER):
+            part = speed[first : first + TOGETHER]
+            every = self.poles(part, sense)
+            for k in range(part.size):
+                here = slice(k, k + 1)
+                yield (
+                    self.poles(part[here], sense) if every is None
+                    else every._replace(s=every.s[here], seen=every.seen[here], pushed=every.pushed[here])
+                )  # fmt: skip
 
 
 @remembered
