@@ -141,9 +141,37 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     return _decided(_longer(scene, _ran(scene, speed_hz, poles)), allowed)
 
 
+def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
+    """Run scenes, each at a speed [turns/s] above 0 of its own, and judge each run by itself.
+
+    A motion that does not grow is a resonance where it is beyond what the rim is allowed. A run that is too short to
+    decide is not repeated.
+
+    >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
+    >>> from contact.model.gaps.permanent import ModalPair
+    >>> disk = BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5)
+    >>> rim = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    >>> scene = Scene(what=Rub(rim, (disk.body(),), disk.tips(), clearance=1e-3), t_end=0.1, dt=1e-4)
+    >>> [run.verdict for run in runs_at_speeds([scene, scene], np.array([20.0, 30.0]), np.zeros(2))]
+    ['safe', 'safe']
+    """
+    own = [at_speed(scene, hz) for scene, hz in zip(scenes, speed_hz.tolist(), strict=True)]
+    found = []
+    for scene, run in zip(own, _judged(own, speed_hz, poles, "runs"), strict=True):
+        rub = rub_of(scene.what)
+        allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
+        small = run.verdict == "resonance" and not run.amplitude_m > allowed
+        found.append(replace(run, verdict="safe") if small else run)
+    return tuple(found)
+
+
 def _ran(scene: Scene, speed_hz: Array, poles: Array, what: str = "runs") -> list[SpeedRun]:
     """The scene at each speed; every motion that does not grow is a resonance until all are known."""
-    scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
+    return _judged([at_speed(scene, hz) for hz in speed_hz.tolist()], speed_hz, poles, what)
+
+
+def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, what: str) -> list[SpeedRun]:
+    """Scenes at constant speeds, with the verdict of each."""
     ended = 0
 
     def whole(done: float) -> tuple[str, float]:

@@ -108,7 +108,7 @@ def load_chance(path: str | Path) -> ChanceScene:
     assert head is not None
     speeds = load_interactions(file).speed_hz
     laws = {name: value_of(own, Law) for name in INPUTS if (own := getattr(table, name)) is not None}
-    fixed = {key: part for key, part in given.items() if key not in ("draws", "worst", "importance")}
+    fixed = {key: part for key, part in given.items() if key not in ("draws", "runs", "worst", "importance")}
     contents = [read_bytes(file.parent / name) for name in head.files()]
     source = {
         "scene": file.name, "sha256": hashlib.sha256(text).hexdigest(), "study": study.source, "versions": versions(),

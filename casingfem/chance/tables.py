@@ -25,6 +25,12 @@ class ChanceTable(Table):
     )
     draws: int = Field(default=4096, ge=32, le=MOST, description="number of casings")
     seed: int = Field(ge=0, description="of all draws: the same seed gives the same casings")
+    runs: int = Field(
+        default=0, ge=0, le=1_000_000, description="runs in time, of the first casings that are dangerous at some speed"
+    )
+    turns: Annotated[float, Field(gt=0, le=1e6)] | None = Field(
+        default=None, description="length of a run [turns]; t_end of the scene if left out"
+    )
     worst: int = Field(default=10, ge=0, le=1000, description="number of the worst casings, written as studies")
     importance: int = Field(
         default=0, ge=0, le=1 << 20, description="size of the design for Sobol indices, a power of 2; none if 0"

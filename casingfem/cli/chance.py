@@ -28,6 +28,7 @@ def chance(file: Path, processes: int | None, as_json: bool, out: Path | None) -
     """
     from casingfem.chance.load import load_chance
     from casingfem.chance.result import Chance
+    from casingfem.chance.rubs import run_rubs, words_of_runs
     from casingfem.chance.run import run_draws
     from casingfem.chance.worst import worst_files
 
@@ -39,14 +40,20 @@ def chance(file: Path, processes: int | None, as_json: bool, out: Path | None) -
 
         folder = None if out is None else out / STORES["chance"]
         found = Chance.of(run_draws(given, processes=processes, folder=folder, progress=progress))
+
+        def ran(runs: int, most: int) -> None:
+            working.say(f"chance {file.name}, {runs} of {most} runs", runs / most)
+
+        rows = run_rubs(found, folder, ran)
         files: dict[str, Content] = {}
         if out is not None:
             working.say(f"chance {file.name}: the worst casings")
             files = worst_files(found, lambda k: working.say(f"chance {file.name}: {k} of the worst casings"))
-    document = {**found.to_dict(), "seconds": working.seconds}
+    words = words_of_runs(rows)
+    document = {**found.to_dict(), "runs": rows, "words_of_runs": words, "seconds": working.seconds}
     if out is not None:
         files |= result_files(file, found, document)
-    deliver(document, repr(found), as_json=as_json, out=out, files=files)
+    deliver(document, "\n".join(filter(None, [repr(found), words])), as_json=as_json, out=out, files=files)
 
 
 def result_files(file: Path, found: "Chance", document: dict[str, Any]) -> dict[str, Content]:
@@ -55,10 +62,12 @@ def result_files(file: Path, found: "Chance", document: dict[str, Any]) -> dict[
 
     source = document["source"]
     card = f"COMPUTED: chances of {source['scene']} (sha256 {source['sha256']}), {document['casings']} casings"
+    runs = {"chance_runs.csv": csv_text(document["runs"], card)} if document["runs"] else {}
     return {
+        **runs,
         "chance.csv": csv_text(found.draws(), card),
         "chance_pairs.csv": csv_text(document["pairs"], card),
         "chance_speeds.csv": csv_text(document["speeds"], card),
         "chance.json": json_text(document, indent=1),
-        "chance.html": chance_page(file.stem, found),
+        "chance.html": chance_page(file.stem, found, document["words_of_runs"]),
     }

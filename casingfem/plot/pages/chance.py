@@ -11,8 +11,8 @@ MATTERS = "Share of the variance that each input causes: alone, and with all tha
 LIKELY = 0.05  # of the casings: more is bad
 
 
-def chance_page(name: str, found: Any) -> str:
-    """HTML of the page on the draws of a scene, `found` of class `casingfem.chance.result.Chance`."""
+def chance_page(name: str, found: Any, runs: str = "") -> str:
+    """HTML of the page on the draws of a scene, `found` of class `casingfem.chance.result.Chance`, and of its runs."""
     speeds, pairs, importance = found.speeds(), found.summary(), found.importance()
     names = [f"n = {row['n']}, m = {row['m']}" for row in pairs]
     draws = found.draws()
@@ -38,13 +38,14 @@ def chance_page(name: str, found: Any) -> str:
         caption = "The worst casings. Folder worst/NN has the study, the bases and the scene of each."
         sections.append(Section("Worst casings", tables=(Table(caption, heads, rows),)))
     return render_page(
-        f"Chances of {name}", sections, verdict=verdict(found), source=origin(found.drawn.given.source)
+        f"Chances of {name}", sections, verdict=verdict(found, runs), source=origin(found.drawn.given.source)
     )  # fmt: skip
 
 
-def verdict(found: Any) -> Verdict:
-    """How likely a dangerous speed is; how sure; what to do next."""
-    first, *others = found.words.splitlines()
+def verdict(found: Any, runs: str) -> Verdict:
+    """How likely a dangerous speed is; how sure; what to do next; `runs` in words."""
+    words: str = found.words
+    first, *others = [*words.splitlines(), *filter(None, [runs])]
     chance = found.any_speed
     state = "good" if chance.high < LIKELY else "bad" if chance.low > LIKELY else "open"
     sure = (

@@ -1,0 +1,133 @@
+"""Runs in time of drawn casings, each with its own basis, at the speed at which its closed contact grows most.
+
+A group of runs shares the lanes of one compiled loop. Only its own bases are in memory. Each group is kept in a file;
+a run does not depend on the others of its group, so that a resumed table is the same to the last bit.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casingfem.chance.estimates import Estimate, clopper_pearson
+from casingfem.chance.evaluate import Drawing
+from casingfem.chance.points import REPLICATES, points
+from casingfem.chance.result import Chance
+from casingfem.chance.run import drawing_of
+from casingfem.io.arrays import Array, FloatArray
+from contact.io.outfiles import finite, read_checked, write_checked
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_laws import Closing, RimProfile
+from contact.model.law import Coulomb, Law, Unilateral
+from contact.prepared import Scene
+from contact.speed_runs import runs_at_speeds
+
+GROUP = 32  # runs of a file
+KEPT = (
+    "speed_hz", "verdict", "closed", "growth", "low", "high", "amplitude_m", "n", "wave", "body", "seconds", "contact",
+)  # fmt: skip
+Row = dict[str, Any]
+
+
+def run_rubs(found: Chance, folder: Path | None, progress: Callable[[int, int], None]) -> list[Row]:
+    """One row for each of the first casings that are dangerous at some speed: its draw, and what its run did.
+
+    The draws are in random order, so that the first ones are a fair sample of all.
+    """
+    given, lot = found.drawn.given, found.drawn.lot
+    worst = Chance.severity(found.drawn)
+    chosen = np.flatnonzero(worst > found.drawn.floor)[: given.table.runs].tolist()
+    rows: list[Row] = []
+    own: Drawing | None = None
+    for first in range(0, len(chosen), GROUP):
+        draws = chosen[first : first + GROUP]
+        path = None if folder is None else folder / f"runs_{draws[0]:07d}_{draws[-1]:07d}.json"
+        head = {"draws": draws, "turns": given.table.turns}
+        kept = None if path is None else read_checked(path, "runs", **head)
+        if kept is None:
+            own = own or drawing_of(given)
+            kept = group_of(own, draws, lot["growth"][draws])
+            if path is not None:
+                write_checked(path, "runs", kept, **head)
+        rows += kept
+        progress(len(rows), len(chosen))
+    return rows
+
+
+def group_of(own: Drawing, draws: list[int], growth: FloatArray) -> list[Row]:
+    """Rows of some draws; `growth` (draws, speeds) of their closed contact."""
+    speeds = np.asarray(own.given.speed_hz)[growth.argmax(axis=1)]
+    scenes = [drawn_scene(own, draw, float(hz)) for draw, hz in zip(draws, speeds, strict=True)]
+    runs = runs_at_speeds(scenes, speeds, growth.max(axis=1))
+    rows = [{"draw": draw} | {name: getattr(run, name) for name in KEPT} for draw, run in zip(draws, runs, strict=True)]
+    return [dict(finite(row)) for row in rows]
+
+
+def drawn_scene(own: Drawing, draw: int, speed_hz: float) -> Scene:
+    """The scene with the casing, the blade, the gap and the friction of one draw."""
+    first = draw - draw % REPLICATES
+    u = points(own.given.table.seed, range(first, draw + 1), own.dimension)[-1:]
+    series = own.series(u)[0]
+    number = {name: float(value[0]) for name, value in own.inputs(u).items()}
+    turns = own.given.table.turns
+    scene = own.given.scene
+    return replace(
+        scene,
+        what=drawn_bodies(own, series, number),
+        law=with_friction(scene.law or Unilateral(), number["friction"]),
+        t_end=scene.t_end if turns is None else turns / speed_hz,
+    )
+
+
+def drawn_bodies(own: Drawing, series: Array, number: dict[str, float]) -> RotatingRim | Rub:
+    """The rim or rub with the casing of a series and the numbers drawn."""
+    what, body = own.perfect, own.casings.body(series)
+    terms = [
+        (p, value.real, -value.imag) for p, value in enumerate(own.casings.deviation(series[None])[0].tolist()) if value
+    ]
+    if isinstance(what, RotatingRim):
+        more = tuple({"p": p, "cos": cos, "sin": sin} for p, cos, sin in terms)
+        shape = (*what.out_of_roundness, *more)
+        blade = retuned(what.blade, number["blade"])
+        return replace(what, casing=body, blade=blade, clearance=number["clearance"], out_of_roundness=shape)
+    profile = RimProfile((*what.profile.terms, *terms), theta=what.profile.theta, depth=what.profile.depth)
+    closing = what.closing
+    if "closing" in own.given.laws:
+        closing = Closing(closing.time, closing.by * (number["closing"] / own.given.means["closing"]))
+    blades = tuple(retuned(blade, number["blade"]) for blade in what.blades)
+    return replace(
+        what, casing=body, blades=blades, clearance=number["clearance"], profile=profile, closing=closing
+    )  # fmt: skip
+
+
+def retuned(blade: Any, ratio: float) -> Any:
+    """A blade with its frequencies times a ratio."""
+    return blade.retuned(ratio * float(blade.omega[blade.omega > 0.0].min()) / (2.0 * np.pi))
+
+
+def with_friction(law: Law, mu: float) -> Any:
+    """The law with another coefficient of friction."""
+    if type(law) in (Unilateral, Coulomb):
+        return Coulomb(mu=mu) if mu > 0.0 else Unilateral()
+    return replace(law, mu=mu)  # type: ignore[type-var]
+
+
+def unstable(rows: list[Row]) -> Estimate:
+    """Share of the runs that grow, of those that decide, with its interval."""
+    decided = [row for row in rows if row["verdict"] != "not decided"]
+    return clopper_pearson(sum(row["verdict"] == "unstable" for row in decided), max(len(decided), 1))
+
+
+def words_of_runs(rows: list[Row]) -> str:
+    """How many runs grow, in a sentence; empty without runs."""
+    if not rows:
+        return ""
+    names = ("unstable", "resonance", "safe", "not decided")
+    count = {name: sum(row["verdict"] == name for row in rows) for name in names}
+    ended = ", ".join(f"{number} {name}" for name, number in count.items() if number)
+    one = unstable(rows)
+    share = f"{100 * one.value:.3g} % (95 %: {100 * one.low:.3g} to {100 * one.high:.3g} %)"
+    return f"{len(rows)} runs of dangerous casings at their worst speed: {ended}. The motion grows in {share}."
