@@ -9,5 +9,5 @@ print(cf.modes(casing, count=40))
 
 import lazy_loader
 
-# what the package exports stands in __init__.pyi, and each name is loaded when it is first used
+# what the package exports is in __init__.pyi, and each name is loaded when it is first used
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

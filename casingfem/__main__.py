@@ -18,7 +18,7 @@ def run() -> None:
 
 
 def threads(environment: Mapping[str, str]) -> dict[str, str]:
-    """What to tell BLAS, which reads it when numpy is imported: one thread, unless the environment says otherwise.
+    """Settings for BLAS, which reads them when numpy is imported: one thread, unless the environment states otherwise.
 
     The matrices of a shell are small: more threads wait for each other, and where other programs run as well they wait
     long (six times the seconds for the modes of a casing on two busy cores).

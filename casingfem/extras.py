@@ -1,4 +1,4 @@
-"""Optional packages: what each extra of the installation is for, what it holds, how it is installed."""
+"""Optional packages: what each extra of the installation is for, what it contains, how it is installed."""
 
 import shlex
 import sys

@@ -1,4 +1,4 @@
-"""The version of the installed distribution, which holds both packages."""
+"""The version of the installed distribution, which contains both packages."""
 
 from importlib.metadata import version
 

@@ -102,7 +102,7 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
     """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub or a disk.
 
-    Poles of closed contact propose speeds, and say which motion grows. The scene is run at each of them and at --runs
+    Poles of closed contact propose speeds, and state which motion grows. The scene is run at each of them and at --runs
     speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice the scene's speed.
     --out DIR gets the table, its picture and the page interactions.html.
     """
@@ -253,7 +253,7 @@ def say_left_out(names: object, command: str, as_json: bool, out: Path | None) -
 
 
 def require_solved(command: str, result: "Result", broken: "NumericsError | None") -> None:
-    """End with exit code 3 where a run failed, or has a flag that says so."""
+    """End with exit code 3 where a run failed, or has a flag that states it."""
     failures = [str(flag) for flag in result.flags if flag.failed]
     if broken is not None or failures:
         fail(f"{command}: the numerics failed: {broken or failures[0]}", NUMERICS_FAILED)
@@ -282,7 +282,7 @@ def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) ->
 
 
 def is_scene(file: Path) -> bool:
-    """Whether a file is a contact scene: TOML with [scene]. What is neither, the reader of studies tells."""
+    """Whether a file is a contact scene: TOML with [scene]. The reader of studies reports files that are neither."""
     from contact.io.toml import read_toml
 
     try:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, out: Path | None) -> None:
     """Correlate the mode shapes of SHAPES with the modes of STUDY.
 
-    SHAPES is a universal file with sets 55, or identified.npz of `casingfem identify --out`. Sensors stand at the
+    SHAPES is a universal file with sets 55, or identified.npz of `casingfem identify --out`. Sensors are at the
     points of the file, which must lie on the wall; on an imported mesh at its nearest nodes.
     """
     from casingfem.experiment.correlation.correlate import correlate as compare
@@ -71,13 +71,13 @@ def result_files(result: "Correlation", document: dict[str, object]) -> dict[str
 @click.option("--baseline", type=click.Path(path_type=Path), metavar="CSV",
               help="The same casing measured before anything was loosened or added.")  # fmt: skip
 @click.option("--among", type=click.Choice(("bolts", "mass")), default="bolts", show_default=True,
-              help="What to look for.")  # fmt: skip
+              help="What to search for.")  # fmt: skip
 @click.option("--edge", default=None, help="Where; the bolted edge, or the top for masses.")
 @click.option("--most", type=click.IntRange(1, 12), default=4, show_default=True, help="Largest number of places.")
 @click.option("--model-error", type=click.FloatRange(0.0, 0.5), default=0.0, show_default=True,
               help="What the model may be off by, relative; without a baseline the size of its splits.")  # fmt: skip
 @click.option("--shapes", type=click.Path(path_type=Path), metavar="FILE",
-              help="Mode shapes measured with TABLE, as correlate takes them; tell opposite bolts apart.")  # fmt: skip
+              help="Mode shapes measured with TABLE, as correlate takes them; distinguish opposite bolts.")  # fmt: skip
 @options
 def locate(
     file: Path,

@@ -88,7 +88,7 @@ def numba_compiles() -> dict[str, object]:
 
 
 def machine_code() -> dict[str, object]:
-    """Directories of compiled contact loops that are read, the one that is written, and how many loops they hold."""
+    """Directories of compiled contact loops that are read, the one that is written, and how many loops they contain."""
     from contact.jit import machine_code
 
     read, written = list(machine_code.directories()), machine_code.writable()

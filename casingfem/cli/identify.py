@@ -198,7 +198,7 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
     """Test the structure of STUDY on the virtual rig that its [rig] describes.
 
     With --out DIR: frequency responses (frfs.uff with geometry, frfs.npz), their coherence, time records if the study
-    keeps them, the circle scan (scan.npz), the truth behind them (truth.csv), pictures. Everything says SYNTHETIC.
+    keeps them, the circle scan (scan.npz), the truth behind them (truth.csv), pictures. Everything is marked SYNTHETIC.
     """
     from casingfem.study.rig import run_rig
 

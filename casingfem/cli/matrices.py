@@ -56,7 +56,7 @@ def import_matrices(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Reduce the matrices M, K and maybe C, K4 and G of another program to a basis, and say what they are.
+    """Reduce the matrices M, K and maybe C, K4 and G of another program to a basis, and state what they are.
 
     FILE: DMIG cards (.pch, .bdf), OP4, CalculiX's .sti, .mat, HDF5 or npz, or the .mtx files of stiffness and mass.
     A superelement of Nastran: part.op4 part.pch, the latter gives rows (EXTRN), nodes and their axes (GRID, CORD).
@@ -112,7 +112,7 @@ def import_matrices(
 def export_matrices(file: Path, form: str, as_json: bool, out: Path | None) -> None:
     """Write the matrices of the structure of STUDY, or of BASIS (an npz), for other programs, SI, to --out DIR.
 
-    A basis becomes channels and scalars; with residual compliance its channels carry no mass.
+    A basis becomes channels and scalars; with residual compliance its channels have no mass.
     """
     from casingfem.modal.basis import ModalBasis
     from casingfem.modal.matrices import basis_matrices, structure_matrices

@@ -60,7 +60,7 @@ def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma:
 def modes_tables(
     document: dict[str, Any], found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma: float
 ) -> dict[str, Content]:
-    """What --out holds of any modes."""
+    """What --out contains of any modes."""
     return {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study, sigma)}
 
 

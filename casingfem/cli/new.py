@@ -14,7 +14,7 @@ from contact.io.infiles import read_bytes, regular_file
 from contact.io.names import hint
 from contact.io.outfiles import json_text, write_files
 
-PAUSE = 0.5  # s between looks at files
+PAUSE = 0.5  # s between two checks of the files
 WIDTH = 80  # of the text about an example in the list
 
 
@@ -27,7 +27,7 @@ def example(name: str | None, as_json: bool, out: Path | None) -> None:
     """Write the example NAME with all it needs, to be run from here; all names if left out.
 
     Paths are those of the project's own folder, data/studies and data/scenes, so that the commands of its pages work as
-    they stand; with --out DIR they begin with DIR. Nothing is overwritten.
+    they are; with --out DIR they begin with DIR. Nothing is overwritten.
     """
     known = examples.examples()
     if name is None:
@@ -79,7 +79,7 @@ def new(name: Path, as_json: bool, out: Path | None) -> None:
 
 
 def told(document: dict[str, Any], as_json: bool) -> None:
-    """Say which files were written, and what to type next."""
+    """State which files were written, and what to type next."""
     lines = [*(f"wrote {path}" for path in document["files"]), "next:", *(f"  {line}" for line in document["next"])]
     deliver(document, "\n".join(lines), as_json=as_json, out=None, files={})
 
@@ -124,7 +124,7 @@ def stamps(file: Path) -> dict[Path, tuple[int, int]]:
 
     try:
         tables = read_toml(regular_file(file))[1]
-    except (OSError, ValueError):  # the command says what is wrong
+    except (OSError, ValueError):  # the command states what is wrong
         tables = {}
     made = tables.pop("reduce", None)  # what it writes
     named = [file.parent / text for _, text in examples.strings(tables) if Path(text).suffix]
@@ -144,7 +144,7 @@ def verb_of(file: Path) -> str:
         tables = read_toml(file)[1]
         return examples.Example(file.stem, file, tables).verb
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return "modes"  # says what is wrong with it
+        return "modes"  # states what is wrong with it
 
 
 def run_once(group: click.Command, command: list[str]) -> int:

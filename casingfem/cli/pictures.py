@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from contact.result import Result
     from contact.rim_motion import RimMotion
 
-STATES = 4_000_000  # numbers that stored states may hold where the scene does not say what to record
+STATES = 4_000_000  # numbers that stored states may contain where the scene does not state what to record
 PAIR = 0.03  # of a frequency: modes of one n that lie closer are a pair
 TOP = 1.2  # times the highest mode: frequencies drawn
 

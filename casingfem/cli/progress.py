@@ -1,7 +1,7 @@
 """Progress of a long command on stderr: what is done, for how long, and about how long it will still take.
 
 A terminal gets one line that changes. A file or a pipe gets whole lines, the first after two seconds, then fewer and
-fewer. `CASINGFEM_PROGRESS=off` turns both off. A command says its steps; what a step tells of itself
+fewer. `CASINGFEM_PROGRESS=off` turns both off. A command states its steps; what a step reports
 (`contact.io.progress`) is shown behind them, with the time left of that step.
 """
 
@@ -76,12 +76,12 @@ class ProgressMessage:
         return time.perf_counter() - self.started
 
     def say(self, what: str, done: float | None = None) -> None:
-        """Change what is said; `done` is the share of the work that is done, 0 to 1, None where it is not known."""
+        """Change what is stated; `done` is the share of the work that is done, 0 to 1, None where it is not known."""
         self.what, self._detail, self._most, self._whole = what, "", False, done is not None
         self._reach(done)
 
     def tell(self, words: str, done: float | None = None, most: bool = False) -> None:
-        """Show what the step at hand tells of itself; its share counts where that of the command is not known.
+        """Show what the step at hand reports; its share counts where that of the command is not known.
 
         `most`: the share is that of the most there can be, so that less time may be left.
         """
@@ -99,7 +99,7 @@ class ProgressMessage:
 
     @property
     def text(self) -> str:
-        """What is said now, with the time so far and the estimate of what is left."""
+        """What is stated now, with the time so far and the estimate of what is left."""
         words, done, since, now = self.what, self._done, self._since, self.seconds
         words += f", {self._detail}" if self._detail else ""
         share = "" if done is None else f": {done:.0%}"

@@ -47,7 +47,7 @@ def words(folder: Path, found: Recovery, former: bool) -> str:
     if found.removed:
         lines.append(f"{folder}: removed what {len(found.removed)} killed writers left: {listed(found.removed)}")
     if former:
-        lines.append(f"{folder / FORMER}: left as it is: no manifest says what belongs there; move its files yourself")
+        lines.append(f"{folder / FORMER}: left as it is: no manifest names its files; move them yourself")
     return "\n".join(lines)
 
 

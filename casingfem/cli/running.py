@@ -38,7 +38,7 @@ def options(command: Callable[P, R]) -> Callable[P, R]:
 
 
 def free_way(context: click.Context, parameter: click.Parameter, out: Path | None) -> Path | None:
-    """--out, refused before anything is computed where a file stands in its way."""
+    """--out, refused before anything is computed where a file is in its way."""
     way = None if out is None else in_the_way(out.parent if out.suffix == ".npz" else out)
     if way is not None:
         fail(f"{out}: {way}", BAD_INPUT)
@@ -156,7 +156,7 @@ def collect(warning: ModelWarning | SceneWarning) -> None:
 
 
 def source_of(file: Path) -> dict[str, str]:
-    """Name and hash of an input file and the versions at work: what a page says of where it comes from."""
+    """Name and hash of an input file and the versions at work: what a page states of where it comes from."""
     from contact.version import versions
 
     return {"file": file.name, "sha256": hashlib.sha256(read_bytes(file)).hexdigest(), **versions()}

@@ -54,7 +54,7 @@ def table_of(file: Path) -> "tuple[Interactions | None, str]":
 
 
 def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "Ran":
-    """What the page says of a run, all contacts together."""
+    """The page's statements on a run, all contacts together."""
     from casingfem.plot.pages.scene import Ran
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub

@@ -74,7 +74,7 @@ def roots() -> dict[str, "Model"]:
 
 
 def explained(key: str) -> list[dict[str, Any]]:
-    """What a key stands for: a part for each different table of this name, with the files that have it."""
+    """What a key represents: a part for each different table of this name, with the files that have it."""
     first, *rest = key.split(".")
     known = roots()
     if first == "scene" and not rest:
@@ -139,7 +139,7 @@ def listed(title: str, model: "Model") -> dict[str, Any]:
 
 
 def headline(model: "Model") -> str:
-    """The first sentence of a table's docstring, without the name that stands before it."""
+    """The first sentence of a table's docstring, without the name that is before it."""
     text = " ".join((model.__doc__ or "").partition("\n\n")[0].split())
     head, mark, rest = text.partition(": ")
     return rest if mark and head.startswith("[") else text

@@ -65,7 +65,7 @@ def modes(
     """Modes of the structure of STUDY, labelled and counted.
 
     --out DIR draws the frequencies, and the rim of a casing. Its modes.csv is a frequency table, which `casingfem
-    locate` and `update` take; it says COMPUTED.
+    locate` and `update` take; it is marked COMPUTED.
     """
     from casingfem.modal.modes import modes as compute
     from casingfem.study import MeshStudy

@@ -31,8 +31,8 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     """Run SCENE over the keys that its [sweep] varies: one table, one picture, one page.
 
     With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
-    Runs that are refused, fail or diverge are rows that say why, counted on stderr; the exit code is 0 where at least
-    one is done, 3 where none is.
+    Runs that are refused, fail or diverge are rows with the reason, counted on stderr. The exit code is 0 if at least
+    one run is done, 3 if none is.
     """
     from contact.sweep.plan import load_sweep
     from contact.sweep.sweep import run_sweep

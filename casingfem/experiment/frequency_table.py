@@ -59,11 +59,11 @@ class FrequencyTable(Reported):
     Parameters
     ----------
     mode : the test's own mode numbers, each once
-    n : nodal diameters, -1 where the test does not say
+    n : nodal diameters, -1 where the test does not state it
     freq_hz, sigma_hz : frequency and its standard uncertainty, Hz
     angle_deg : orientation of an antinode, deg, nan where unknown
     zeta : damping ratio, nan where unknown
-    card : source lines, without the '#'; the first one says SYNTHETIC when nobody measured it
+    card : source lines, without the '#'; the first one is marked SYNTHETIC when nobody measured it
     path : where it was read from
     extra : further columns of the file by name, as text: kept, written again, and used by nobody
 
@@ -141,9 +141,9 @@ class FrequencyTable(Reported):
 
         Names of columns are read without regard to case, with units in brackets, by common words, and units are
         converted: `Frequency [kHz]`, `Nodal diameter`, `Damping [%]` (`casingfem.io.columns`). The table of
-        `casingfem modes --out` is read too, without what it says beyond these. Other columns are kept and used by
-        nobody, unless one looks like a misspelt name of one that is missing. `sigma`, relative to the frequency,
-        stands for sigma_hz where the row or the file says nothing.
+        `casingfem modes --out` is read too, without what it states beyond these. Other columns are kept and used by
+        nobody, unless one resembles a misspelt name of one that is missing. `sigma`, relative to the frequency,
+        represents sigma_hz where the row or the file states nothing.
 
         Warns
         -----
@@ -181,7 +181,7 @@ class FrequencyTable(Reported):
 
     @property
     def synthetic(self) -> bool:
-        """Whether the card's first line says SYNTHETIC: no one measured this."""
+        """Whether the card's first line is marked SYNTHETIC: no one measured this."""
         return bool(self.card) and _says_synthetic(self.card[0])
 
     def groups(self) -> tuple[Group, ...]:
@@ -237,7 +237,7 @@ def _quoted(cell: str) -> str:
 
 
 def _column(csv: StrictCsv, name: str, sigma: float | None, columns: Mapping[str, Array]) -> Array:
-    """The numbers of one column; where it is absent, what stands for it."""
+    """The numbers of one column; where it is absent, what represents it."""
     blank = _BLANK.get(name)
     if name == "sigma_hz" and sigma is not None:
         stated = csv.numbers(name, blank=np.nan) if name in csv.header else np.full(len(csv.lines), np.nan)
@@ -256,7 +256,7 @@ def _looks_like_percent(zeta: FloatArray) -> bool:
 
 
 def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
-    """Columns that are used by nobody; refuse those that look misspelt first: they explain what is missing."""
+    """Columns that are used by nobody; refuse those that seem misspelt first: they explain what is missing."""
     extra = [name for name in csv.header if name not in COLUMNS + COMPUTED]
     for name in extra:
         stem = re.split(r"[_\[( ]", name.lower())[0]
@@ -275,7 +275,7 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
 
 
 def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
-    """Refuse values out of range, with their lines; -1 stands for an empty n only in memory."""
+    """Refuse values out of range, with their lines; -1 represents an empty n only in memory."""
     written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
     wrong = list[InputError]()
     for row, name in sorted(_faults(columns) + written):

@@ -87,7 +87,7 @@ def mode_files(
 ) -> dict[str, bytes]:
     """File name -> content: of each mode k a `mode_k.vtu`, and a `mode_k.vtkhdf` that plays its deformed surfaces.
 
-    The VTU lies undeformed and carries, at its points, `displacement` (3 components, mass-normalised, kg^-1/2), of a
+    The VTU lies undeformed and has, at its points, `displacement` (3 components, mass-normalised, kg^-1/2), of a
     wall on a chart `normal_displacement` (outward positive) and `thickness` [m], and freq_hz as field data. The series
     moves the points,
 
@@ -152,7 +152,7 @@ def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, e
 
 
 def point_data(surface: Drawn, shape: FloatArray) -> dict[str, Array]:
-    """What a file carries at its points."""
+    """What a file has at its points."""
     data: dict[str, Array] = {"displacement": shape}
     if surface.normals is not None and surface.thickness is not None:
         data |= {"normal_displacement": np.einsum("ni,ni->n", surface.normals, shape), "thickness": surface.thickness}

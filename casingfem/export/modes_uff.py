@@ -34,7 +34,7 @@ def write_modes_uff(
     which
         Indices into the modes, all of them if left out.
     nodes_set
-        "15", which all test software reads, six digits; "2411" holds them all.
+        "15", which all test software reads, six digits; "2411" contains them all.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Motions in time as one file for ParaView: VTKHDF 2.0, an unstructured grid whose points move from step to step.
 
-The cells stand in the file once, points and their data once a step. ParaView 5.12 and newer play it.
+The cells are in the file once, points and their data once a step. ParaView 5.12 and newer play it.
 """
 
 import io

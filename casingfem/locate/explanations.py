@@ -91,7 +91,7 @@ def images(active: list[int], angles: FloatArray) -> Iterator[list[int]]:
     """Where the active places come by half turns of some, then by turns of all and their mirror images, in order.
 
     Half turns of some change no frequency and no orientation. Turns and mirror images of all change no frequency where
-    the casing is the same all around; orientations tell them apart, as may a survey or supports: chi^2 is asked.
+    the casing is the same all around; orientations distinguish them, as may a survey or supports: chi^2 is asked.
     """
     for choice in half_turns(len(active)):
         yield from placed(angles[active] + np.pi * np.array(choice), angles)

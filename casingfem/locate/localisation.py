@@ -1,9 +1,9 @@
 """Which bolts are loose, or where mass was added: from the splits and shifts of many pairs at once.
 
-One loose bolt at theta adds to the split vector of a pair a part along (cos 2 n theta, sin 2 n theta): several n tell
-places apart that one n does not. No frequency and no orientation can tell theta from theta + pi: turned by half a
-turn the casing has the same table. Such twins are listed with every answer; shapes measured around the rim decide
-between them (`shape_check.py`).
+One loose bolt at theta adds to the split vector of a pair a part along (cos 2 n theta, sin 2 n theta): several n
+distinguish places that one n does not. No frequency and no orientation can distinguish theta from theta + pi: turned by
+half a turn the casing has the same table. Such twins are listed with every answer; shapes measured around the rim
+decide between them (`shape_check.py`).
 """
 
 from dataclasses import replace
@@ -38,7 +38,7 @@ from casingfem.updating.calibration import calibrated, paired_baseline
 
 AMONG = ("bolts", "mass")
 TWO_PI = 2.0 * np.pi
-EDGE = "top"  # where masses are looked for unless told
+EDGE = "top"  # where masses are searched for by default
 PLACES = 48  # candidates for masses around an edge
 LEAST = 0.1  # of a bolt's stiffness: bolts that have lost less are as they come
 REDUCED = 2.2  # modes in the basis for each mode compared
@@ -125,15 +125,15 @@ def locate(
     table
         Its frequencies now, with n; orientations where they are known.
     baseline
-        The same measured before; without it manufacture looks like damage.
+        The same measured before; without it manufacture resembles damage.
     among
         "bolts" or "mass".
     edge
-        Where to look; the bolted edge, or the top for masses.
+        Where to search; the bolted edge, or the top for masses.
     most
         Largest number of places.
     level
-        Probability of a false alarm in a table that holds nothing but noise.
+        Probability of a false alarm in a table that contains nothing but noise.
     angle_sigma
         Standard deviation of n psi [rad], psi a measured orientation.
     model_error

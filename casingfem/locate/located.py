@@ -55,7 +55,7 @@ def of_each(name: str) -> Callable[["Localisation"], list[Any]]:
 
 
 def columns_of(value: Column, sigma: Column, angle: Literal["everywhere", "files"]) -> Columns:
-    """The columns of bolts or of masses; `angle` says which tables show the uncertainty of the angle."""
+    """The columns of bolts or of masses; `angle` selects the tables that show the uncertainty of the angle."""
     return (
         Column("explanation", "Number of the explanation; 1 has the least chi^2.",
                lambda found: [k for k, _, _ in places_of(found)], head="no.", format="d"),
@@ -101,11 +101,11 @@ class Localisation(Reported):
         Sum of squared weighted residuals of the best and of no change at all; number of residuals. All three, and
         `scale`, are of the rows that pair.
     scale
-        s = sqrt(max(1, chi^2/dof)): by how much the residuals exceed their stated sigma; standard deviations hold it.
+        s = sqrt(max(1, chi^2/dof)): by how much the residuals exceed their stated sigma; sigma includes it.
     smallest
         (candidates,) What each place alone must change to be seen, in the value's unit.
     alike
-        Groups of places that this table cannot tell apart.
+        Groups of places that this table cannot distinguish.
     calibrated
         Whether a baseline was known.
     misfit
@@ -172,7 +172,7 @@ class Localisation(Reported):
         }
 
     def __repr__(self) -> str:
-        """What was found, what else it may be, and what cannot be told."""
+        """What was found, what else it may be, and what cannot be decided."""
         one, many = {"bolts": ("loose bolt", "loose bolts"), "mass": ("added mass", "added masses")}[self.among]
         what = one if len(self.found) == 1 else many
         lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]
@@ -194,7 +194,7 @@ class Localisation(Reported):
         if self.among == "bolts" and len(set(axes)) > 1:
             lines.append(
                 f"{len(self.others) + 1} explanations, and nothing in the table to choose: orientations of more pairs "
-                "(angle_deg), better measured ones, or shapes tell turned and mirrored places apart"
+                "(angle_deg), better measured ones, or shapes distinguish turned and mirrored places"
             )
         if axes[0] in axes[1:] or (self.among == "mass" and self.others):
             lines.append("half a turn changes no frequency and no orientation: measured shapes decide")

@@ -45,7 +45,7 @@ LOST = 0.1  # a row that pairs with nothing costs as much as one this far off, r
 class Point:
     """One evaluated set of changes: weighted residuals (rows,), their derivatives (rows, changes), and chi^2.
 
-    Rows of the table that pair with nothing, `lost`, stand in chi^2 alone.
+    Rows of the table that pair with nothing, `lost`, are in chi^2 alone.
     """
 
     x: FloatArray
@@ -58,7 +58,7 @@ class Point:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Misfit:
-    """What a table says against a model.
+    """What a table states against a model.
 
     Parameters
     ----------
@@ -153,8 +153,8 @@ def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
 def half_split(found: AffineModes, baseline: FrequencyTable, matches: Sequence[Match]) -> float:
     """Rms of half the relative splits that manufacture makes in the pairs of a baseline, 0 without pairs.
 
-    A pair that bolts, say, split as designed has that split in the model, the modes `found`: what is left counts, with
-    its orientation where that was measured.
+    A pair that is split by design, by bolts for example, has that split in the model, the modes `found`: the rest
+    counts, with its orientation where that was measured.
     """
     halves = []
     for match in matches:

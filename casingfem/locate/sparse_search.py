@@ -133,7 +133,7 @@ def search(
         if significant(at, there, len(active), level, tried):
             accepted = len(path) - 1
     active, best = path[accepted]
-    if len(active) > 2 and unexplained(best, len(active), UNLIKELY):  # a wrong turn early on: look further
+    if len(active) > 2 and unexplained(best, len(active), UNLIKELY):  # a wrong turn early on: search further
         active, best = exchanged(evaluate, best, active, bounds, tried=WIDELY)
     active, best = pruned(evaluate, best, active, bounds, level)
     while any(abs(best.x[c]) < least for c in active):
@@ -143,7 +143,7 @@ def search(
 
 
 def keep_searching(taken: int, accepted: int, most: int, at: Point, level: float) -> bool:
-    """Whether to look for one change more: while it may be accepted, and noise alone does not explain the residuals."""
+    """Whether to search for one more change: while it may be accepted, and noise does not explain the residuals."""
     return taken < most and taken <= accepted + PATIENCE and unexplained(at, taken, PLAUSIBLE)
 
 

@@ -23,7 +23,7 @@ DEPTH = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AdjointSpace:
-    """Motions that carry all adjoints of some readings: the computed modes, and directions beyond them.
+    """Motions that span all adjoints of some readings: the computed modes, and directions beyond them.
 
     Attributes
     ----------

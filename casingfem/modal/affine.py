@@ -2,10 +2,10 @@
 
     K(x) = K0 + sum_c x_c K_c,   M(x) = M0 + sum_c x_c M_c
 
-K_c and M_c stand on few dofs of an edge: the springs of one bolt, a mass at one place. The basis holds the modes of
+K_c and M_c are on few dofs of an edge: the springs of one bolt, a mass at one place. The basis contains the modes of
 the unchanged casing and its static answers K0^-1 (K_c Phi), K0^-1 (M_c Phi) to what each change does to them, so that
 large changes (a missing bolt) are as good as small ones; `python -m reports.verification.updating.loose_bolt_search`
-holds it against full solutions.
+compares it with full solutions.
 """
 
 from collections.abc import Sequence
@@ -85,7 +85,7 @@ class AffineModel:
     system
         The unchanged casing.
     nominal
-        Its modes, as many as the basis was asked to hold.
+        Its modes, as many as the basis was asked to contain.
     motions
         Motions of the basis at all dofs, those of nodes first, of rings last, (5 nodes + own, r).
     K, M

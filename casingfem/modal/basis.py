@@ -70,7 +70,7 @@ class ModalBasis(Reported):
         Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
         span, flap and chord of a blade, (3, modes); empty where it is not known.
     sectors
-        Of a wheel: how many sectors stand evenly around, with channels sector0.*, sector1.*, ...; else 0.
+        Of a wheel: how many sectors are evenly around, with channels sector0.*, sector1.*, ...; else 0.
     out_of_roundness
         Of a rim: deviation of each line's radius from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1).
     provenance
@@ -126,7 +126,7 @@ class ModalBasis(Reported):
                 raise InputError(f"{name} must have shape {shape}, found {getattr(self, name).shape}")
         for name in ("omega", "zeta", "rows", "S"):
             if not np.all(np.isfinite(getattr(self, name))):
-                raise InputError(f"{name} holds values that are not finite")
+                raise InputError(f"{name} contains values that are not finite")
         if len(self) and float(self.omega.min()) < 0.0:
             raise InputError(f"omega: found {self.omega.min():g} rad/s, expected every frequency >= 0")
         for key in ("channels", "outputs"):
@@ -166,7 +166,7 @@ class ModalBasis(Reported):
         return {**super().columns(), **dict(zip(self.channels, self.rows, strict=True))}
 
     def arrays(self) -> dict[str, Any]:
-        """Plain arrays by name: what a file of it holds, and what `ct.ModalBody.of` takes."""
+        """Plain arrays by name: what a file of it contains, and what `ct.ModalBody.of` takes."""
         own = {field.name: np.array(getattr(self, field.name)) for field in fields(self) if field.name != "provenance"}
         own["outputs"] = np.array(self.outputs, dtype=np.str_)
         provenance = np.array(json.dumps(self.provenance, sort_keys=True))
@@ -206,11 +206,11 @@ class ModalBasis(Reported):
             raise InputError(f"{path}: {error}") from error
 
     def __repr__(self) -> str:
-        """One line: modes, band, channels, the part of the compliance that S carries."""
+        """One line: modes, band, channels, the part of the compliance that S has."""
         if len(self) == 0:
             return f"ModalBasis({self.kind}, no modes, {len(self.channels)} channels)"
         share = np.trace(self.S) / np.trace(self.compliance)
         return (
             f"ModalBasis({self.kind}, {len(self)} modes {self.freq[0]:.1f}-{self.freq[-1]:.1f} Hz, "
-            f"{len(self.channels)} channels, S carries {100.0 * share:.1f} % of the static compliance)"
+            f"{len(self.channels)} channels, S has {100.0 * share:.1f} % of the static compliance)"
         )

@@ -52,7 +52,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no inertia can tell.
+        `modes-round-off` where no inertia can show it.
     """
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2
@@ -92,7 +92,7 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no inertia can tell.
+        `modes-round-off` where no inertia can show it.
     """
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2

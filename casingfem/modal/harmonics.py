@@ -57,7 +57,7 @@ class Rings:
 
 
 def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = None) -> Rings:
-    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max nodal diameters, by default what nodes carry."""
+    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max, by default all that the nodes resolve."""
     n_max = n_max or max(2, grid.mesh.order * grid.mesh.around // 3)
     rings, transform = ring_transform(chart, grid, n_max, None if is_axisymmetric(chart) else arc_places(chart))
     if is_axisymmetric(chart):

@@ -87,7 +87,7 @@ class Meeting:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Interactions(Reported):
-    """Coincidences by speed; `pairs` (n, m, f_c) that were looked at, `speed_hz` the range.
+    """Coincidences by speed; `pairs` (n, m, f_c) that were examined, `speed_hz` the range.
 
     >>> found = Interactions(meetings=(), pairs=((8, 1, 367.9),), speed_hz=(0.0, 60.0), turning="blade")
     >>> found.records(), found.speed_hz

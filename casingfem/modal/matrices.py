@@ -24,7 +24,7 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     Raises
     ------
     ModelError
-        `matrix-size` for a shell whose edges bring dofs of their own, or hold directions that are not Cartesian.
+        `matrix-size` for a shell whose edges bring dofs of their own, or fix directions that are not Cartesian.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
         parts = slice(0, 3), slice(3, system.dofs)
         straight = all(np.all(system.frames[:, part, part] == np.eye(part.stop - part.start)) for part in parts)
         if system.own or system.change is not None or not straight:
-            raise ModelError("matrix-size", "matrices: found rings, masses or an edge held in its own frame")
+            raise ModelError("matrix-size", "matrices: found rings, masses or an edge fixed in its own frame")
         numbers = np.arange(1, len(system.points) + 1)
         nodes = np.arange(len(numbers) + 1)
         back = bsr_array((np.linalg.inv(system.frames), nodes[:-1], nodes)).tocsc()[system.free][:, system.free]
@@ -68,7 +68,7 @@ def of_system(
 def basis_matrices(basis: ModalBasis) -> MatrixSet:
     """A basis as matrices on its channels u and scalars q: exactly the same body, static and dynamic.
 
-    With residual compliance lam = S^-1 (u - rows q), and the channels carry no mass:
+    With residual compliance lam = S^-1 (u - rows q), and the channels have no mass:
 
         K = [[S^-1, -S^-1 rows], [-rows^T S^-1, omega^2 + rows^T S^-1 rows]],   M = [[0, 0], [0, 1]]
 

@@ -24,12 +24,12 @@ from casingfem.structure.imported.turning_structure import rotation_of
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
 LARGE, THICK = 50_000, 0.1  # unknowns, and wall over size, from which LOBPCG with multigrid is quicker
 COUNTABLE = 70_000  # unknowns of a thick solid up to which a Sturm count is affordable: ten seconds at 60,000
-DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in the projection
+DEGREE = 3  # of the polynomials in r and z that describe the meridional shape in the projection
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class MeshModes(ModeSet):
-    """Modes of an imported structure: `fields` stand at the nodes of its mesh.
+    """Modes of an imported structure: `fields` are at the nodes of its mesh.
 
     >>> import casingfem as cf
     >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u, groups={"base": (2, 0.0)})
@@ -146,8 +146,8 @@ def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
 def projected(structure: MeshStructure, fields: Array, n_max: int | None = None) -> Rings:
     """Mass-weighted Fourier content of nodal fields: u = Re sum_nj c_nj P_j(r, z) e^(i n theta).
 
-    P_j are polynomials in r and z, orthonormal over the mass; each stands in the place of a ring of nodes, so labels,
-    partners and angles are found as on a shell. n runs as far as a third of the nodes around, if nothing is said.
+    P_j are polynomials in r and z, orthonormal over the mass; each replaces a ring of nodes, so labels,
+    partners and angles are found as on a shell. n runs as far as a third of the nodes around, by default.
     """
     mesh = structure.mesh
     n_max = n_max or max(2, elements_around(mesh) * (1 + bool(mesh.cell_kind.middles)) // 3)

@@ -114,9 +114,10 @@ class ModeSet(Reported):
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Modes(ModeSet):
-    """Modes of a shell on a chart: `fields` stand at the nodes of `grid`.
+    """Modes of a shell on a chart: `fields` are at the nodes of `grid`.
 
-    `own` holds the motions of the dofs that rings bring beside the nodes', turns about the wall's normal, (own, modes).
+    `own` contains the motions of the dofs that rings bring beside the nodes', turns about the wall's normal, (own,
+    modes).
 
     >>> import casingfem as cf
     >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
@@ -150,7 +151,7 @@ def frequency_scale(shell: Shell) -> float:
 
 
 class Labels(NamedTuple):
-    """What the circumferential content says of modes: n, purity, partners, antinode angles [rad], aligned fields.
+    """What the circumferential content states of modes: n, purity, partners, antinode angles [rad], aligned fields.
 
     `rings` is the content of the aligned fields.
     """

@@ -1,4 +1,4 @@
-"""Modes of a structure: `modes(shell, count)` or `modes(shell, band=(f0, f1))`, and whether the mesh carries them.
+"""Modes of a structure: `modes(shell, count)` or `modes(shell, band=(f0, f1))`, and whether the mesh resolves them.
 
 A shape is expanded in Legendre polynomials of each element; where it is resolved the coefficients fall off. On frusta,
 cylinders and plates from order 2 to 8, every mesh whose frequencies were more than 2.5 % off had a share above FINEST.
@@ -94,7 +94,7 @@ def modes(
     ValueError
         Unknown method, count below 1, or "fourier" asked of a casing that is not axisymmetric.
     ModelError
-        `rotation-unstable` where a rotating shell softens more than it is held.
+        `rotation-unstable` where a rotating shell softens more than it is fixed.
     NumericsError
         If the modes cannot be computed or certified.
 
@@ -156,7 +156,7 @@ def warn_of_surveys(found: Modes) -> None:
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:
-    """What is asked for, checked; 40 modes if nothing is said."""
+    """What is asked for, checked; 40 modes by default."""
     if count is not None and band is not None:
         raise ModelError("modes-band", "found both a count of modes and a band")
     if band is not None and not 0.0 <= band[0] < band[1] < HIGHEST:
@@ -209,7 +209,7 @@ def split_by_mesh(modes: Modes) -> BoolArray:
 
 
 def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
-    """Warn of shapes the mesh does not carry; `around` False looks along the meridian only."""
+    """Warn of shapes the mesh does not resolve; `around` False checks along the meridian only."""
     shares = finest_shares(modes)
     worst = shares.max(axis=0) if around else shares[0]
     split = split_by_mesh(modes) & around

@@ -33,7 +33,7 @@ from casingfem.structure.shell.system import System
 TOL = 1e-7  # of an eigenvalue, still to fall before the last block is taken in
 FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new one is worth
 LEAST = 1e-2  # of TOL: modes that have less to fall stay as they are
-GUARD = 8  # modes carried along above those wanted
+GUARD = 8  # modes kept above those wanted
 MOST = 12
 
 
@@ -82,7 +82,7 @@ class Solution:
 
 
 def shift_of(shell: Shell) -> float:
-    """A negative shift: K - s M is positive definite even where nothing holds the shell [rad^2/s^2]."""
+    """A negative shift: K - s M is positive definite even for a shell without support [rad^2/s^2]."""
     return -float((SHIFT * frequency_scale(shell)) ** 2)
 
 

@@ -4,7 +4,7 @@ Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 58
 shell, and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all that they leave out, P the interface's load
 columns. S is computed as R^T K R of the part R of K^-1 P that is M-orthogonal to the modes. Craig-Bampton (AIAA J. 6,
 1968, 1313): static shapes of unit interface displacements and the modes of the shell held there, diagonalised; exact in
-statics with S = 0, but the interface then carries mass. Both answer a static push at the interface exactly as the full
+statics with S = 0, but the interface then has mass. Both answer a static push at the interface exactly as the full
 model does. A rim's basis, and that of a structure with a rotation, has the matrices of rotation between its modes
 (`turning.py`).
 """
@@ -119,7 +119,7 @@ def reduce(
     P = seen.loads
     if not P.any():
         where = interface.where if isinstance(interface, Rim) else repr(getattr(interface, "edge", ""))
-        raise ModelError("interface-held", f"interface: {where} is held, nothing can be pushed there")
+        raise ModelError("interface-held", f"interface: {where} is fixed, nothing can be pushed there")
     turning = modal_turning(structure, system, interface, seen.axes, seen.radius)
     loads = P if turning is None else np.hstack([P, turning.load])
     solve: Solve | None = None
@@ -236,7 +236,7 @@ def craig_bampton_vectors(
     fixed-interface modes, so one factorisation serves both parts.
     """
     refuse_rigid(free_motions(system.shell, system.grid).shape[2] if isinstance(system, System) else system.rigid)
-    loaded = P.any(axis=0)  # a channel along which a support holds the node has no shape
+    loaded = P.any(axis=0)  # a channel along which a support fixes the node has no shape
     P, attachment = P[:, loaded], attachment[:, loaded]
     compliance = P.T @ attachment
     held = cho_factor(0.5 * (compliance + compliance.T))

@@ -65,7 +65,7 @@ class ModalTurning:
         Raises
         ------
         ModelError
-            `static-loose` if the centrifugal force drives a rigid motion that is not held.
+            `static-loose` if the centrifugal force drives a rigid motion that is not restrained.
         """
         system, load = self.part.system, self.part.load
         K = system.stiffness if isinstance(system, System) else system.K

@@ -163,7 +163,7 @@ def gyroscopic_modes(
         raise ModelError("rotation-unstable", f"whirl_modes: found {factor.negative()} negative stiffnesses")
 
     def inverse(state: Array) -> Array:
-        x, v = np.split(np.ravel(state), 2)  # v stands for x'/scale
+        x, v = np.split(np.ravel(state), 2)  # v represents x'/scale
         return np.concatenate([-factor.solve(scale * (M @ v) + G @ x), x / scale])
 
     operator = LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=A.dtype)

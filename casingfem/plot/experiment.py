@@ -59,7 +59,7 @@ def figure_responses(
 
 @styled
 def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
-    """Spectrum of a scan around its tones (Hann window), and the fitted lines w +- nW that stand out of the noise."""
+    """Spectrum of a scan around its tones (Hann window), and the fitted lines w +- nW that exceed the noise."""
     figure = new_figure()
     axes = figure.add_subplot()
     count = len(record.velocity)

@@ -22,7 +22,7 @@ LETTER = 0.0042  # of the axis: half the width of a letter
 def figure_stabilisation(found: Identified) -> Figure:
     """Poles over model order, stable ones marked, with the modes chosen and what was measured behind.
 
-    Behind stand the singular values of the response matrix over its references (the complex mode indicator, Shih et
+    Behind are the singular values of the response matrix over its references (the complex mode indicator, Shih et
     al., Mech. Syst. Signal Process. 2, 1988, 367); with one reference that is the norm over the sensors.
     """
     values = indicator(found)
@@ -145,11 +145,11 @@ def _row_ends(found: Identified) -> list[float]:
 
 
 def _mark(axes: Axes, found: Identified, low: float, high: float) -> None:
-    """A line for each identified mode; above each cluster the n in it; pairs that are not told apart dashed."""
+    """A line for each identified mode; above each cluster the n in it; pairs that are not distinguished dashed."""
     clusters: list[list[int]] = []
     for k in np.flatnonzero((found.freq >= low) & (found.freq <= high)).tolist():
         whole = k in found.unresolved
-        colour, label = (PURPLE, "pair, not told apart") if whole else (AFTER, "mode")
+        colour, label = (PURPLE, "pair, not distinguished") if whole else (AFTER, "mode")
         axes.axvline(found.freq[k], color=colour, lw=0.9, ls="--" if whole else "-", alpha=0.8, label=label)
         if clusters and found.freq[k] - found.freq[clusters[-1][0]] < CLUSTER * (high - low):
             clusters[-1].append(k)

@@ -181,7 +181,7 @@ def figure_stability(found: Any) -> Figure:
 def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     """The table of dangerous speeds: Campbell in the blade's frame, growth and amplitude over speed.
 
-    `found` as `contact.interactions` gives it. Ranges are shaded where the table says unstable, and nowhere else. A
+    `found` as `contact.interactions` gives it. Ranges are shaded where the table states unstable, and nowhere else. A
     row that closed contact proposed is marked at the frequency of its pole, with its nodal diameters.
     """
     runs = len(found.runs) > 0

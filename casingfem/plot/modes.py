@@ -119,7 +119,7 @@ MEMBERS = ((BEFORE, "-", "lower member"), (AFTER, "--", "upper member"))  # of a
 def figure_rim(modes: Modes, which: Sequence[tuple[int, ...]], edge: str | None = None, columns: int = 4) -> Figure:
     """Radial displacement around an edge for doublets or single modes (tuples of indices), seen along the axis.
 
-    In the middle of each circle stand the frequencies and, where a mode has an orientation of its own, the angle of
+    In the middle of each circle are the frequencies and, where a mode has an orientation of its own, the angle of
     its first antinode; ticks outside mark it. Without `edge` it is the one that moves most.
     """
     rows = -(-len(which) // columns)

@@ -41,7 +41,7 @@ def figure_spectrum(
     """Amplitude spectrum over the whole run and at its end, and how it came to be: a waterfall over time.
 
     `values` at equal steps of `time` [s]; frequencies up to `top_hz`, or to where the amplitude has fallen to QUIET of
-    the largest. `marks` stand above the spectrum; of a structure that turns at `turn_hz` the axis also counts engine
+    the largest. `marks` are above the spectrum; of a structure that turns at `turn_hz` the axis also counts engine
     orders. Colours are decibels of the loudest slice, FLOOR of them: neither one shock nor silence sets the scale.
     """
     figure = new_figure(8.2, 5.6 if waterfall else 3.0)

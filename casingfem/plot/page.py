@@ -1,4 +1,4 @@
-"""A page that stands alone: a verdict, sections of paragraphs, tables and figures, with style and scripts inside.
+"""A page in one file: a verdict, sections of paragraphs, tables and figures, with style and scripts inside.
 
 The scripts read numbers as small integers and a scale, in base64.
 """
@@ -58,14 +58,14 @@ class Table:
         return cls(caption, heads, tuple(lines), folded, meanings)
 
     def right(self) -> list[bool]:
-        """Whether each column holds numbers alone, which align at the right."""
+        """Whether each column contains numbers alone, which align at the right."""
         columns = [[cell for cell in column if cell is not None] for column in zip(*self.rows, strict=True)]
         return [bool(cells) and all(map(numeric, cells)) for cells in columns] or [False] * len(self.columns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """A figure ready for the page, its caption says what one sees; `scripts` are those that it needs.
+    """A figure ready for the page, its caption states what one sees; `scripts` are those that it needs.
 
     >>> Picture("<img alt='rim'>", "The rim at 300 Hz.").scripts
     ()
@@ -88,7 +88,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Section:
-    """One heading and what stands under it, in this order.
+    """One heading and its contents, in this order.
 
     >>> Section("Modes", ("The lowest mode has 366.2 Hz.",)).tables
     ()
@@ -103,7 +103,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """What stands above all: what was found, facts by name, how sure that is, what to do next.
+    """What is above all: what was found, facts by name, how sure that is, what to do next.
 
     `state` colours it: "good", "bad", "open", or nothing. `strips` are pictures of speed ranges by name, as HTML.
 
@@ -177,7 +177,7 @@ def numeric(cell: Cell) -> bool:
 def origin(source: Mapping[str, Any]) -> str:
     """One line on where a page comes from: input and its hash, versions, date (that of SOURCE_DATE_EPOCH if it is set).
 
-    `source` is what results carry: "study", "scene" or "file", "sha256", and "versions" or the packages themselves.
+    `source` is what results have: "study", "scene" or "file", "sha256", and "versions" or the packages themselves.
 
     >>> import os; os.environ["SOURCE_DATE_EPOCH"] = "1000000000"
     >>> origin({"scene": "rub.toml", "sha256": "0123456789abcdef", "numpy": "2.0.0"})
@@ -204,7 +204,7 @@ def render_page(
     notice: str = "",
     source: str = "",
 ) -> str:
-    """HTML of a page that needs no other file; `notice` stands out at the top (SYNTHETIC, say), then the verdict.
+    """HTML of a page that needs no other file; `notice` is in a frame at the top (such as SYNTHETIC).
 
     `source` is the line of `origin`.
 

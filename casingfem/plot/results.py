@@ -81,7 +81,7 @@ def samples(result: Any, *, bins: int = 40) -> Figure:
 
 @styled
 def deflection(result: Any) -> Figure:
-    """Size of the displacement of all nodes, seen where they stand in space."""
+    """Size of the displacement of all nodes, seen where they are in space."""
     table = result.columns()
     figure = new_figure(6.0, 5.0)
     axes: Any = figure.add_subplot(projection="3d")
@@ -106,7 +106,7 @@ def identified(result: Any) -> Figure:
 
 
 def scan(result: Any, *, most: int = 8) -> Figure:
-    """Deflections of the strongest waves that stand out of the noise."""
+    """Deflections of the strongest waves that exceed the noise."""
     seen = sorted((wave for wave in result.waves() if wave.seen), key=lambda wave: -wave.amplitude)[:most]
     tones = result.tones.tolist()
     shown = [(tones.index(wave.tone), wave.n) for wave in seen]

@@ -1,4 +1,4 @@
-"""How figures look: one set of colours that colour-blind readers can tell apart, one size of type."""
+"""Style of figures: one set of colours that colour-blind readers can distinguish, one size of type."""
 
 import base64
 import io
@@ -48,7 +48,7 @@ PLACE: ContextVar[Axes | None] = ContextVar("place", default=None)
 
 @contextmanager
 def placed(ax: Axes | None) -> Iterator[None]:
-    """Figures that are made inside stand in the place of these axes."""
+    """Figures that are made inside replace these axes."""
     token = PLACE.set(ax)
     try:
         yield
@@ -57,7 +57,7 @@ def placed(ax: Axes | None) -> Iterator[None]:
 
 
 class Inset(SubFigure):
-    """A figure of a picture in the place of some axes: one plain panel is these axes, several stand in their place."""
+    """A figure of a picture in the place of some axes: one plain panel is these axes, several replace them."""
 
     def __init__(self, ax: Axes) -> None:
         self.given = ax
@@ -82,7 +82,7 @@ class Inset(SubFigure):
         return super().subplots(*args, **kwargs)
 
     def legend(self, *args: Any, **kwargs: Any) -> Any:
-        """A legend outside of a figure's panels stands inside of axes that are one of many."""
+        """A legend outside of a figure's panels is inside of axes that are one of many."""
         if self.given in self.root.axes:
             kwargs.pop("loc", None)
             return self.given.legend(*(args or self.given.get_legend_handles_labels()), **kwargs)
@@ -105,7 +105,7 @@ R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw with this style, whatever the user's matplotlibrc says."""
+    """Draw with this style, whatever the user's matplotlibrc states."""
 
     @wraps(draw)
     def styled_draw(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -153,7 +153,7 @@ class Drawn:
 
 @styled
 def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
-    """The figure as an <img> that carries its own data; "png" for surfaces with many faces.
+    """The figure as an <img> that has its own data; "png" for surfaces with many faces.
 
     >>> embed(new_figure(1.0, 1.0), "an empty figure")[:38]
     '<img alt="an empty figure" src="data:i'

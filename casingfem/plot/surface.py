@@ -89,7 +89,7 @@ def split(quads: IntArray) -> IntArray:
 
 
 def merged(points: FloatArray, nodes: IntArray, most: int) -> IntArray:
-    """For every point the one that stands for it: itself, or the first of its cell in the finest grid of few enough."""
+    """For every point the one that represents it: itself, or the first of its cell in the finest grid of few enough."""
     lead = np.arange(len(points))
     low, size = points[nodes].min(axis=0), float(np.ptp(points[nodes], axis=0).max())
     divisions = 4096

@@ -89,7 +89,7 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Rows) -> Figure:
 
 
 def named(label: str) -> str:
-    """The name of a varied key on an axis or in a table: a speed in Hz, beside which stands rpm.
+    """The name of a varied key on an axis or in a table: a speed in Hz, beside which is rpm.
 
     >>> named("speed.hz [turns/s]"), named("rod[1].velocity [m/s]")
     ('speed [Hz]', 'rod[1].velocity [m/s]')

@@ -95,7 +95,7 @@ def strays(shell: Shell, field: object, largest: float) -> list[dict[str, Any]]:
 
 
 def centred(shape: dict[str, Any], centre: FloatArray, reach: float) -> dict[str, Any]:
-    """A shape whose stray points stand where its points do: about the centre, in parts of the reach."""
+    """A shape whose stray points are where its points do: about the centre, in parts of the reach."""
     moved = [
         {**one, "at": ((np.array(one["at"]) - centre) / reach).round(5).tolist()} for one in shape.get("strays", ())
     ]

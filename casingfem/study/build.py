@@ -172,7 +172,7 @@ def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
 
 
 def build_mesh(table: shapes.MeshTable, default: ShellMesh) -> ShellMesh:
-    """The default mesh with what [mesh] says put in its place."""
+    """The default mesh, with the values of [mesh] in its place."""
     rows = tuple(table.rows) if isinstance(table.rows, list) else table.rows
     return ShellMesh(
         order=table.order or default.order,

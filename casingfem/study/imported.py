@@ -49,7 +49,7 @@ class MeshStudy(FromFile):
     wheel
         Of [cyclic]: the wheel of which the structure is one sector; None without.
     source
-        Name and hash of the input (the file and its mesh), versions, seed: what a result carries.
+        Name and hash of the input (the file and its mesh), versions, seed: what a result has.
     """
 
     path: Path

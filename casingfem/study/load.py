@@ -53,7 +53,7 @@ class Study(FromFile):
     interface
         Of [reduce]: the rim or tip that contact sees; None without.
     source
-        Name and hash of the input (the file and all it refers to), versions, seed: what a result carries.
+        Name and hash of the input (the file and all it refers to), versions, seed: what a result has.
     """
 
     path: Path
@@ -219,7 +219,7 @@ def load_shapes(
     with problems.at("update.shapes"):
         measured = read_shapes(problems.file.parent / tables.shapes)
         if tables.shape_sigma is None and np.isnan(measured.sigma).any():
-            expected = f"the relative noise of the shapes, of which {tables.shapes} says nothing"
+            expected = f"the relative noise of the shapes, which {tables.shapes} does not state"
             problems.add("update.shape_sigma", "nothing", expected, "study-missing")
         elif shell is not None and table is not None:
             error, reach = tables.shape_error, tables.shape_reach

@@ -70,14 +70,14 @@ def run_mistune(
     processes
         Worker processes; by default one for each core.
     folder
-        Where chunks are kept and looked for; without it nothing is kept.
+        Where chunks are kept and searched for; without it nothing is kept.
     progress
         Called with the number of draws done.
 
     Raises
     ------
     StudyError
-        If nothing of the study is random, its chart is open, or the folder holds draws of another study.
+        If nothing of the study is random, its chart is open, or the folder contains draws of another study.
     NumericsError
         If the modes of a draw cannot be computed.
     """
@@ -150,12 +150,12 @@ def open_store(study: Study, folder: Path) -> Path:
     Raises
     ------
     StudyError
-        If it holds draws of another study, or of other versions.
+        If it contains draws of another study, or of other versions.
     """
     key = json_text({"source": study.source, "count": study.file.modes.count})
     mark = folder / "study.json"
     if mark.exists() and read_bytes(mark) != key.encode("utf-8"):
-        raise StudyError([f"{study.path}: {folder} holds draws of another study or version: give another --out DIR"])
+        raise StudyError([f"{study.path}: {folder} contains draws of another study or version: give another --out DIR"])
     write_atomic(mark, key)
     return folder
 

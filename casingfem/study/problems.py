@@ -1,4 +1,4 @@
-"""What is wrong with a study file, said once for all: file, key, what was found, what was expected."""
+"""What is wrong with a study file, stated once for all: file, key, what was found, what was expected."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -76,7 +76,7 @@ class Problems(list[str]):
 
 
 class Attempt:
-    """A part that may fail: its error becomes a problem, and the rest of the file is still looked at."""
+    """A part that may fail: its error becomes a problem, and the rest of the file is still examined."""
 
     def __init__(self, problems: Problems, key: str) -> None:
         self.problems, self.key = problems, key
@@ -99,7 +99,7 @@ class Attempt:
 
 
 class FromFile:
-    """What was read from a file, and can say what is wrong with a key of it."""
+    """What was read from a file, and can state what is wrong with a key of it."""
 
     __slots__ = ()
     path: Path
@@ -112,7 +112,7 @@ class FromFile:
 
 
 def table_of(error: ValueError, key: str) -> str:
-    """The key to name: another table's where the error's code says that it is at fault."""
+    """The key to name: another table's where the error's code states that it is at fault."""
     code = getattr(error, "code", "")
     head = "" if code.startswith(("mesh-no-group", "mesh-group", "mesh-support")) else code.partition("-")[0]
     return key if head not in ("material", "chart", "shell", "mesh") or key.startswith(head) else head

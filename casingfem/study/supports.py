@@ -1,4 +1,4 @@
-"""From the tables of a study file to what holds or loads an edge: supports, bolts, rings, point masses."""
+"""From the tables of a study file to the supports and loads of an edge: supports, bolts, rings, point masses."""
 
 from typing import Any
 
@@ -72,7 +72,7 @@ def build_ring(table: kinds.RingTable, edge: str, chart: Chart | None) -> Ring:
         **build_section(table),
         offset=None if table.offset is None else (table.offset[0], table.offset[1]),
         foot=None if table.foot is None else (table.foot[0], table.foot[1]),
-        support=held,  # type: ignore[arg-type]  # an elastic edge or bolts, as the table says
+        support=held,  # type: ignore[arg-type]  # an elastic edge or bolts, as the table states
     )
 
 

@@ -96,7 +96,7 @@ def put(tables: dict[str, Any], shell: Shell | Solid | MeshShell, name: str, val
 
 
 def put_at(tables: Any, path: Sequence[str | int], value: float) -> None:
-    """Set what stands at a path of keys and places."""
+    """Set what is at a path of keys and places."""
     *way, last = path
     for step in way:
         tables = tables[step]
@@ -104,13 +104,13 @@ def put_at(tables: Any, path: Sequence[str | int], value: float) -> None:
 
 
 def holding(tables: dict[str, Any], edge: str) -> dict[str, Any]:
-    """The table of what holds an edge from outside: of the ring's own support under a ring."""
+    """The table of supports of an edge from outside: of the ring's own support under a ring."""
     support: dict[str, Any] = tables["support"][edge]
     return support["support"] if support["kind"] == "ring" else support
 
 
 def stiffnesses(support: dict[str, Any]) -> dict[str, float]:
-    """What a [support] table of bolts says of k: one number, or up to three."""
+    """What a [support] table of bolts states of k: one number, or up to three."""
     return {name: support[name] for name in ("k", "k_r", "k_theta", "k_z") if name in support}
 
 

@@ -1,7 +1,7 @@
 """A reduced casing brought to its own baseline: what its pairs measured before anything was loosened or added.
 
 Manufacture splits every pair and shifts it. Measured before, that is known: in the plane of a pair the modal stiffness
-is made what the table says,
+is made what the table states,
 
     diag(omega_1^2, omega_2^2) + D,   D = T diag(omega_1m^2, omega_2m^2) T^T - diag(omega_1^2, omega_2^2),
 

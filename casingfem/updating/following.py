@@ -63,7 +63,7 @@ def nodal_inertia(modes: MeshModes) -> FloatArray:
 
 
 def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, table: FrequencyTable) -> Pairing:
-    """The pairing of old modes with rows, carried over to new ones.
+    """The pairing of old modes with rows, transferred to new ones.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
 
 
 def moved(match: Match, modes: list[int], whole: bool, new: ModeSet, table: FrequencyTable) -> Match:
-    """A match with other modes; of half a doublet the member that its row stands for, as in pairing."""
+    """A match with other modes; of half a doublet the member that its row represents, as in pairing."""
     if whole:
         pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))
         modes = [member_of(pair, new, table, match.rows[0]) if len(pair) == 2 else pair[0]]

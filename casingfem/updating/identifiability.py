@@ -1,4 +1,4 @@
-"""What a table can tell about the parameters: the singular values of its Jacobian in units of what was known before.
+"""What a table can show about the parameters: the singular values of its Jacobian in units of what was known before.
 
 With J the derivatives of the weighted residuals and D the width of each parameter before the test (its prior's sigma,
 else that of a number anywhere between its bounds, their distance over sqrt 12),
@@ -19,7 +19,7 @@ from casingfem.updating.parameters import Parameter
 from contact.io.columns import Column, table_lines, word
 from contact.io.reported import Reported
 
-SEEN = 1.0  # singular value above which the data say more than was known
+SEEN = 1.0  # singular value above which the data state more than was known
 NAMED = 0.3  # a parameter's share from which it is named in a direction
 
 

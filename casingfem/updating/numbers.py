@@ -52,7 +52,7 @@ class Plain:
 
 @dataclass(frozen=True, slots=True)
 class FieldHarmonic:
-    """A coefficient of an imperfection field, of the radius say: its cos or sin p theta, 0 where it has none."""
+    """A coefficient of an imperfection field, such as the radius: its cos or sin p theta, 0 where it has none."""
 
     of: str
     p: int
@@ -131,7 +131,7 @@ def series(field: Field | None) -> Any:
 
 
 def put_in(owner: Any, path: tuple[str | int, ...], value: Any) -> Any:
-    """The same value, mapping or tuple with what stands at a path replaced."""
+    """The same value, mapping or tuple with what is at a path replaced."""
     if not path:
         return value
     step, rest = path[0], path[1:]
@@ -185,7 +185,7 @@ def _named(names: Iterable[str]) -> Numbers:
 
 
 def numbers_of(owner: Any) -> list[str]:
-    """Names of the fields of a chart or taper that hold numbers."""
+    """Names of the fields of a chart or taper that contain numbers."""
     known = [field.name for field in fields(owner)] if is_dataclass(owner) else []
     return [name for name in known if isinstance(getattr(owner, name), NUMBERS)]
 

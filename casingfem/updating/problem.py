@@ -77,7 +77,8 @@ class Problem:
 
     The last point evaluated is kept, for the Jacobian follows the residual. `anchor` is the last point whose Jacobian
     was asked for, one that the solver has accepted: modes are followed and restarted from there. `prior` are one over
-    the standard deviations that hold parameters to the start, 0 for none. `exact` solves every point from nothing.
+    the standard deviations that regularise parameters towards the start, 0 for none. `exact` solves every point from
+    nothing.
     """
 
     shell: Shell | MeshStructure

@@ -1,4 +1,4 @@
-"""How strongly ill-posed parameters are held to their start, chosen by the data.
+"""How strongly ill-posed parameters are regularised towards their start, chosen by the data.
 
     min |r(x)|^2 + w^2 |(x - x0)/D|^2 over the parameters that are regularised, D their widths
 
@@ -7,7 +7,7 @@
 - l-curve (Hansen, SIAM Review 34, 1992, 561): the corner, the largest curvature of log |r| against log |(x - x0)/D|;
   it does not need the sigma.
 
-Both look at the problem linearised at the last solution; the update is solved again until w stands still.
+Both examine the problem linearised at the last solution; the update is solved again until w does not change.
 """
 
 from collections.abc import Sequence
@@ -97,7 +97,7 @@ def trade_off(
 ) -> FloatArray:
     """|r| and |(x - x0)/D| of the linearised problem at each of WEIGHTS, rows (w, |r|, |D^-1 (x - x0)|).
 
-    `away` is x - x0 now, `prior` one over the sigma of what is held anyway, `inverse` 1/D of what is regularised.
+    `away` is x - x0 now, `prior` one over the sigma of parameters with priors, `inverse` 1/D of what is regularised.
     """
     held = prior > 0.0
     J = np.vstack([jacobian, np.diag(prior)[held]])
@@ -123,7 +123,7 @@ def corner(curve: FloatArray) -> float:
 
 
 def chosen_weight(rule: Rule, curve: FloatArray, residuals: int) -> tuple[float, Rule, str]:
-    """The weight, the rule that chose it, and what is to be said about it.
+    """The weight, the rule that chose it, and what is to be stated about it.
 
     >>> curve = np.column_stack([WEIGHTS, 10.0 * WEIGHTS / (1.0 + WEIGHTS), 1.0 / (1.0 + WEIGHTS)])
     >>> round(chosen_weight("discrepancy", curve, 25)[0], 2)  # |r| = 5

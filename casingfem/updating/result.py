@@ -1,4 +1,4 @@
-"""What an update found: values with their uncertainties, before and after, and what the data cannot tell."""
+"""What an update found: values with their uncertainties, before and after, and what the data do not determine."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -28,8 +28,8 @@ from contact.io.columns import records_of, table_lines
 from contact.io.reported import Reported
 
 POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
-ALIKE = 0.95  # correlations above this: the data cannot tell the two apart
-UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data say little
+ALIKE = 0.95  # correlations above this: the data cannot distinguish the two
+UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data state little
 
 
 def weak_priors(vary: Sequence[Parameter], jacobian: FloatArray) -> tuple[bool, ...]:
@@ -120,7 +120,7 @@ class UpdateResult(Reported):
 
     @property
     def measured(self) -> FrequencyTable:
-        """The measured table with the rows that were set aside; `table` holds the others."""
+        """The measured table with the rows that were set aside; `table` contains the others."""
         return self.table if self.plain is None else self.plain.table
 
     @property
@@ -140,7 +140,7 @@ class UpdateResult(Reported):
 
     @property
     def sigma(self) -> FloatArray:
-        """Standard deviations, in decades for log parameters, (parameters,): inflated where the misfit says so."""
+        """Standard deviations (parameters,), in decades for log parameters; times the misfit if it is above chance."""
         return self.inflation * self.stated_sigma
 
     @property
@@ -221,7 +221,7 @@ class UpdateResult(Reported):
         """The frequency, split or orientation of which a change alone would lower chi^2 most."""
         shifts = shifts_of(self.after, self.given.table, self.pairing.matches)
         residual, jacobian = self.given.with_priors(self.x, self.values, self.jacobian)
-        free = ~np.array(self.at_bound)  # what stands on a bound gives no way
+        free = ~np.array(self.at_bound)  # what is on a bound gives no way
         return named([strongest(shifts, residual, jacobian * free)], self.table)[0]
 
     def residuals_of(self) -> list[int]:
@@ -347,7 +347,7 @@ class UpdateResult(Reported):
         unseen = self.identifiability.unseen
         if unseen:
             lines.append(f"the table hardly sees {', '.join(unseen)}")
-        lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
+        lines += [f"the data do not separate {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
         known = zip(self.parameters, self.prior_only, strict=True)
         lines += [f"{p.name}: known from its prior only" for p, weak in known if weak]
         return "\n".join(lines)

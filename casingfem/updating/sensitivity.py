@@ -7,7 +7,7 @@ kinetic energies. They are analytic in every parameter, so one evaluation at p +
 
 to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for moduli, densities, thickness, harmonics
 of any field and springs alike. Where a parameter moves the surface, the directions that a diaphragm or a plane of
-symmetry holds turn with it, and the modes with them.
+symmetry fixes turn with it, and the modes with them.
 
 Of an imported part they are central differences of the assembled matrices: K and M are linear in moduli, densities and
 foundations and at most cubic in a thickness, so that the step of `MESH_STEP` leaves 1e-8 of them.

@@ -137,7 +137,7 @@ class SensorShapes:
             sensor-far.
         """
         if sigma is None and np.isnan(measured.sigma).any():
-            raise measured.error("no uncertainty of the shapes", "a sigma, relative, for shapes whose file says none")
+            raise measured.error("no uncertainty of the shapes", "a sigma, relative, for shapes whose file states none")
         rows = rows_of_shapes(measured, table, reach=reach)
         a, b, _ = on_wall(shell, measured.points, measured.labels)
         spread = np.hypot(measured.sigma if sigma is None else np.full(len(measured), sigma), error)

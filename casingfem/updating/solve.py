@@ -27,7 +27,7 @@ from contact.io.progress import tell
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SHORTER = (1.0, 0.5, 0.25, 0.125)  # of a step whose end cannot be evaluated
 ROUNDS = 8  # solutions until a weight must have settled
-SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
+SETTLED = 0.06  # two of the weights tried, which are .058 apart in logarithm
 DAMPING = 0.1
 PREDICTED_DECREASE = 1e-7  # of the sum of squares: less is the modes' own round-off
 FLOOR = 1e-10  # of one squared standard deviation
@@ -89,7 +89,7 @@ def levenberg_marquardt(
         try:
             new = fun(trial)
             gain = (squares - float(new @ new)) / predicted
-        except ValueError:  # a lost mode; or no such structure: springs turned negative, say
+        except ValueError:  # a lost mode; or no such structure: springs turned negative, for example
             gain = -1.0
         if gain > LEAST:
             x, r, J = trial, new, jac(trial)
@@ -132,7 +132,7 @@ def covariance(jacobian: FloatArray) -> FloatArray:
 def solve_regularised(
     problem: Problem, by: Regularisation, lower: FloatArray, upper: FloatArray, max_iterations: int
 ) -> tuple[FloatArray, str, Regularised]:
-    """Solve, choose the weight at the solution, and solve again from there until the weight stands still."""
+    """Solve, choose the weight at the solution, and solve again from there until the weight does not change."""
     inverse = by.among(problem.vary)
     held = np.where(inverse > 0.0, 0.0, problem.prior)
     weight, x = 1.0, problem.start

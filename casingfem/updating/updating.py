@@ -55,7 +55,7 @@ def require_few(table: FrequencyTable, count: int) -> None:
         raise InputError(
             table.path, column="freq_hz", where=f"mode {table.mode[table.freq_hz.argmax()]}",
             found=f"{highest:.6g} Hz{beside}: some {count} modes to compute for {len(table)} rows",
-            expected=f"rows that at most {MOST_MODES} modes reach; or say how many, `count`, if these are meant",
+            expected=f"rows that at most {MOST_MODES} modes reach; or state the number, `count`, if these are meant",
         )  # fmt: skip
 
 
@@ -95,7 +95,7 @@ def update(
     shapes
         Mode shapes at sensors, a column for each row of the table; they pair rows and are fitted too.
     regularise
-        Hold ill-posed parameters, many harmonics mostly, to their start as strongly as the data choose; their prior
+        Regularise ill-posed parameters, mostly many harmonics, by a strength that the data choose; their prior
         gives its shape, not its strength.
     max_iterations
         Limit on evaluations of a run; there may be a second where rows pair better after the first.
@@ -224,10 +224,10 @@ def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> Freque
 def without_outliers(
     whole: Problem, fit: UpdateResult, regularise: Regularisation | None, max_iterations: int
 ) -> UpdateResult:
-    """The fit without rows that contradict the others; each round looks at all rows from the fit of the last.
+    """The fit without rows that contradict the others; each round examines all rows from the fit of the last.
 
-    Rows are paired anew for that. Where this finds nothing more, the rows are looked at as the fit itself pairs them:
-    a wrong row may stand for another mode nearby, beside which no other row contradicts it. The same rows may be set
+    Rows are paired anew for that. Where this finds nothing more, the rows are examined as the fit itself pairs them:
+    a wrong row may represent another mode nearby, beside which no other row contradicts it. The same rows may be set
     aside twice, from two fits: the first may have ended in another valley.
     """
     best = fit
@@ -266,7 +266,7 @@ def contradicting(
     shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray, fit: UpdateResult, table: FrequencyTable
 ) -> tuple[tuple[Outlier, ...], FloatArray]:
     """What of a table contradicts the rest, and the step from a fit to that without it, linearised."""
-    free = jacobian * ~np.array(fit.at_bound)  # what stands on a bound gives no way
+    free = jacobian * ~np.array(fit.at_bound)  # what is on a bound gives no way
     found = outlying(shifts, residual, free, len(table))
     return named(found, table), step_without(found, shifts, residual, free)
 

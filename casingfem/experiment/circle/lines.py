@@ -1,4 +1,4 @@
-"""The lines of a circle scan: where they stand, whether a record tells them apart, their fit and the noise beside."""
+"""The lines of a circle scan: where they are, whether a record distinguishes them, their fit and the noise beside."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -14,7 +14,7 @@ TURNS = 1.5  # of the spot in a record, at least
 RESOLVED = 1.0  # bins (1/T) between two lines, at least
 TRIED = np.linspace(0.7, 1.4, 281)  # rates tried, over the one that failed
 BLOCK = 8192  # samples whose equations are made at once
-APART = 1e-4  # least eigenvalue of the lines' correlations: below it the record does not tell them apart
+APART = 1e-4  # least eigenvalue of the lines' correlations: below it the record does not distinguish them
 BESIDE = (3, 30)  # bins beside a line whose residual is its noise floor
 
 
@@ -39,7 +39,7 @@ def closest(freq: FloatArray) -> tuple[int, int, float]:
 def clear_rate(
     tones: Sequence[float], n: IntArray, rate: float, seconds: float, fs: float, runout: int = 0
 ) -> float | None:
-    """The rate nearest to `rate` at which all lines stand at least two bins apart, None if there is none nearby."""
+    """The rate nearest to `rate` at which all lines are at least two bins apart, None if there is none nearby."""
     for factor in sorted(TRIED, key=lambda f: abs(np.log(f))):
         freq = line_frequencies(tones, n, rate * factor, runout)
         if closest(freq)[2] * seconds >= 2.0 * RESOLVED and freq.max() < 0.5 * fs:
@@ -48,7 +48,7 @@ def clear_rate(
 
 
 def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: float, fs: float, runout: int) -> None:
-    """Refuse a record whose lines cannot be told apart, with what would help.
+    """Refuse a record whose lines cannot be distinguished, with what would help.
 
     Raises
     ------
@@ -68,10 +68,10 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
         return
     one, other = (name(k, tones, n) for k in sorted((low, high)))
     better = clear_rate(tones, n, rate, seconds, fs, runout)
-    help_ = f"turn at {better:.4g} turns/s" if better else "excite fewer tones at a time, or look for fewer orders"
+    help_ = f"turn at {better:.4g} turns/s" if better else "excite fewer tones at a time, or search for fewer orders"
     raise InputError(
-        f"lines fall together: {one} and {other} stand {gap:.3g} Hz apart at {freq[low]:.3f} Hz, "
-        f"a record of {seconds:g} s tells {RESOLVED / seconds:.3g} Hz: {help_}"
+        f"lines fall together: {one} and {other} are {gap:.3g} Hz apart at {freq[low]:.3f} Hz, "
+        f"a record of {seconds:g} s resolves {RESOLVED / seconds:.3g} Hz: {help_}"
     )
 
 
@@ -107,7 +107,7 @@ def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> LineF
     least = float(np.linalg.eigvalsh(correlations)[0])
     if least < APART:
         help_ = "a longer one, fewer orders"
-        raise InputError(f"the record does not tell its lines apart (least eigenvalue {least:.1e}): {help_}")
+        raise InputError(f"the record does not distinguish its lines (least eigenvalue {least:.1e}): {help_}")
     factor = cho_factor(G[np.ix_(live, live)])
     x, variance = np.zeros(len(b)), np.zeros(len(b))
     x[live] = cho_solve(factor, b[live])
@@ -141,7 +141,7 @@ def white_level(residual: FloatArray) -> FloatArray:
 def noise_beside(power: FloatArray, count: int, fs: float, freq: FloatArray) -> FloatArray:
     """Variance that white noise as strong as the residual beside each line would have, (lines,).
 
-    From the median of the spectrum beside the line: what else stands there does not count.
+    From the median of the spectrum beside the line: what else is there does not count.
     """
     centre = np.rint(freq * count / fs).astype(np.int64)
     away = np.arange(BESIDE[0], BESIDE[1] + 1)

@@ -1,8 +1,9 @@
 """Sensors on a circle: which n a shape has, how pure it is, where its antinode lies, and how sure that is.
 
 A shape with n nodal diameters has a cos n theta + b sin n theta at the sensors; sensors may be missing or uneven, so
-(a, b) comes by least squares. Two n that look alike at the sensors (n and 24 - n on 24 even ones) cannot be told
-apart; the labels end below the first such n. An n whose sine or cosine no sensor sees (12 on 24 even ones) is none.
+(a, b) comes by least squares. Two n that are alike at the sensors (n and 24 - n on 24 even ones) cannot be
+distinguished; the labels end below the first such n. An n whose sine or cosine no sensor sees (12 on 24 even ones) is
+none.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scipy.special import ndtri, stdtrit
 from casingfem.io.arrays import FloatArray, IntArray, freeze
 
 MOST = 64  # largest n: of labels where none is given, and of waves that may add to a shape
-ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
+ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be distinguished
 TAIL = 0.025  # beyond either end of an interval
 EXACT = 1e-14  # of a shape's energy: a variance that every sensor has, where noise has none
 PURE = 0.35  # least share of the energy for a label
@@ -44,7 +45,7 @@ class Label(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Circle:
-    """Sensors at angles theta [rad], and the n that they tell from all smaller ones."""
+    """Sensors at angles theta [rad], and the n that they distinguish from all smaller ones."""
 
     theta: FloatArray
     orders: tuple[int, ...]
@@ -80,8 +81,8 @@ class Circle:
         """Which n a shape (sensors,) with this covariance (sensors, sensors) has, and where its antinode lies.
 
         The n whose sine and cosine take most energy is the label. All other n up to 64 are random, each of a size that
-        the shape itself shows. They turn the antinode, and so enter its uncertainty (`spread_of_others`). This holds
-        for n far above the largest label too: on few sensors they look like the label, and the shape does not show
+        the shape itself shows. They turn the antinode, and so enter its uncertainty (`spread_of_others`). This is so
+        for n far above the largest label too: on few sensors they resemble the label, and the shape does not show
         them apart. What they add to its variance is estimated from that many sensors: 1.96 sigma is the 95 % interval
         of Student's t, its degrees of freedom (sensors - 2)/(share of that variance)^2 (Satterthwaite, Biometrics
         Bulletin 2, 1946, 110).
@@ -175,7 +176,7 @@ def spread_of_others(
     orthogonal to it does not depend on v_m.
 
     Taking all others as alike would give the largest of them to the antinode; fitting only the notable ones leaves out
-    that they were chosen for being large, and gives intervals that hold too seldom.
+    that they were chosen for being large, and gives intervals that are too narrow.
     """
     columns = others
     if len(shape) > own.shape[1] + others.shape[1]:

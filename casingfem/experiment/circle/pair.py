@@ -9,7 +9,7 @@ projection (Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973, 413). The member k h
 psi_k = atan2(b_k, a_k)/n.
 
 One resonance has four unknowns less, and a double of equal damping is one. Two are there where they lower the sum of
-squares by more than noise would, by an F test: what noise adds to a double looks like a member too.
+squares by more than noise would, by an F test: what noise adds to a double resembles a member too.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ LEVEL = 1e-3  # how often noise may make two of a double, at most
 class Pair:
     """A pair, lower member first: frequencies [Hz], damping ratios, antinodes [deg], each with its sigma, (2,).
 
-    `split` and `split_sigma` [Hz]; `misfit` is the rms of the residual over the noise: 1 where the model holds.
+    `split` and `split_sigma` [Hz]; `misfit` is the rms of the residual over the noise: 1 where the model is right.
     """
 
     n: int
@@ -49,7 +49,7 @@ class Pair:
 
 
 def split_pair(scan: CircleScan, n: int) -> Pair:
-    """Tell the members of the pair of order n apart.
+    """Separate the members of the pair of order n.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     Raises
     ------
     InputError
-        Too few tones, an order that was not fitted, or data that do not tell two members apart: one frequency and
+        Too few tones, an order that was not fitted, or data that do not distinguish two members: one frequency and
         damping fit them as well but for noise.
 
     Examples
@@ -93,7 +93,7 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     scaled = J / np.linalg.norm(J, axis=0)
     if np.linalg.cond(scaled) > 1e8:
         help_ = "more of them, closer to the peaks"
-        raise InputError(f"the pair n = {n}: the tones do not tell two members apart: {help_}")
+        raise InputError(f"the pair n = {n}: the tones do not distinguish two members: {help_}")
     covariance = np.linalg.inv(scaled.T @ scaled) / np.multiply.outer(*[np.linalg.norm(J, axis=0)] * 2)
     return described(n, poles, parts, covariance * max(misfit, 1.0) ** 2, misfit)
 
@@ -101,14 +101,14 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
 def require_two(n: int, tones: FloatArray, data: Array, sigma: FloatArray, misfit: float) -> None:
     """Refuse data that one resonance fits as well as two, which leave `misfit`.
 
-    A second one could stand in many places, of which the fit takes the best: each counts as a test of its own.
+    A second one could be in many places, of which the fit takes the best: each counts as a test of its own.
     """
     residual = linear_part(tones, fitted_poles(tones, data, sigma, 1), data, sigma)[1]
     one, freedom = float(residual @ residual), residual.size - 10
     gain = (one - freedom * misfit**2) / 4.0 / max(misfit, 1.0) ** 2
     if gain <= 0.0 or STARTS * len(ZETAS) * fdtrc(4, freedom, gain) > LEVEL:
         raise InputError(
-            f"the pair n = {n}: the tones do not tell two members apart: found a misfit of {misfit:.3g} with two and "
+            f"the pair n = {n}: the tones do not distinguish two members: found a misfit of {misfit:.3g} with two and "
             f"{np.sqrt(one / (freedom + 4)):.3g} with one, expected one to misfit by more than noise: less noise, or "
             "more tones, closer to the peaks"
         )

@@ -5,9 +5,9 @@ On a wave V(theta) = sum_n V_n e^(i n theta), excited at omega, a spot at theta(
     v(t) = Re sum_n V_n e^(i (omega t + n theta(t)))
 
 for a spot turning at W lines at omega +- n W; a standing wave A cos n(theta - psi) e^(i phase) makes both alike,
-V_+-n = (A/2) e^(i phase) e^(-+i n psi), and their ratio tells what travels (Stanbridge & Ewins, Mech. Syst. Signal
+V_+-n = (A/2) e^(i phase) e^(-+i n psi), and their ratio shows what travels (Stanbridge & Ewins, Mech. Syst. Signal
 Process. 13, 1999, 255). All lines are fitted at once by least squares at their exact frequencies, so that a record need
-not hold whole turns or periods: nothing leaks.
+not contain whole turns or periods: nothing leaks.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from contact.io.reported import Reported
 
 SEEN = 4.0  # standard deviations above which a line is there
-LEFT = 1.5  # times the noise that a fit may leave before the table says so
+LEFT = 1.5  # times the noise that a fit may leave before the table states it
 NOISE = 1e-9  # of the largest line: below it there is round-off alone
 
 
@@ -118,7 +118,7 @@ class CircleScan(Reported):
         return [self.wave(tone, n) for tone in range(len(self.tones)) for n in orders]
 
     def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a wave, those in the noise too (`seen` tells)."""
+        """One plain dictionary a wave, those in the noise too (`seen` shows)."""
         return [wave._asdict() for wave in self.waves()]
 
     def shape(self, tone: int, theta: ArrayLike) -> Array:
@@ -183,7 +183,7 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     record
         The scan.
     orders
-        Highest n, or the orders n to look for. A wave of another order leaks into these as 1/(turns of the record);
+        Highest n, or the orders n to search for. A wave of another order leaks into these as 1/(turns of the record);
         `left` shows it.
     runout
         Harmonics of the turn, 0 to this one, that are fitted beside: run-out and speckle repeat every turn.
@@ -191,7 +191,7 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     Raises
     ------
     InputError
-        Lines of different waves that fall together, a record too short to tell lines W apart, lines above fs/2.
+        Lines of different waves that fall together, a record too short to distinguish lines W apart, lines above fs/2.
 
     Examples
     --------

@@ -25,7 +25,7 @@ from casingfem.structure.shell.system import System
 from contact.io.columns import Column, table_lines
 from contact.io.reported import Reported
 
-DIFFERENT = 0.9  # COMAC below this is worth a look
+DIFFERENT = 0.9  # COMAC below this is worth a check
 
 
 COLUMNS = (
@@ -62,7 +62,7 @@ class Correlation(Reported):
     Attributes
     ----------
     modes, measured, sensors
-        Both sides, and where the sensors stand on the shell.
+        Both sides, and where the sensors are on the shell.
     pairing
         Matches, and what is left unpaired on both sides.
     mac

@@ -4,7 +4,7 @@ SEREP (O'Callahan, Avitabile and Riemer, IMAC 1989): with the model's shapes at 
 
     q = Phi_s^+ psi,   u = Phi q,   smoothed psi = Phi_s q.
 
-Noise in psi grows at most by the condition number of Phi_s; what the modes cannot show is left out and said. The
+Noise in psi grows at most by the condition number of Phi_s; what the modes cannot show is left out and stated. The
 error at a sensor that is left out follows without another fit, e = (I - H)^-1 r over its channels, H = Phi_s Phi_s^+.
 """
 
@@ -81,7 +81,7 @@ def expand(
     Raises
     ------
     ModelError
-        expansion-modes: no modes, more than channels, or modes that the sensors cannot tell apart.
+        expansion-modes: no modes, more than channels, or modes that the sensors cannot distinguish.
 
     Examples
     --------
@@ -97,7 +97,7 @@ def expand(
     basis = at_sensors[:, chosen]
     U, sizes, turn = np.linalg.svd(basis, full_matrices=False)
     if sizes[-1] < 1e-8 * sizes[0]:
-        raise ModelError("expansion-modes", f"expand: {len(chosen)} modes look alike on {channels} channels")
+        raise ModelError("expansion-modes", f"expand: {len(chosen)} modes are alike on {channels} channels")
     smoothed = U @ (U.T @ measured)
     lengths = np.linalg.norm(measured, axis=0)
     return Expansion(

@@ -126,7 +126,7 @@ def ecomac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
     """Enhanced COMAC of each channel: 0 where all shapes agree; each shape has unit length and the signs agree.
 
     ECOMAC_c = sum_k |a_ck - b_ck|/(2 m)   (Hunt, IMAC 1992)
-    A sensor that is turned over stands out here, but not in COMAC.
+    A sensor that is turned over is conspicuous here, but not in COMAC.
 
     >>> ecomac([[1.0], [1.0]], [[1.0], [-1.0]]).round(3).tolist()
     [0.0, 0.707]

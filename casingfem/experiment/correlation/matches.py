@@ -1,4 +1,4 @@
-"""The outcome of pairing: which rows of a frequency table are which modes, how sure; in which unit the rows stand."""
+"""The outcome of pairing: which rows of a frequency table are which modes, how sure; in which unit the rows are."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Match:
     Parameters
     ----------
     rows, modes : indices into the table and the mode set, of equal length
-    n : nodal diameters, -1 where neither side says
+    n : nodal diameters, -1 where neither side states it
     confidence : 1 - (cost of this match)/(cost of the next best), in [0, 1]; 0 when another fits as well
     measured_hz, computed_hz : frequencies of rows and modes
     """
@@ -124,7 +124,7 @@ def unpaired_words(modes: Sequence[int], of: str = "table") -> list[str]:
 def other_unit(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> str:
     """The unit in which the table agrees with the lowest computed modes; "" where that is none but maybe Hz.
 
-    The lowest row of n nodal diameters stands beside the lowest such mode, the k-th row without n beside the k-th mode.
+    The lowest row of n nodal diameters is beside the lowest such mode, the k-th row without n beside the k-th mode.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def other_unit(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> s
 
 
 def refuse_unpaired(table: FrequencyTable, freq: FloatArray, n: IntArray | None, reach: float) -> NoReturn:
-    """Say that no row pairs with a computed mode, and why where the table stands in another unit.
+    """State that no row pairs with a computed mode, and why where the table is in another unit.
 
     Raises
     ------

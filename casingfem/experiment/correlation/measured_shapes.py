@@ -40,9 +40,9 @@ class MeasuredShapes:
     labels
         Number of every channel's point, (channels,): channels of one sensor share it.
     sigma
-        Noise of each shape, rms over the shape's own rms; nan where the test does not say, (modes,).
+        Noise of each shape, rms over the shape's own rms; nan where the test does not state it, (modes,).
     n
-        Nodal diameters, -1 where the test does not say, (modes,).
+        Nodal diameters, -1 where the test does not state it, (modes,).
     path
         Where it was read from.
 
@@ -247,7 +247,7 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
 def identified_shapes(found: Identified, path: str = "identified") -> MeasuredShapes:
     """The shapes of identified modes at the places of their sensors, with n and uncertainties.
 
-    Directions 1, 2, 3 are radial, hoop and axial where the sensors stand around an axis (they have angles), else x, y,
+    Directions 1, 2, 3 are radial, hoop and axial where the sensors are around an axis (they have angles), else x, y,
     z; a sign turns them over. The noise of a shape of unit norm is sqrt(sum sigma_shapes^2).
 
     Raises

@@ -28,7 +28,7 @@ LEFT_OUT = 3.0
 TIE = 1e-3
 """Of the members of a doublet, equal in all else, the one alike takes the row."""
 SPLIT = 10.0
-"""A doublet split by more than so many sigma of a single row has members that the row's angle tells apart."""
+"""A doublet split by more than so many sigma of a single row has members that the row's angle distinguishes."""
 WORST_SHAPE = 0.5
 """Where shapes are given, a row is rather left out than paired for more than this beyond its reach."""
 
@@ -114,7 +114,7 @@ def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac
 
 
 class _Cost:
-    """What it costs to say that rows are modes; inf where the labels or the reach forbid it."""
+    """Cost of the pairing of rows with modes; inf where the labels or the reach forbid it."""
 
     def __init__(self, modes: ModeSet, table: FrequencyTable, reach: float, shape_mac: ArrayLike | None) -> None:
         if not reach > 0.0:
@@ -144,7 +144,7 @@ class _Cost:
         return len(rows) * (error + self.unlike(rows, modes)) if error <= self.limit else float("inf")
 
     def members(self, rows: Indices, modes: Indices) -> Indices:
-        """Return as many modes as rows: of a doublet for one row, the member that it stands for."""
+        """Return as many modes as rows: of a doublet for one row, the member that it represents."""
         if len(rows) == len(modes):
             return modes
         return (member_of(modes, self.modes, self.table, rows[0]),)
@@ -158,7 +158,7 @@ class _Cost:
 
 
 def member_of(doublet: Sequence[int], modes: ModeSet, table: FrequencyTable, row: int) -> int:
-    """The member of a computed doublet that a single row stands for: by its angle where that is clear, else the nearer.
+    """The member of a computed doublet that a single row represents: by its angle where that is clear, else the nearer.
 
     A wrong frequency can lie at the other member, 90 deg/n away. Computed angles mean little where the split is small.
     """
@@ -183,7 +183,7 @@ def _slots(modes: ModeSet) -> list[Indices]:
 def _assigned(
     rows: Sequence[int], modes: Sequence[int], cost: _Cost, shapes: FloatArray
 ) -> list[tuple[Indices, Indices]]:
-    """Assign rows to modes at the least total cost; as many spare columns as rows stand for no mode."""
+    """Assign rows to modes at the least total cost; as many spare columns as rows represent no mode."""
     prices = np.full((len(rows), len(modes) + len(rows)), cost.left_out)
     for i, row in enumerate(rows):
         for j, mode in enumerate(modes):
@@ -193,7 +193,7 @@ def _assigned(
 
 
 def _pairing(found: Sequence[tuple[Indices, Indices]], slots: Sequence[Indices], cost: _Cost) -> Pairing:
-    """Join rows that share a doublet, and say how sure each match is."""
+    """Join rows that share a doublet, and state how sure each match is."""
     row_of = {mode: row for rows, modes in found for row, mode in zip(rows, modes, strict=True)}
     freq, measured = cost.modes.freq, cost.table.freq_hz
     matches = []

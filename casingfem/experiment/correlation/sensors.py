@@ -1,4 +1,4 @@
-"""Where on a shell its sensors stand: the nearest points of the surface, and the model's shapes there."""
+"""Where on a shell its sensors are: the nearest points of the surface, and the model's shapes there."""
 
 from dataclasses import dataclass
 
@@ -163,7 +163,7 @@ def sensors_at_nodes(
 
 
 def refuse_far(where: FloatArray, numbers: IntArray, distance: FloatArray, allowed: float, what: str) -> None:
-    """Refuse sensors that stand away from the structure."""
+    """Refuse sensors that are away from the structure."""
     if distance.max() > allowed:
         worst = int(distance.argmax())
         place = where[worst].round(4).tolist()

@@ -74,7 +74,7 @@ def read_frfs(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None 
 
 
 def _require_file(path: str | os.PathLike[str]) -> None:
-    """Refuse what is there and is no file: its ending says nothing then."""
+    """Refuse a path that is no file, whatever its ending."""
     try:
         if os.path.lexists(path):
             open_file(path).close()
@@ -118,7 +118,7 @@ def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
 
 
 def file_coherence(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None = None) -> FrfSet | None:
-    """Coherence that stands beside the responses in a file of several kinds; None where there is none."""
+    """Coherence that is beside the responses in a file of several kinds; None where there is none."""
     ending = Path(path).suffix.lower()
     if ending in LOOSE:
         stored = _loose(path, arrays)
@@ -201,7 +201,7 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
     """Measured functions of an HDF5 file: x (lines,), responses (channels, lines), the four places (channels,).
 
     Places that are missing are 0 for every channel. The file's attributes `kind` ("frf" if missing), `unit` and
-    `card` say what they are.
+    `card` state what they are.
 
     Raises
     ------

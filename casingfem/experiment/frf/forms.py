@@ -59,7 +59,7 @@ def unit_of(function: Function) -> str:
 def quantity_of(function: Function) -> str:
     """What a response without a unit is, by its codes, where it is no motion over a force; "" where they leave it open.
 
-    It stands in the place of a unit: no form follows from it, so that a user has to state one.
+    It replaces a unit: no form follows from it, so that a user has to state one.
     """
     kinds = function.axes.ordinate.kind, function.axes.denominator.kind
     if unit_of(function) or form_of_codes(function) or all(kind in UNKNOWN for kind in kinds):

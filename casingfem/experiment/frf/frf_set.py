@@ -37,7 +37,7 @@ class FrfSet:
     ----------
     kind : "frf" or "spectrum" over frequencies [Hz], or "time" over seconds
     x : abscissa (lines,), ascending
-    responses : (channels, lines), complex; real for time records. Over frequencies nan stands for a missing number
+    responses : (channels, lines), complex; real for time records. Over frequencies nan represents a missing number
     response_point, response_direction, reference_point, reference_direction
         Where each channel was measured, and what it refers to, (channels,): node, and 1, 2, 3 for x, y, z, 4, 5, 6
         for turns, 0 without direction, signed.
@@ -181,7 +181,7 @@ class FrfSet:
         """Read rows of freq_hz (or time_s), the four places, real, imag; a card line `unit: ...` is required.
 
         Empty cells of real and imag are missing numbers of responses.
-        Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra, `form: mobility` says
+        Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra, `form: mobility` states
         what the responses are where the unit does not.
 
         Raises
@@ -288,7 +288,7 @@ def _kind(word: str, path: str) -> Kind:
 
 
 def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
-    """Number of lines of every channel, which must stand over the same abscissas."""
+    """Number of lines of every channel, which must be over the same abscissas."""
     ends = np.r_[starts[1:], len(x)]
     lines = int(ends[0])
     for start, end in zip(starts.tolist(), ends.tolist(), strict=True):

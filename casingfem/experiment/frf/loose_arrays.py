@@ -172,7 +172,7 @@ def _numbers(array: Array, name: str, path: str) -> Array:
 
 
 def _lines_last(values: Array, lines: int, path: str) -> Array:
-    """Values (channels, references, lines), whichever end the lines stand at."""
+    """Values (channels, references, lines), whichever end the lines are at."""
     ends = [axis for axis in {0, values.ndim - 1} if values.ndim and values.shape[axis] == lines]
     if values.ndim not in (1, 2, 3) or len(ends) != 1:
         found = f"frf {values.shape} for {lines} frequencies"

@@ -86,7 +86,7 @@ def angles_of(places: Mapping[int, FloatArray]) -> dict[int, float]:
 
 
 def form_of(frfs: FrfSet, form: str | None) -> int | None:
-    """Power of j omega by which responses exceed receptances: as said, or from the unit and the set's own form.
+    """Power of j omega by which responses exceed receptances: as stated, or from the unit and the set's own form.
 
     None without either.
 

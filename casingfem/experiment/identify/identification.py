@@ -84,7 +84,7 @@ def identify(
     order
         Largest order of the p-LSCF estimator; None takes it from the number of peaks of each band.
     n_max
-        Largest nodal diameter of a label; None takes 64. Labels end sooner, below the first n that looks at the
+        Largest nodal diameter of a label; None takes 64. Labels end sooner, below the first n that is the same at the
         sensors like a smaller one: at 11 on 24 even sensors.
     pick
         Frequencies [Hz] of the modes, picked from a stabilisation diagram: they are refined, none is added, none is

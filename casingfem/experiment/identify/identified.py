@@ -48,11 +48,11 @@ class Identified(Reported):
     doublets
         Index pairs (lower, upper) of the same n, a quarter wave apart.
     unresolved
-        Modes whose residues hold two shapes at one frequency.
+        Modes whose residues contain two shapes at one frequency.
     split_bound
         Largest relative split of a partner that would have been missed, nan where a partner was found or n = 0.
     sensors
-        Where the shapes stand.
+        Where the shapes are.
     lines, fitted, measured
         Frequencies used [Hz], (lines,); responses there, fitted (nan where nothing was) and measured, both
         (channels, lines).
@@ -61,7 +61,7 @@ class Identified(Reported):
     reasons
         For each mode why it is doubtful, "" where it is sure.
     notes
-        What cannot be told apart and what was left out, in words.
+        What cannot be distinguished and what was left out, in words.
     card
         Source lines.
 
@@ -141,7 +141,7 @@ class Identified(Reported):
         return float(np.linalg.norm(error) / np.linalg.norm(self.measured[:, there])) if there.any() else float("nan")
 
     def table(self, card: Sequence[str] = ()) -> FrequencyTable:
-        """The frequency table for the updater; says SYNTHETIC first if the responses did.
+        """The frequency table for the updater; is marked SYNTHETIC first if the responses did.
 
         Its sigma is `sigma_setup`: what a structure without the moved mass may differ by is part of it.
         """

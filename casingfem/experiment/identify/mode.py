@@ -1,7 +1,7 @@
 """From fitted poles to modes: shape, nodal diameters, orientation, partner, and what could have been missed.
 
 The residues of one mode over sensors o and references i are phi_o phi_i, of rank one. Their first singular vectors are
-the shape and the references' share; a second singular value above the noise shows that one pole stands for two modes
+the shape and the references' share; a second singular value above the noise shows that one pole represents two modes
 of the same frequency.
 """
 
@@ -29,7 +29,7 @@ TWO = 0.1  # least ratio of the singular values of residues that are two shapes
 class Mode:
     """One mode, or a pair that is not resolved; see `Identified` for the names.
 
-    `double` says that the residues over several references are those of two shapes.
+    `double` states that the residues over several references are those of two shapes.
     """
 
     freq: float
@@ -79,7 +79,7 @@ class Residues(NamedTuple):
     """Residues of 1/(s - p) at all channels, and their noise.
 
     `values` (channels,) complex; `direct` (channels,) the variance of the real part that each channel has alone;
-    `moved` (channels, numbers) complex what independent numbers of unit variance, those of the poles, do to them.
+    `moved` (channels, numbers), complex, is their change by independent errors of the poles, of unit variance each.
     """
 
     values: Array
@@ -148,7 +148,7 @@ def hidden_split(fit: PoleFit, k: int, rules: Thresholds = USUAL) -> float:
     """Largest relative split of a pole into two of the same shape that the data would not show.
 
     Two poles d apart differ from one at their middle by (d/2)^2 times the second derivative of a resonance, of squares
-    (d/2 sigma)^4 times those of its peak; below the fall of the sum of squares that is asked for, they look like one.
+    (d/2 sigma)^4 times those of its peak; below the fall of the sum of squares that is asked for, they resemble one.
     """
     gain = float(fit.gains()[k]) + 1e-300
     share = float(fit.noise[k]) * asked(fit.window.Y.shape[1], rules) / gain
@@ -230,7 +230,7 @@ def one_of(both: list[Mode], gap: float) -> Mode:
 
 
 def without_antinode(mode: Mode) -> Mode:
-    """A mode that may stand for a pair: without orientation, and uncertain by half the largest split."""
+    """A mode that may represent a pair: without orientation, and uncertain by half the largest split."""
     sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
     return replace(mode, sigma_freq=sigma, angle=NOWHERE, sigma_angle=NOWHERE)
 
@@ -252,7 +252,7 @@ def paired(modes: list[Mode], span: float = 0.3, apart: float = 0.7) -> tuple[tu
 
 
 def settled(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mode]:
-    """The modes, where those that show two shapes and have no partner stand for a pair.
+    """The modes, where those that show two shapes and have no partner represent a pair.
 
     A mode of n >= 1 without partner may be a pair that the references drive in one plane only. It then has the antinode
     of the drive, so none is given, and its frequency is uncertain by half the split that would be hidden.

@@ -1,4 +1,4 @@
-"""The columns of identified modes; one standard uncertainty stands beside each value."""
+"""The columns of identified modes; one standard uncertainty is beside each value."""
 
 from contact.io.columns import Column, known, word
 
@@ -21,7 +21,7 @@ COLUMNS = (
            unit="deg", format=".2g", where="pages"),
     Column("doublet", "Number of the doublet that the mode belongs to, from 1.",
            lambda found: [found.doublet_of(k) + 1 or None for k in range(len(found))], head="pair", format="d"),
-    Column("unresolved_pair", "Whether the residues hold two shapes at one frequency.",
+    Column("unresolved_pair", "Whether the residues contain two shapes at one frequency.",
            lambda found: [k in found.unresolved for k in range(len(found))], where="files"),
     Column("split_bound_rel", "Largest relative split of a partner that the data would not show.",
            lambda found: found.split_bound, where="files"),

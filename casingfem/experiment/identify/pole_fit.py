@@ -90,7 +90,7 @@ class PoleFit:
     `B` (terms, channels) of the polynomials; `rest` (lines, channels) the residual; `squares` its sum; `covariance`
     (2 poles, 2 poles) of (omega/sigma, ln sigma) where the noise is white and of unit variance; `noise` (poles,) the
     variance per real entry that counts about each pole; `scores` the covariance with the noise's correlation;
-    `refined` is False where the poles stand at visible peaks that no fit explains;
+    `refined` is False where the poles are at visible peaks that no fit explains;
     `gram` (poles, poles) of the residues' variance, `tilt` (poles, 2 poles) what residues follow when poles move.
     """
 

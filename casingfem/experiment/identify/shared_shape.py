@@ -57,7 +57,7 @@ class Shapes:
 
     @property
     def silent(self) -> bool:
-        """Whether shapes tell nothing: one reference, and no circle."""
+        """Whether shapes contribute nothing: one reference, and no circle."""
         return self.waves is None and self.grid.channels.shape[1] == 1
 
     def joined(self, row: tuple[int, ...]) -> Array:

@@ -30,8 +30,8 @@ def suspected(
     >>> shapes[[7, 9]] = shapes[[9, 7]]
     >>> for line in suspected(shapes, 5, theta, np.arange(12) + 1):
     ...     print(line)
-    points 8 and 10 look exchanged: in 6 modes each moves as the other should
-    point 5 looks turned over: in 6 modes it moves against what the others predict
+    points 8 and 10 seem exchanged: in 6 modes each moves as the other should
+    point 5 seems to have the wrong sign: in 6 modes it moves against the prediction
     """
     return tuple(text for _, text in _suspects(shapes, most, theta, points, trusted))
 
@@ -93,13 +93,12 @@ def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) ->
         as_other = min(along[a, b], along[b, a]) > AS_OTHER and max(own[a], own[b]) < OTHERS
         if better > GAIN and as_other and not named & {a, b}:
             named |= {a, b}
-            text = f"points {points[a]} and {points[b]} look exchanged: in {modes} modes each moves as the other should"
+            text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves as the other should"
             yield (a, b), text
     for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
         if own[sensor] < OPPOSES:
-            text = (
-                f"point {points[sensor]} looks turned over: in {modes} modes it moves against what the others predict"
-            )
+            what = f"seems to have the wrong sign: in {modes} modes it moves against the prediction"
+            text = f"point {points[sensor]} {what}"
             yield (sensor,), text
         elif own[sensor] < SILENT:
             what = f"does not move as the others predict, in {modes} modes: dead, loose, or not at its angle?"

@@ -10,7 +10,7 @@ class Thresholds:
     Parameters
     ----------
     prominence_db, above_noise_db
-        A peak of the mode indicator that a person can see stands 6 dB above its surroundings (half-power bandwidths are
+        A peak of the mode indicator that a person can see is 6 dB above its surroundings (half-power bandwidths are
         read at 3 dB) and 20 dB above the noise of a line. Every such peak has a mode.
     peaks_a_band, order_a_peak, order_extra, order_most
         The p-LSCF estimator fits bands of at most 8 peaks with orders up to 3 a peak (a pair and a computational pole)

@@ -1,6 +1,6 @@
 """What drives the structure: random, burst random, impact, stepped sine. One value each, with `force(time, rng)`.
 
-Forces have no content above their band, so that samples of them say everything about them.
+Forces have no content above their band, so that samples of them state everything about them.
 """
 
 from __future__ import annotations

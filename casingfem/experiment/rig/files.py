@@ -1,4 +1,4 @@
-"""Files of the test rig: universal files with geometry, the table of its own modes; all say SYNTHETIC first."""
+"""Files of the test rig: universal files with geometry, the table of its own modes; all are marked SYNTHETIC first."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ EXACT = 1e-9  # relative uncertainty that a table must have
 
 
 def origin(rig: Rig, source: str = "") -> tuple[str, ...]:
-    """Card lines that say what made a file: the versions, the hash of the rig's numbers, and a source.
+    """Card lines that state what made a file: the versions, the hash of the rig's numbers, and a source.
 
     >>> origin(Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]]))[1][:20]
     'rig: sha256 0665c6bb'
@@ -45,12 +45,12 @@ def origin(rig: Rig, source: str = "") -> tuple[str, ...]:
 def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]) -> Path:
     """Write sets of functions with the rig's nodes: sets 151, 164 (SI), 2411, 82, 58b.
 
-    The header and each function's text say SYNTHETIC first; the header has the first lines of the card.
+    The header and each function's text are marked SYNTHETIC first; the header has the first lines of the card.
 
     Raises
     ------
     ValueError
-        Sets whose cards do not say so: they are not the rig's.
+        Sets whose cards do not state it: they are not the rig's.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]
     """
     for functions in sets:
         if not functions.card or not functions.card[0].startswith("SYNTHETIC"):
-            raise ValueError(f"{path}: found a set whose card does not say SYNTHETIC first, expected the rig's own")
+            raise ValueError(f"{path}: found a set whose card does not begin with SYNTHETIC, expected the rig's own")
     card = list(dict.fromkeys(line for functions in sets for line in functions.card))
     header = [part for line in card for part in wrap(line, WIDTH, subsequent_indent="  ")][:HEADER_LINES]
     text = tuple(line[:WIDTH] for line in (SYNTHETIC, *card[1:4]))

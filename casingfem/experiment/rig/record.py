@@ -4,7 +4,7 @@ Between two instants a force runs straight, and for such a force q'' + 2 zeta om
 exactly (matrix exponential; Van Loan, IEEE Trans. Automat. Contr. 23, 1978, 395). Instants are `FINER` times as dense
 as the samples kept, and p - (second difference)/12 instead of p gives the straight lines the spectrum of the smooth
 force: theta^4/90 off at theta radians a step, 1e-4 at the highest frequency allowed, fs/2.56. An anti-alias filter
-without delay, the same for all channels, stands before the samples kept.
+without delay, the same for all channels, is before the samples kept.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Record:
     rig, drives, sensors
         Where it was measured: probes of the rig.
     card
-        Source lines, the first says SYNTHETIC.
+        Source lines, the first is marked SYNTHETIC.
     """
 
     fs: float

@@ -88,7 +88,7 @@ class Rig:
                 found = f"shape {array.shape}" if array.shape != shape else "nan or infinity"
                 raise InputError(f"{name}: found {found}, expected finite numbers of shape {shape}")
         if modes == 0 or self.omega.min() <= 0.0 or np.any(np.diff(self.omega) < 0.0):
-            raise InputError("omega: expected at least one frequency, all above 0 (a body that is held), ascending")
+            raise InputError("omega: expected at least one frequency, all above 0 (a body that is fixed), ascending")
         if self.zeta.min() < LEAST_ZETA or self.zeta.max() >= 1.0:
             found = self.zeta[(self.zeta < LEAST_ZETA) | (self.zeta >= 1.0)][0]
             expected = f"damping ratios from {LEAST_ZETA:g} to below 1, not per cent"
@@ -204,7 +204,7 @@ def noise(values: Array, snr_db: float, rng: np.random.Generator) -> Array:
 
 
 def noisy(frfs: FrfSet, snr_db: float, *, seed: int) -> FrfSet:
-    """The set with noise on every channel, `snr_db` below the channel's rms over its lines; the card says so.
+    """The set with noise on every channel, `snr_db` below the channel's rms over its lines; the card states it.
 
     >>> rig = Rig.of(omega=[600.0], zeta=[0.01], rows=[[1.0]])
     >>> noisy(rig.frfs([80.0, 95.0, 110.0], sensors=[0], drives=[0]), 40.0, seed=5).card[-1]

@@ -1,9 +1,9 @@
 """A circle scan on the test rig: a laser spot that runs round the casing while tones excite it, in the steady state.
 
-The mirror may turn (casing still), or the casing, on a lathe, under a laser that stands: the spot's angle on the
+The mirror may turn (casing still), or the casing, on a lathe, under a laser at rest: the spot's angle on the
 casing is theta = theta_0 + 2 pi (mirror - turning) t. A shaker that turns with the casing excites omega. A force that
-stands in space (a magnet) runs against a turning casing and excites it at omega - m 2 pi turning, with the m-th
-harmonic of each shape. Laser and force both at rest, all lines of the same m + n fall together: the demodulation says
+is in space (a magnet) runs against a turning casing and excites it at omega - m 2 pi turning, with the m-th
+harmonic of each shape. Laser and force both at rest, all lines of the same m + n fall together: the demodulation states
 so; let the mirror turn too.
 
 Modes are those of the casing at rest: Coriolis forces, which split a thin ring's pair by 4 n/(n^2 + 1) of the turning
@@ -23,7 +23,7 @@ from casingfem.experiment.circle.record import ScanRecord, turning
 from casingfem.experiment.rig.rig import SYNTHETIC, Rig, noise, resonances
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-EVEN = 1e-9  # rad: how evenly a circle's probes stand
+EVEN = 1e-9  # rad: how evenly a circle's probes are
 
 
 class Tone(NamedTuple):
@@ -144,7 +144,7 @@ def scan(
     drive
         Probe of a shaker fixed to the casing.
     drive_circle, drive_angle
-        Instead: the circle past which a force fixed in space is carried, and the angle it has at the start.
+        Instead: the circle past which a force fixed in space is moved, and the angle it has at the start.
     snr_db
         White noise below the signal's rms.
     highest

@@ -67,7 +67,7 @@ def rig_of(
     """The rig of a shell: its modes at places, with S from one static solution.
 
     S = P^T K^-1 P - sum_k phi_k phi_k^T/omega_k^2. The masses of sensors change the modes (`loaded`). On a
-    shear-deformable wall S of a force's own place grows as ln(1/h) with the mesh (`PointLoad`): the mesh stands for
+    shear-deformable wall S of a force's own place grows as ln(1/h) with the mesh (`PointLoad`): the mesh represents
     the size of the shaker's head.
 
     Parameters

@@ -11,7 +11,7 @@ from casingfem.io.arrays import FloatArray, IntArray, freeze, frozen
 
 BEAMS = (11, 21, 22, 23, 24)  # descriptors of elements with a line about their orientation
 HEADER_LINES = 7
-# nodes of elements by descriptor: beams, plane stress and strain, thin shells, solids; others have what they say
+# nodes of elements by descriptor: beams, plane stress and strain, thin shells, solids; others have what they state
 NODES_OF = {
     **{11: 2, 21: 2, 22: 2},
     **{41: 3, 42: 6, 44: 4, 45: 8, 51: 3, 52: 6, 54: 4, 55: 8},
@@ -79,7 +79,7 @@ class TraceLine:
 class Elements:
     """Elements: labels and descriptors (elements,), property, material and colour (elements, 3), their nodes.
 
-    `beams` holds the orientation node and the two cross-sections of beams, zeros elsewhere, (elements, 3).
+    `beams` contains the orientation node and the two cross-sections of beams, zeros elsewhere, (elements, 3).
 
     >>> import numpy as np
     >>> found = Elements(labels=np.array([1]), kinds=np.array([94]), properties=np.zeros((1, 3), dtype=int),

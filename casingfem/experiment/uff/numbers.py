@@ -23,7 +23,7 @@ _EXPONENTS = np.frombuffer(b"EeDd", np.uint8)
 
 
 class Columns(NamedTuple):
-    """Where a run of equal fields stands on a line: first column (from 0), width of a field, number of fields."""
+    """Where a run of equal fields is on a line: first column (from 0), width of a field, number of fields."""
 
     start: int
     width: int
@@ -101,7 +101,7 @@ def check_lines(raw: RawSet, start: int, lines: int, meaning: str) -> None:
 
 
 def check_end(raw: RawSet, index: int, meaning: str) -> None:
-    """Nothing but blank lines may stand from a line on."""
+    """Nothing but blank lines may be from a line on."""
     for later in range(index, len(raw.lines)):
         if raw.lines[later].strip():
             raise raw.error(later, repr(raw.lines[later].strip()[:40]), f"the end of the set after {meaning}")
@@ -154,7 +154,7 @@ def _check_columns(raw: RawSet, rows: Sequence[int], columns: Columns, block: Ar
         decimals = np.where(points.any(axis=-1), mantissa_end - points.argmax(axis=-1) - 1, 0)
         short = letters.any(axis=-1) & (ends - mantissa_end < 4)  # a letter, a sign, two digits
         before = np.roll(block, 1, axis=-1) >= ord("0")
-        led = np.any(points & before, axis=-1)  # a digit stands before the point
+        led = np.any(points & before, axis=-1)  # a digit is before the point
         odd = (decimals != np.bincount(decimals.ravel()).argmax()) | short | (led != led.flat[-1])
     if odd.any():
         row, field = np.argwhere(odd)[0]

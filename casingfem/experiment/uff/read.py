@@ -48,7 +48,7 @@ class Skipped(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UniversalFile:
-    """What a universal file holds. Points are in metres; shapes and functions in the units that the file names.
+    """What a universal file contains. Points are in metres; shapes and functions in the units that the file names.
 
     >>> UniversalFile(path="test.uff").functions
     ()
@@ -69,7 +69,7 @@ class UniversalFile:
 
     @property
     def contents(self) -> str:
-        """What the file holds, in words."""
+        """What the file contains, in words."""
         parts = [f"{len(self.nodes.labels)} nodes"] if self.nodes is not None else []
         parts += [f"{len(self.elements.labels)} elements"] if self.elements is not None else []
         for what, items in (("trace lines", self.lines), ("shapes", self.shapes), ("functions", self.functions)):
@@ -92,14 +92,14 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
     Raises
     ------
     InputError
-        A set that is not as its format and header say, with set, line, found and expected.
+        A set that is not as its format and header state, with set, line, found and expected.
     FileNotFoundError
         When there is no such file.
 
     Warns
     -----
     ModelWarning
-        `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: what the format has no count for, but looks incomplete.
+        `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: what the format has no count for, but seems incomplete.
         `uff-bytes`, `uff-empty`, `uff-end`: binary data of another length than stated; an empty set; no closing -1.
 
     Examples
@@ -115,12 +115,12 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
 
 
 def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
-    """What stands above the functions of a universal file, of those too whose numbers are cut short.
+    """What is above the functions of a universal file, of those too whose numbers are cut short.
 
     Raises
     ------
     InputError
-        A header that is not as its format says.
+        A header that is not as its format states.
     FileNotFoundError
         When there is no such file.
 
@@ -221,7 +221,7 @@ def _merged_nodes(parts: Sequence[tuple[RawSet, Nodes]]) -> Nodes | None:
 
 
 def _merged_elements(parts: Sequence[tuple[RawSet, Elements]]) -> Elements | None:
-    """All elements of a file; a label may stand in one set only."""
+    """All elements of a file; a label may be in one set only."""
     if not parts:
         return None
     seen: set[int] = set()
@@ -254,7 +254,7 @@ def _check_references(found: _Found, nodes: Nodes | None) -> None:
 
 
 def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | None) -> None:
-    """Warn of what looks incomplete where the format holds no count."""
+    """Warn of what seems incomplete where the format contains no count."""
     for what, labels in (("nodes", nodes), ("elements", elements)):
         gaps = few_gaps(labels.labels) if labels is not None else np.empty(0)
         if gaps.size:
@@ -280,7 +280,7 @@ def _warn_of_bytes(path: str, sets: Iterable[RawSet]) -> None:
 
 
 def few_gaps(labels: IntArray) -> IntArray:
-    """Numbers left out of a list that looks like a count: from 1 or its least, fewer than a quarter of those there.
+    """Numbers left out of a list that resembles a count: from 1 or its least, fewer than a quarter of those there.
 
     >>> few_gaps(np.array([1, 2, 3, 5, 6])).tolist(), few_gaps(np.array([101, 102, 201, 202])).tolist()
     ([4], [])

@@ -25,7 +25,7 @@ class Shape:
     text : the five lines of text above them
     model, analysis : kind of model (1 structural), of analysis (1 static, 2 normal mode, 3 and 7 complex mode, ...)
     characteristic, quantity : 2 translations, 3 translations and turns, ...; 8 displacement, 11 velocity, ...
-    integers, reals : what the analysis says: load case, mode number; frequency, modal mass, dampings
+    integers, reals : what the analysis states: load case, mode number; frequency, modal mass, dampings
     nodes, values : labels (nodes,) and values
 
     Examples
@@ -69,7 +69,7 @@ def read_shape(raw: RawSet) -> Shape:
     Raises
     ------
     InputError
-        Anything that is not exactly as the format and the shape's own header say.
+        Anything that is not exactly as the format and the shape's own header state.
     """
     check_lines(raw, 0, TEXTS + 3, "header")
     model, analysis, characteristic, quantity, form, count = integers(raw, [TEXTS], Columns(0, 10, 6))[0].tolist()

@@ -1,6 +1,6 @@
 """Functions of universal files, set 58 (text) and 58b (binary): frequency responses, spectra, time records.
 
-Every point counts: the numbers found must be as many as the header says, on as many lines or bytes. Widely used
+Every point counts: the numbers found must be as many as the header states, on as many lines or bytes. Widely used
 readers return fewer points, or none, from files that were cut or edited, and that without an error; hence this one.
 """
 
@@ -67,7 +67,7 @@ class Axes(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FunctionHead:
-    """What a function says of itself, in the units that its axes name.
+    """What a function states of itself, in the units that its axes name.
 
     Parameters
     ----------
@@ -130,12 +130,12 @@ class Function(FunctionHead):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionHeader(FunctionHead):
-    """What stands above the numbers of a function, whether these are all there or not.
+    """What is above the numbers of a function, whether these are all there or not.
 
     Parameters
     ----------
-    points : how many the header says
-    start : of an even abscissa, as the header says
+    points : how many the header states
+    start : of an even abscissa, as the header states
     binary : whether the numbers are bytes (58b)
     line : where the set begins in the file
     fault : why the numbers cannot be read, "" where they can
@@ -168,7 +168,7 @@ def read_function(raw: RawSet) -> Function:
     Raises
     ------
     InputError
-        Anything that is not exactly as the format and the function's own header say.
+        Anything that is not exactly as the format and the function's own header state.
     """
     head, stated, start = _head(raw)
     layout = as_stored(raw, stated)
@@ -183,12 +183,12 @@ def read_function(raw: RawSet) -> Function:
 
 
 def read_function_header(raw: RawSet) -> FunctionHeader:
-    """Read what stands above the numbers of set 58 or 58b, and say whether they are whole.
+    """Read what is above the numbers of set 58 or 58b, and state whether they are whole.
 
     Raises
     ------
     InputError
-        Where the header itself is not as the format says.
+        Where the header itself is not as the format states.
     """
     head, layout, start = _head(raw)
     try:
@@ -202,7 +202,7 @@ def read_function_header(raw: RawSet) -> FunctionHeader:
 
 
 def _head(raw: RawSet) -> tuple[dict[str, Any], Layout, float]:
-    """Fields of a `FunctionHead`, how the numbers stand, and the start of an even abscissa."""
+    """Fields of a `FunctionHead`, the form of the numbers, and the start of an even abscissa."""
     check_lines(raw, 0, TEXTS + 6, "header")
     kind, numbers, response, reference = _identity(raw)
     layout, start, step, z = _record7(raw)

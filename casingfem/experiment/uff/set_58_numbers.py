@@ -1,4 +1,4 @@
-"""The numbers of functions of universal files: text of set 58, bytes of set 58b, as many as the header says."""
+"""The numbers of functions of universal files: text of set 58, bytes of set 58b, as many as the header states."""
 
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ DECADES = 30  # what is measured spans fewer; bytes in the wrong order span more
 
 
 class Layout(NamedTuple):
-    """How a function's numbers stand: real or complex, single or double, with an abscissa or without, how many."""
+    """The form of a function's numbers: real or complex, single or double, with an abscissa or without, how many."""
 
     is_complex: bool
     double: bool
@@ -27,7 +27,7 @@ class Layout(NamedTuple):
 
 
 def from_text(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
-    """The numbers of set 58: 6E13.5, or 4E20.12; an uneven abscissa of doubles stands in E13.5 before them."""
+    """The numbers of set 58: 6E13.5, or 4E20.12; an uneven abscissa of doubles is in E13.5 before them."""
     start, fields = TEXTS + 6, layout.ordinates + (not layout.even)
     if layout.double and not layout.even:
         return _mixed(raw, layout, start)
@@ -68,7 +68,7 @@ def as_stored(raw: RawSet, layout: Layout) -> Layout:
 
 
 def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
-    """The numbers of set 58b: the length of the data tells whether an abscissa beside doubles has 4 bytes or 8."""
+    """The numbers of set 58b: the length of the data shows whether an abscissa beside doubles has 4 bytes or 8."""
     assert raw.binary is not None
     check_end(raw, TEXTS + 6, "header")
     size, forms = len(raw.payload), _forms(layout, raw.binary.order)
@@ -90,7 +90,7 @@ def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
 
 
 def _forms(layout: Layout, order: str) -> list[np.dtype[Any]]:
-    """How the bytes of one point may stand: an uneven abscissa beside doubles has 4 bytes or 8."""
+    """How the bytes of one point may be: an uneven abscissa beside doubles has 4 bytes or 8."""
     wide = f"{order}f{8 if layout.double else 4}"
     ordinate = [("y", wide, (layout.ordinates,))]
     abscissas = [] if layout.even else dict.fromkeys((f"{order}f4", wide))

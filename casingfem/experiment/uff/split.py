@@ -1,8 +1,8 @@
 """Universal files: cutting a file into its sets, and the error that names set and line.
 
-A set stands between two lines `-1`; its first line is its number (SDRC universal file format, published by the
+A set is between two lines `-1`; its first line is its number (SDRC universal file format, published by the
 Structural Dynamics Research Laboratory, University of Cincinnati). Readers that search for the text `    -1` cut
-sets in two where a header holds a node number -1; here a mark is a whole line, and one inside the text lines of a
+sets in two where a header contains a node number -1; here a mark is a whole line, and one inside the text lines of a
 header is text unless another mark or the end of the file follows it.
 """
 
@@ -42,8 +42,8 @@ KINDS = {
     "2452": "permanent groups",
     "2467": "permanent groups",
 }
-TEXT_LINES = {"55": 5, "58": 5, "151": 7}  # lines below the number that may hold any text
-UNCOUNTED = ("15", "55", "781", "2411", "2412")  # sets that are read and do not say how many entries they have
+TEXT_LINES = {"55": 5, "58": 5, "151": 7}  # lines below the number that may contain any text
+UNCOUNTED = ("15", "55", "781", "2411", "2412")  # sets that are read and do not state how many entries they have
 BINARY_LINES = 11  # the header of a binary function
 NUMBERS_LINE = 6  # of the header of a function, from 0: data type, points, spacing (3I10)
 NUMBERS = {2: 1, 4: 1, 5: 2, 6: 2}  # of the ordinate at a point, by data type
@@ -52,7 +52,7 @@ _BINARY_ENDS = (7, 13, 19, 31, 43)  # ends of the columns of the line "58b ..."
 
 
 class BinaryHeader(NamedTuple):
-    """What the first line of a binary function says: byte order ("<" or ">") and number of bytes."""
+    """What the first line of a binary function states: byte order ("<" or ">") and number of bytes."""
 
     order: str
     size: int
@@ -97,12 +97,12 @@ def split(data: bytes, path: str) -> list[RawSet]:
     Raises
     ------
     InputError
-        No set; text outside sets; a set that does not end; binary data that end nowhere that its header says.
+        No set; text outside sets; a set that does not end; binary data that end nowhere that its header states.
 
     Warns
     -----
     ModelWarning
-        `uff-end`: the last set lacks its closing -1, and its header says how much it holds; `uff-empty`: a mark
+        `uff-end`: the last set lacks its closing -1, and its header states how much it contains; `uff-empty`: a mark
         opens a set and another closes it at once.
 
     Examples
@@ -190,7 +190,7 @@ def decoded(line: bytes) -> str:
 
 
 def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
-    """The set whose number stands at a position, and the position behind its closing mark."""
+    """The set whose number is at a position, and the position behind its closing mark."""
     text, following = scan.text(position)
     start = scan.number(position)
     number = re.fullmatch(r"[0-9]{1,6}", text.strip())
@@ -227,7 +227,7 @@ def warn_end(path: str, number: str, line: int) -> None:
 
 
 def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawSet, int]:
-    """A binary function: its header's lines, then as many bytes as it says, then the closing mark."""
+    """A binary function: its header's lines, then as many bytes as it states, then the closing mark."""
     header = _binary_header(scan.path, text, start)
     lines: list[str] = []
     for _ in range(BINARY_LINES):
@@ -244,10 +244,10 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
     else:
         there = len(scan.data) - position
         if there < header.size:
-            found, expected = f"{there} bytes of data", f"{header.size}, as line {start} says"
+            found, expected = f"{there} bytes of data", f"{header.size}, as line {start} states"
         else:
             sizes = " or ".join(str(size) for size in dict.fromkeys((header.size, *likely)))
-            found, expected = f"no closing -1 behind {sizes} bytes of data", f"it there, as line {start} says"
+            found, expected = f"no closing -1 behind {sizes} bytes of data", f"it there, as line {start} states"
         raise InputError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
     if not scan.data[position + size : after].strip():
         warn_end(scan.path, "58b", place)

@@ -42,7 +42,7 @@ def write_uff(
     Raises
     ------
     ValueError
-        What the format has no room for: numbers of more than ten digits, an even step of more digits than it holds.
+        What the format has no room for: numbers of more than ten digits, an even step of more digits than it contains.
 
     Examples
     --------
@@ -210,7 +210,7 @@ def _channel(channel: Channel) -> str:
 
 
 def _most_digits(value: float) -> str:
-    """Thirteen columns, flush right, with one blank at least: five decimals, or six where they say more."""
+    """Thirteen columns, flush right, with one blank at least: five decimals, or six where they state more."""
     usual = f"{value:13.5E}"
     more = f"{value:13.6E}"
     return more if float(usual) != value and len(more.strip()) <= 12 else usual

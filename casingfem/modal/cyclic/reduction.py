@@ -17,7 +17,7 @@ from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cy
 from casingfem.structure.imported.cyclic.wheel import blade_stiffness
 
 DIRECTIONS = ("span", "flap", "chord")
-OF_A_DIAMETER = 6  # modes of each kept, if nothing is said
+OF_A_DIAMETER = 6  # modes of each kept, by default
 
 
 def cyclic_reduce(
@@ -79,7 +79,7 @@ def cyclic_reduce(
     if isinstance(interface, AtNodes):
         P, channels = cylindrical(sector, system.system, interface, P)
     if not P.any():
-        raise ModelError("interface-held", "interface: it is held, nothing can be pushed there")
+        raise ModelError("interface-held", "interface: it is fixed, nothing can be pushed there")
     stiff = blade_stiffness(sector.structure, system.system, blade) if mistuned else None
     waves = wheel_waves(system, richer(modes) if mistuned else modes, P, stiff)
     omega, turn = mixed(waves, values if mistuned else None)

@@ -5,7 +5,7 @@ order by p = n_b - n_a alone, at second order by way of each k: p = k - n_a, the
 
     K_ba = w_a^2 d_ba + F_l[n_b - n_a] K_1[l, b, a] + sum_k F_l[k - n_a] F_m[n_b - k] K_2[k, l, m, b, a],
 
-M alike. K_2 holds the second derivative of the strain energy and what the waves j outside answer (quasi-degenerate
+M alike. K_2 contains the second derivative of the strain energy and what the waves j outside answer (quasi-degenerate
 perturbation theory: P.-O. Lowdin, J. Math. Phys. 3, 1962, 969),
 
     -r_jb r_ja (1/(w_j^2 - w_a^2) + 1/(w_j^2 - w_b^2))/2,   r_ja = K_1[l, j, a] - w_a^2 M_1[l, j, a].

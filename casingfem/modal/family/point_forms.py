@@ -77,7 +77,7 @@ class Given:
 
 
 def known_supports(shell: ShellParts) -> bool:
-    """Whether the forms know all that stands on the casing's edges: clamps and elastic embedding."""
+    """Whether the forms know all that is on the casing's edges: clamps and elastic embedding."""
     return all(isinstance(support, Clamped | ElasticEdge) for support in shell.supports.values()) and not shell.rings
 
 

@@ -71,7 +71,7 @@ class Tip:
     """The tip edge of a blade as one place: mean displacement along the blade (span) and across it (flap).
 
     span points from the root to the tip, flap along the surface normal at mid-edge; on a group of facets of an imported
-    part as `mesh_rows.tip_frame` says.
+    part as `mesh_rows.tip_frame` states.
 
     >>> Tip().edge, Tip("tip").channels
     ('tip', ('span', 'flap'))

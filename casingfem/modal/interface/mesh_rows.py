@@ -231,7 +231,7 @@ def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
     for number, place in zip(at.nodes, places, strict=True):
         if not moving[place, :3].any():
             source = system.structure.mesh.source
-            raise ModelError("interface-held", f"{source}: node {number} is held, nothing can be pushed there")
+            raise ModelError("interface-held", f"{source}: node {number} is fixed, nothing can be pushed there")
     rows = np.zeros((len(places), 3, len(system.points), 3))
     rows[np.arange(len(places))[:, None], np.arange(3), places[:, None], np.arange(3)] = 1.0
     return rows.reshape(-1, len(system.points), 3)

@@ -2,7 +2,7 @@
 
 Of a shell at places of its chart; of an imported part at its nodes, strain and stress of solids the mean over the
 node's cells. With u the nodal fields, an output is row u = (row Phi) q + (row R) lam: modes and residual, so that it
-holds where contact is, and a shell's strain comes from its own kinematics (`structure.kinematics`).
+is valid where contact is, and a shell's strain comes from its own kinematics (`structure.kinematics`).
 """
 
 from dataclasses import dataclass

@@ -28,7 +28,7 @@ class View:
     lines, line_thickness, out_of_roundness
         Of a rim, as in `ModalBasis`.
     facts
-        What the provenance says of it.
+        What the provenance states of it.
     """
 
     loads: FloatArray

@@ -21,7 +21,7 @@ CORNER = (
     "deviations. Above: correlations; near ±1 the data cannot distinguish two parameters. Every cell spans three "
     "standard deviations to each side."
 )
-WIDE = 14  # columns of a MAC matrix: wider ones stand one below the other
+WIDE = 14  # columns of a MAC matrix: wider ones are one below the other
 WORST = 4  # parameters that a sentence names
 
 
@@ -176,7 +176,7 @@ def remedies(fit: UpdateResult) -> list[str]:
     alike = fit.indistinct()
     bounds = [p.name for p, bound in zip(fit.parameters, fit.at_bound, strict=True) if bound]
     weak = [p.name for p, known in zip(fit.parameters, fit.prior_only, strict=True) if known]
-    words = [f"{', '.join(bounds)} ended on a bound: widen it, or look for what the model lacks."] if bounds else []
+    words = [f"{', '.join(bounds)} ended on a bound: widen it, or search for what the model lacks."] if bounds else []
     words += [f"Fix {a} or {b}: the data cannot distinguish them." for a, b, _ in alike]
     words += [f"Take {', '.join(weak)} out of the fit, or measure modes that depend on it: the data do not."
               ] if weak else []  # fmt: skip

@@ -35,7 +35,7 @@ def identification_page(
 ) -> str:
     """HTML of the page on modes found in the responses of a file of this name, with its pictures.
 
-    `drawn` holds the figures "fit", "responses" and "stabilisation"; the first shows the coherence where `coherent`.
+    `drawn` contains the figures "fit", "responses" and "stabilisation"; the first shows the coherence where `coherent`.
     With `pick` the reader may choose poles for `casingfem identify --pick`.
     """
     captions = {

@@ -73,7 +73,7 @@ def scene_page(
     name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
     source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> str:  # fmt: skip
-    """HTML of the page; `found` is what `contact.interactions` returned, or `why` says why there is none."""
+    """HTML of the page; `found` is what `contact.interactions` returned, or `why` is the reason why there is none."""
     shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
@@ -106,7 +106,7 @@ def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
 
 
 def outcome(ran: Ran) -> tuple[str, str]:
-    """The state, good, bad or open, and the sentence that stands first."""
+    """The state, good, bad or open, and the sentence that is first."""
     at = f" at {with_rpm(ran.speed_hz)}" if ran.speed_hz else ""
     growing = "" if ran.growth is None else ran.growth.state
     if any(flag.failed for flag in ran.flags):
@@ -120,7 +120,7 @@ def outcome(ran: Ran) -> tuple[str, str]:
     if not ran.closings:
         return "good", f"Nothing touches{at}: the least gap is {1e3 * ran.least_gap:.4g} mm."
     if growing == "undecided":
-        return "open", f"Not decided{at}: the run is too short to tell whether the motion grows."
+        return "open", f"Not decided{at}: the run is too short to decide whether the motion grows."
     if growing:
         how = {"decays": " and the motion decays", "at rest": " and nothing moves"}.get(growing, "")
         return "good", f"Bounded{at}: {touch_words(ran)}{how}."
@@ -204,12 +204,12 @@ def wear_words(ran: Ran) -> str:
 
 
 def sure_words(ran: Ran) -> str:
-    """What the run's own checks say, and what they leave out."""
+    """What the run's own checks state, and what they leave out."""
     failed = [flag for flag in ran.flags if flag.failed]
     if failed:
         return str(failed[-1])
     if ran.residual < ROUND_OFF[0] and ran.unaccounted < ROUND_OFF[1]:
-        words = "The law of contact and the balance of energy hold to rounding."
+        words = "The law of contact and the balance of energy are satisfied to rounding."
     else:
         words = (
             f"The law of contact is violated by {written(ran.residual, 1)} m at most; "

@@ -87,7 +87,7 @@ def mesh_rows(structure: Solid | MeshShell) -> tuple[tuple[Cell, ...], ...]:
 
 
 def support_rows(supports: Mapping[str, object], what: str = "edge") -> list[tuple[str, str]]:
-    """How each edge or group is held; a ring with its section and what holds the ring."""
+    """How each edge or group is fixed; a ring with its section and support of the ring."""
     rows = []
     for name, one in supports.items():
         rows.append((f"{what} {name}", f"{spaced(one).lower()} {support_words(one)}".strip()))
@@ -206,7 +206,7 @@ def reduction_section(basis: ModalBasis, *, updated: bool) -> Section:
         ("method", str(basis.provenance.get("method", "-"))),
         ("modes", f"{len(basis)}, from {basis.freq[0]:.2f} to {basis.freq[-1]:.1f} Hz"),
         ("damping ratio", f"up to {basis.zeta.max():g}"),
-        ("static compliance carried by S", f"{100.0 * basis.S.trace() / basis.compliance.trace():.2f} %"),
+        ("share of S in the static compliance", f"{100.0 * basis.S.trace() / basis.compliance.trace():.2f} %"),
     )
     paragraph = (
         f"The {which} structure reduced to what contact sees. S is the residual compliance: the static answer of "

@@ -123,7 +123,7 @@ def imperfect(structure: object) -> Shell | None:
 def study_verdict(
     study: Study | MeshStudy, found: ModeSet, fit: UpdateResult | None, compared: ShapeFit | None = None
 ) -> Verdict:
-    """What the page says first: of an update where there is one, else of the modes."""
+    """The first statement of the page: of an update where there is one, else of the modes."""
     if fit is not None:
         judged = update_verdict(fit, compared)
         return replace(judged, facts=(("Modes", lead(found)), *judged.facts))

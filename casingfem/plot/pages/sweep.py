@@ -29,7 +29,7 @@ def sweep_page(
 ) -> str:  # fmt: skip
     """HTML of the page on a sweep over these keys; `drawn` is its picture, where keys are numbers.
 
-    `rows` hold the varied values by key and what was measured, in `columns`; `labels` are the keys with their units.
+    `rows` contain the varied values by key and what was measured, in `columns`; `labels` are the keys with their units.
     """
     caption = CAPTION + (OF_MAPS if len(keys) > 1 else OF_CURVES if any(row.get("motion") for row in rows) else "")
     figures = () if drawn is None else (Picture.of(drawn, caption),)
@@ -181,13 +181,13 @@ def lost_words(rows: Rows) -> str:
 
 
 def sure_words(rows: Rows) -> str:
-    """What the runs' own checks say, and what they leave out."""
+    """What the runs' own checks state, and what they leave out."""
     left = [abs(float(row["unaccounted_rel"])) for row in rows if row.get("unaccounted_rel") is not None]
     if not left:
         return "No run has results."
     words = f"At most {written(100.0 * max(left), 1)} % of the energy of a run is unaccounted for."
     if max(left) < ROUND_OFF[1]:
-        words = "The balance of energy holds to rounding in every run."
+        words = "The balance of energy is satisfied to rounding in every run."
     return f"{words} The time step and the number of modes were not checked, unless the sweep varies them."
 
 
@@ -202,7 +202,7 @@ def further_words(rows: Rows) -> str:
         )
     if any(row["status"] == "diverged" for row in rows):
         return (
-            "Run one scene that diverged: `casingfem rub` repeats its last stretch at half the step and says whether "
+            "Run one scene that diverged: `casingfem rub` repeats its last stretch at half the step and states whether "
             "the growth is converged."
         )
     if any(row.get("motion") == UNDECIDED for row in rows):

@@ -40,7 +40,7 @@ class ImperfectionTable(Table):
     survey: str | None = Field(default=None, min_length=1, description="survey CSV, relative to this file")
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
     degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fit along z")
-    robust: bool | None = Field(default=None, description="set stray points of the survey aside, and say which")
+    robust: bool | None = Field(default=None, description="leave outliers of the survey out of the fit, and name them")
     centred: bool | None = Field(default=None, description="take the survey's points about the part's own axis")
     outside: Literal["fit", "nearest", "zero", "refuse"] | None = Field(
         default=None,

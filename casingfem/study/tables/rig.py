@@ -15,7 +15,7 @@ Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
 Ratio = Annotated[float, Field(ge=-60, le=300)]
 Damping = Annotated[float, Field(ge=LEAST_ZETA, lt=1), CHECKS["zeta"]]
 
-MOST_LINES = 1_000_000  # of a response: a day's record holds no more
+MOST_LINES = 1_000_000  # of a response: a day's record contains no more
 
 
 class PlaceTable(Table):
@@ -89,12 +89,12 @@ class ScanTable(Table):
     )
     force: Positive = Field(default=1.0, description="of each tone [N]")
     drive: int = Field(default=1, ge=1, description="number of the [[rig.drive]] that excites")
-    fixed_in: Literal["casing", "space"] = Field(default="casing", description="where the force stands")
+    fixed_in: Literal["casing", "space"] = Field(default="casing", description="place of the force")
     mirror_hz: float = Field(default=0.0, ge=-1000, le=1000, description="speed of the laser's mirror [turns/s]")
     casing_hz: float = Field(default=0.0, ge=-1000, le=1000, description="speed of the casing on the lathe [turns/s]")
     seconds: Positive = Field(description="length of the record [s]")
     fs: Positive = Field(description="samples a second [Hz]")
-    orders: int = Field(ge=0, le=200, description="highest n looked for")
+    orders: int = Field(ge=0, le=200, description="highest n searched for")
     points: int | None = Field(default=None, ge=3, le=1000, description="of the circle; twice orders + 3 if left out")
     snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
     wander: float = Field(default=0.0, ge=0, le=0.1, description="relative slow variation of the rate [-]")

@@ -124,7 +124,7 @@ Factors = Factor | Annotated[list[Factor], Field(min_length=1, max_length=8)]
 
 @table_of(Blade)
 class BladeTable(Table):
-    """[chart] of kind "blade"; a list holds values at equally spaced stations, the root's first."""
+    """[chart] of kind "blade"; a list contains values at equally spaced stations, the root's first."""
 
     kind: Literal["blade"] = Field(description="which surface it is")
 

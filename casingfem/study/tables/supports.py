@@ -1,4 +1,4 @@
-"""The tables of what holds an edge."""
+"""The tables of the supports of an edge."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -33,26 +33,26 @@ Around = Annotated[
 class ClampedTable(Table):
     """[support.EDGE] of kind "clamped"."""
 
-    kind: Literal["clamped"] = Field(description="how the edge is held")
+    kind: Literal["clamped"] = Field(description="how the edge is fixed")
 
 
 class DiaphragmTable(Table):
     """[support.EDGE] of kind "shear-diaphragm"."""
 
-    kind: Literal["shear-diaphragm"] = Field(description="how the edge is held")
+    kind: Literal["shear-diaphragm"] = Field(description="how the edge is fixed")
 
 
 class FixedTable(Table):
-    """[support.GROUP] of kind "fixed": displacements held, on imported meshes."""
+    """[support.GROUP] of kind "fixed": fixed displacements, on imported meshes."""
 
-    kind: Literal["fixed"] = Field(description="how the edge is held")
-    directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are held")
+    kind: Literal["fixed"] = Field(description="how the edge is fixed")
+    directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are fixed")
 
 
 class SymmetryTable(Table):
     """[support.EDGE] of kind "symmetry": the edge lies in a plane of symmetry."""
 
-    kind: Literal["symmetry"] = Field(description="how the edge is held")
+    kind: Literal["symmetry"] = Field(description="how the edge is fixed")
 
 
 @table_of(ElasticEdge)
@@ -60,7 +60,7 @@ class ElasticTable(Table):
     """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
 
     k_face: float
-    kind: Literal["elastic"] = Field(description="how the edge is held")
+    kind: Literal["elastic"] = Field(description="how the edge is fixed")
     around: Around = Field(default=[], description="[{p, cos, sin}], relative; or such a list for each spring's name")
 
 
@@ -76,7 +76,7 @@ class BoltsTable(Table):
     """[support.EDGE] of kind "bolts"."""
 
     width_deg: float | None
-    kind: Literal["bolts"] = Field(description="how the edge is held")
+    kind: Literal["bolts"] = Field(description="how the edge is fixed")
     k: NotNegative | None = Field(default=None, description="stiffness of one bolt in all three directions [N/m]")
     k_r: NotNegative | None = Field(default=None, description="radial stiffness of one bolt [N/m]")
     k_theta: NotNegative | None = Field(default=None, description="tangential stiffness of one bolt [N/m]")
@@ -120,23 +120,23 @@ class SectionTable(Table):
 class StiffenerTable(SectionTable):
     """[[stiffener]]: a ring on the wall of a closed casing, between its edges."""
 
-    at: Place = Field(description="where it stands along the axis or the meridian [m]")
+    at: Place = Field(description="where it is along the axis or the meridian [m]")
     offset: Annotated[Pair, REACH] = Field(
         description="[radial, axial] from the wall's middle to the section's centre [m]"
     )
 
 
 class RingTable(SectionTable):
-    """[support.EDGE] of kind "ring": [support.EDGE.support] holds it."""
+    """[support.EDGE] of kind "ring": [support.EDGE.support] is its support."""
 
-    kind: Literal["ring"] = Field(description="how the edge is held")
+    kind: Literal["ring"] = Field(description="how the edge is fixed")
     offset: Annotated[Pair, REACH] | None = Field(
         default=None, description="[radial, axial] from the edge to the centre [m]"
     )
     foot: Annotated[Pair, REACH] | None = Field(
         default=None, description="[radial, axial] from the centre to the springs [m]"
     )
-    support: RingSupport | None = Field(default=None, description="what holds the ring: elastic or bolts")
+    support: RingSupport | None = Field(default=None, description="support of the ring: elastic or bolts")
 
 
 SupportTable = Annotated[

@@ -86,7 +86,8 @@ class UpdateTable(Table):
     shape_error: float = Field(default=0.0, ge=0, lt=1, description="the same, allowed to the model's shapes [-]")
     shape_reach: Positive = Field(default=1e-3, description="largest relative distance of a shape from its row [-]")
     regularise: Literal["discrepancy", "l-curve"] | None = Field(
-        default=None, description="rule that chooses how strongly ill-posed parameters are held to their start"
+        default=None,
+        description="rule that chooses how strongly ill-posed parameters are regularised towards their start",
     )
     regularised: list[str] = Field(default=[], description="their names; all harmonics if left out")
     parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
@@ -168,7 +169,7 @@ class ReduceTable(Table):
     output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
     modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
     method: Literal["free", "craig-bampton"] = Field(
-        default="free", description="modes of the free or of the held interface"
+        default="free", description="modes with the interface free or fixed"
     )
     zeta: Annotated[float, Field(ge=0, lt=1), CHECKS["zeta"]] = Field(
         default=0.0, description="damping ratio of every mode [-]"

@@ -16,7 +16,7 @@ RECORD = 7  # lines of a header in a universal file
 class Hit(NamedTuple):
     """A hit: take and instant [s], peak [N], width [s] at a tenth of it, part of the ringing left at the record's end.
 
-    `fault` says why it was left out, "" where it was used.
+    `fault` gives the reason it was left out, "" where it was used.
     """
 
     take: str

@@ -2,8 +2,8 @@
 
 With the block Hankel matrix H of the correlations at steps of lag, H = U S V^H, the observability and controllability
 matrices of order n are O = U_n S_n^1/2 and G = S_n^1/2 V_n^H. The system matrix solves O_up A = O_down; its eigenvalues
-are exp(p h), and C psi, psi^-1 G hold the shapes and the references' shares (Peeters and De Roeck, Mech. Syst. Signal
-Process. 13, 1999, 855). Residues are of rank one by construction, so that close modes are told apart by their shapes.
+are exp(p h), and C psi, psi^-1 G contain the shapes and the references' shares (Peeters and De Roeck, Mech. Syst.
+Signal Process. 13, 1999, 855). Residues are of rank one by construction, so that shapes distinguish close modes.
 Their product does not depend on how a shape is scaled, so that residues of several orders can be compared and averaged.
 """
 
