@@ -45,7 +45,7 @@ class ChanceScene:
     scene : with the casing and blade of its own bases
     speed_hz : speeds looked at [turns/s], ascending
     laws, means : of the scene's random numbers, by name; the scene's own values
-    source : names, hashes and versions, what all draws depend on
+    source : names, hashes and versions; all but the hash of the file are what each draw depends on
     """
 
     path: Path
@@ -108,7 +108,7 @@ def load_chance(path: str | Path) -> ChanceScene:
     assert head is not None
     speeds = load_interactions(file).speed_hz
     laws = {name: value_of(own, Law) for name in INPUTS if (own := getattr(table, name)) is not None}
-    fixed = {key: part for key, part in given.items() if key not in ("draws", "runs", "worst", "importance")}
+    fixed = {key: part for key, part in given.items() if key not in ("draws", "runs", "turns", "worst", "importance")}
     contents = [read_bytes(file.parent / name) for name in head.files()]
     source = {
         "scene": file.name, "sha256": hashlib.sha256(text).hexdigest(), "study": study.source, "versions": versions(),

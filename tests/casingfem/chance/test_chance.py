@@ -137,6 +137,21 @@ def test_a_run_that_goes_on_gives_the_same_numbers_to_the_last_bit(made, first, 
 
 
 @pytest.mark.slow
+def test_more_draws_are_added_and_another_scene_is_refused(made, first, tmp_path):
+    for name in ("casing.toml", "casing.npz", "blade.npz"):
+        shutil.copy(made / name, tmp_path / name)
+    shutil.copytree(made / "out" / "draws", tmp_path / "out" / "draws")
+    (tmp_path / "scene.toml").write_text(SCENE.replace("draws = 64", "draws = 80").replace("worst = 1", "worst = 0"))
+    result = run(tmp_path, "--out", str(tmp_path / "out"), "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["casings"] == 80
+    (tmp_path / "scene.toml").write_text(SCENE.replace("friction = 0.3", "friction = 0.25"))
+    result = run(tmp_path, "--out", str(tmp_path / "out"))
+    assert result.exit_code == 2
+    assert "another scene, study or version" in result.output
+
+
+@pytest.mark.slow
 def test_the_worst_casing_is_a_scene_and_a_study_of_its_own(made, first):
     folder = made / "out" / "worst" / "01"
     scene = load_scene(folder / "scene.toml")
