@@ -8,7 +8,7 @@ at the root is not part of it.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -19,15 +19,28 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
-if TYPE_CHECKING:
-    from casingfem.structure.imported.sections import BladeSections
-
 KIND = "hexahedron20"
 MOST = 400  # cells along one direction
 DEGREE = 3
 
 
-def section_mesh(sections: "BladeSections", cells: Sequence[int]) -> MeshData:
+class Sections(Protocol):
+    """What is meshed: both surfaces of each section, which of their edges are closed, the name of their source."""
+
+    @property
+    def surfaces(self) -> tuple[FloatArray, ...]:
+        """Points of both surfaces of each section."""
+
+    @property
+    def closed(self) -> tuple[bool, bool]:
+        """Whether the surfaces meet at the leading and at the trailing edge."""
+
+    @property
+    def source(self) -> str:
+        """Name in messages."""
+
+
+def section_mesh(sections: Sections, cells: Sequence[int]) -> MeshData:
     """The mesh of `BladeSections.mesh`."""
     chord, span, through = checked(cells)
     lattice = lattice_of(sections, chord, span)
@@ -52,7 +65,7 @@ def checked(cells: Sequence[int]) -> tuple[int, int, int]:
     return chord, span, through
 
 
-def lattice_of(sections: "BladeSections", chord: int, span: int) -> FloatArray:
+def lattice_of(sections: Sections, chord: int, span: int) -> FloatArray:
     """Nodes on both surfaces at half steps along span and chord, (2 span + 1, 2 chord + 1, 2, 3)."""
     ends = (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, chord + 1))) / 2.0
     at = np.empty(2 * chord + 1)

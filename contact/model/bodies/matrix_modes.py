@@ -28,7 +28,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.matrices import Contact, Matrices
-from contact.model.bodies.matrix_report import MatrixReport, report_of
+from contact.model.bodies.matrix_report import MatrixReport
 from contact.model.bodies.rigid_test import rigid_findings
 
 MODES = 20  # kept where nothing is said
@@ -42,6 +42,7 @@ STRAINED = 0.03  # of a mode: what round-off may add to a rigid motion; the firs
 SEEN = 10.0  # times the most negative omega^2: six values of round-off are of one order
 INDEPENDENT = 1e-10  # singular values of rigid motions, below which two are the same
 NONE, LEAST = 1e-9, 1e-10  # damping between modes that is round-off: over their own, over the largest of all
+UNEQUAL = 1e-2  # of masses along x, y, z: one centre and inertia need one mass
 NOTHING = 1e-8  # of the static compliance: below it the residual is round-off, of the modes beside a shift of 1e-6
 
 
@@ -289,3 +290,39 @@ def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, f
     off = np.abs(k4 - np.diag(np.diag(k4)))
     part = np.divide(off, root, out=np.zeros_like(off), where=(root > 0.0) & np.outer(elastic, elastic))
     return loss, float(part.max(initial=0.0))
+
+
+def report_of(
+    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None
+) -> MatrixReport:
+    """The facts of matrices and of the modes kept."""
+    motions = matrices.rigid_motions()
+    inertia = motions.T @ (matrices.M @ motions)
+    mass = np.diag(inertia)[:3]
+    known = all(node in matrices.points for node, axis in matrices.dofs if axis != "q") and mass.min() > 0.0
+    known = known and np.ptp(mass) <= UNEQUAL * mass.max()  # supports may leave out single directions
+    centre = about = None
+    if known:
+        # the mean of the diagonal's three masses: the part of the first moment that is skew gives the centre
+        m = float(mass.mean())
+        first = inertia[:3, 3:]
+        x = np.array([first[1, 2] - first[2, 1], first[2, 0] - first[0, 2], first[0, 1] - first[1, 0]]) / (2.0 * m)
+        steiner = m * (x @ x * np.eye(3) - np.outer(x, x))
+        centre = tuple(x.tolist())
+        about = tuple(map(tuple, (inertia[3:, 3:] - steiner).tolist()))
+    a, b, c = mass.tolist()
+    return MatrixReport(
+        size=matrices.size,
+        mass=(a, b, c),
+        centre=centre,
+        inertia=about,
+        rigid=rigid,
+        massless=int(np.count_nonzero(matrices.M.diagonal() == 0.0)),
+        skew=matrices.skew,
+        freq_hz=tuple((np.sqrt(lam[rigid : rigid + 6]) / (2.0 * np.pi)).tolist()),
+        kept=kept,
+        residual=residual,
+        coupling=coupling,
+        gyroscopic=matrices.G is not None,
+        cross=matrices.cross is not None,
+    )

@@ -3,16 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-from contact.base.arrays import Array
-
-if TYPE_CHECKING:
-    from contact.model.bodies.matrices import Matrices
-
-UNEQUAL = 1e-2  # of masses along x, y, z: one centre and inertia need one mass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +18,7 @@ class MatrixReport:
     matrix, a nonsymmetric stiffness; `rigid_motion` what the test of rigid motions found.
 
     >>> import contact as ct
+    >>> import numpy as np
     >>> K = 1e6 * np.array([[2.0, -1.0], [-1.0, 1.0]])
     >>> chain = ct.bodies.Matrices.of(K=K, M=np.eye(2), dofs=[(1, "x"), (2, "x")])
     >>> _, report = ct.bodies.body_of(chain, [(2, "x")])
@@ -99,39 +90,3 @@ class MatrixReport:
             "residual compliance: none, all modes are kept; statics are exact, but the contact then carries mass and "
             "the step must resolve the highest mode: keep fewer modes, and S takes the rest"
         )
-
-
-def report_of(
-    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None
-) -> MatrixReport:
-    """The facts of matrices and of the modes kept."""
-    motions = matrices.rigid_motions()
-    inertia = motions.T @ (matrices.M @ motions)
-    mass = np.diag(inertia)[:3]
-    known = all(node in matrices.points for node, axis in matrices.dofs if axis != "q") and mass.min() > 0.0
-    known = known and np.ptp(mass) <= UNEQUAL * mass.max()  # supports may leave out single directions
-    centre = about = None
-    if known:
-        # the mean of the diagonal's three masses: the part of the first moment that is skew gives the centre
-        m = float(mass.mean())
-        first = inertia[:3, 3:]
-        x = np.array([first[1, 2] - first[2, 1], first[2, 0] - first[0, 2], first[0, 1] - first[1, 0]]) / (2.0 * m)
-        steiner = m * (x @ x * np.eye(3) - np.outer(x, x))
-        centre = tuple(x.tolist())
-        about = tuple(map(tuple, (inertia[3:, 3:] - steiner).tolist()))
-    a, b, c = mass.tolist()
-    return MatrixReport(
-        size=matrices.size,
-        mass=(a, b, c),
-        centre=centre,
-        inertia=about,
-        rigid=rigid,
-        massless=int(np.count_nonzero(matrices.M.diagonal() == 0.0)),
-        skew=matrices.skew,
-        freq_hz=tuple((np.sqrt(lam[rigid : rigid + 6]) / (2.0 * np.pi)).tolist()),
-        kept=kept,
-        residual=residual,
-        coupling=coupling,
-        gyroscopic=matrices.G is not None,
-        cross=matrices.cross is not None,
-    )

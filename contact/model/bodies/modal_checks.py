@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from contact.base.errors import InputError
 from contact.io.names import names_fault
 from contact.io.npz import compliance_fault
 from contact.model.bodies.channels import rim_channels
-
-if TYPE_CHECKING:
-    from contact.model.bodies.modal_body import ModalBody
 
 OPTIONAL = (
     "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "line_thickness", "output_rows", "output_S",
@@ -26,8 +23,11 @@ LEAST_OMEGA = 1e-50  # rad/s: the square of less has few digits or none
 SKEW = 1e-8  # of the largest entry: symmetric part of a gyroscopic matrix that is round-off
 
 
-def check(body: ModalBody) -> None:
-    """Refuse arrays that do not fit each other, NaN, negative frequencies, an indefinite S; raises InputError."""
+def check(body: Any) -> None:
+    """Refuse arrays of a `ModalBody` that do not fit each other, negative frequencies, an indefinite S.
+
+    Raises InputError.
+    """
     m, K = body.omega.size, len(body.channels)
     for name, shape in (("omega", (m,)), ("zeta", (m,)), ("rows", (K, m)), ("S", (K, K))):
         require_shape(name, getattr(body, name), shape)
@@ -64,7 +64,7 @@ def check(body: ModalBody) -> None:
     _check_kind(body)
 
 
-def _check_kind(body: ModalBody) -> None:
+def _check_kind(body: Any) -> None:
     if body.kind == "point":
         return
     if body.kind != "rim":

@@ -11,7 +11,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.examples import strings
 from tests.casingfem.study.study_texts import STEEL_PLATE
 
 PLATE = f"""{STEEL_PLATE}[modes]
@@ -121,3 +120,11 @@ def test_a_folder_of_scenes_is_an_example_that_runs_by_itself(tmp_path, name):
         assert not missing
         bases = {text for key, text in strings(tables) if key == "basis"}
         assert bases <= {"blade.npz", "casing.npz"}
+
+
+def strings(tables, key=""):
+    """Every text of nested tables with its key."""
+    if isinstance(tables, str):
+        return [(key, tables)]
+    items = enumerate(tables) if isinstance(tables, list) else tables.items() if isinstance(tables, dict) else ()
+    return [found for name, value in items for found in strings(value, key if isinstance(tables, list) else name)]

@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +11,8 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main as casingfem
 from casingfem.errors import ModelError
-from casingfem.examples import DATA
 
+DATA = Path(__file__).parents[3] / "data"
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 Z = (0.0, 0.0, 1.0)
 
