@@ -16,7 +16,7 @@ Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRi
 
 import lazy_loader
 
-# what the package exports stands in __init__.pyi, and each name is loaded when it is first used
+# what the package exports is in __init__.pyi, and each name is loaded when it is first used
 _exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 

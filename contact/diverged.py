@@ -1,4 +1,4 @@
-"""Why a run outgrew its model: the limit it passed, how fast it grew, who fed it, what theory says of that speed."""
+"""Why a run outgrew its model: the limit it passed, how fast it grew, who fed it, what theory states of that speed."""
 
 from __future__ import annotations
 
@@ -90,11 +90,11 @@ def _fed_words(energy: EnergyBudget) -> str:
 
 
 def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
-    """Growth [1/s] of all contacts closed at the speed of an instant, nan where unknown, and what it says."""
+    """Growth [1/s] of all contacts closed at the speed of an instant, nan where unknown, and what it states."""
     try:
         found = _closed(problem, mu, time)
     except InputError as error:
-        return math.nan, f"Theory says nothing of it ({error})."
+        return math.nan, f"Theory does not apply ({error})."
     if found is None:
         return math.nan, ""
     contact, hz, mean = found

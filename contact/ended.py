@@ -1,4 +1,4 @@
-"""How a run ends: its energies, limits and flags, its growth, the result or the error that carries it."""
+"""How a run ends: its energies, limits and flags, its growth, the result or the error that has it."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def finished(
     ready: Prepared, parts: Sequence[Samples], taken: int, seconds: float, failed: int = -1,
     calm: EnergyBudget | None = None, marks: Sequence[Mark] | None = None,
 ) -> Result:  # fmt: skip
-    """Result of a run after `taken` steps; raises NumericsError, which carries it, where step `failed` >= 0 failed.
+    """Result of a run after `taken` steps; raises NumericsError, which has it, where step `failed` >= 0 failed.
 
     `calm`: energies early on, from where contact may not add any. `marks` of the run, from which its last stretch is
     repeated at half the step where it grows; None: it is not.

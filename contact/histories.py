@@ -1,4 +1,4 @@
-"""Histories that one can look at: forces, motion of a tip and of the rim before it, stored energy; a rub as a film."""
+"""Histories that one can examine: forces, motion of a tip and of the rim before it, stored energy; a rub as a film."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from contact.recovery import at_channels, casing_motion, rub_forces
 from contact.result import Result
 
 ROWS = 100_000  # of a table of forces: longer records are summed up
-NUMBERS = 150_000  # that a film holds: fewer frames where there are more tips
+NUMBERS = 150_000  # that a film contains: fewer frames where there are more tips
 FRAMES = 2000  # at most
 A_PERIOD = 8  # frames in a period of the casing's motion
 STRETCHES = 8  # into which a run is cut that is too long to be filmed whole
@@ -28,7 +28,7 @@ Places = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class TipMotion:
-    """Motion of one tip and of the rim where it stands, (ns, 2) each: along the normal and along the rim [m]."""
+    """Motion of one tip and of the rim where it is, (ns, 2) each: along the normal and along the rim [m]."""
 
     time: Array
     tip: Array
@@ -118,7 +118,7 @@ class RubFilm:
     radius
         Of the rim [m].
     left_out
-        Tips that stand before other rim lines.
+        Tips that are before other rim lines.
     angle
         Angles of the tips at rest [rad], (tips,): those on the rim line of the first.
     gap, force
@@ -190,7 +190,7 @@ def frames(rub: Rub, result: Result, count: int) -> tuple[Places, Places]:
 
 
 def largest(cos: Array, sin: Array) -> Places:
-    """The harmonics that carry `KEPT` of the mean square, at most `MOST`, ascending."""
+    """The harmonics that have `KEPT` of the mean square, at most `MOST`, ascending."""
     power = np.mean(cos**2 + sin**2, axis=0)
     order = np.argsort(-power, kind="stable")
     share = np.cumsum(power[order]) / (float(power.sum()) or 1.0)

@@ -1,8 +1,8 @@
 """One table of dangerous speeds: closed contact proposes them, runs of the scene decide.
 
-The growth of closed contact (`contact.stability.peaks`) says at which speeds contact can feed a motion, and which one.
-Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, and at speeds evenly over
-the range, where contact that opens may feed a motion that closed contact does not (`contact.speed_runs`).
+The growth of closed contact (`contact.stability.peaks`) states at which speeds contact can feed a motion, and which
+one. Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, and at speeds evenly
+over the range, where contact that opens may feed a motion that closed contact does not (`contact.speed_runs`).
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ COLUMNS = (
     Column("pole_n", "Nodal diameters that grow by the pole of closed contact.",
            lambda found: [None if row.peak is None else row.peak.n for row in found.rows], head="n of the pole",
            format="d", where="pages"),
-    Column("wave", "Travels around the casing with the blades' direction, against it, or stands.",
+    Column("wave", "Travels around the casing with the blades' direction, against it, or is standing.",
            lambda found: _rows(found, "wave"), format=str),
     Column("body", "Body that has most of the energy of the motion.", lambda found: _rows(found, "body"), format=str),
     Column("closed_1_s", "Growth of a contact that stays closed, by its poles.",
@@ -108,7 +108,7 @@ COLUMNS = (
     Column("half_wall_s", "Time at which the rim deflects by half its wall, from the start of the run.",
            lambda found: _runs(found, "half_wall_s"), where="files"),
     Column("verdict", "Safe, resonance, unstable or not decided.", lambda found: _runs(found, "verdict"), format=str),
-    Column("check", "What half the step says of a growing run: converged, numerical, irregular, depends on the step.",
+    Column("check", "Result at half the step for a growing run: converged, numerical, irregular, depends on the step.",
            lambda found: [row.at.check or None for row in found.rows], format=str, where="files"),
     Column("seconds", "Length of the run.", lambda found: _runs(found, "seconds"), where="files"),
     Column("note", "Why the verdict differs from the growth of closed contact, or why there is none.",

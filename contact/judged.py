@@ -20,7 +20,7 @@ def judged(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]:
 
 
 def energy_made(result: Result) -> tuple[float, float]:
-    """Energy that contact and scheme have made [J], and the largest energy of the run to hold it against [J].
+    """Energy that contact and scheme have made [J], and the largest energy of the run to compare it with [J].
 
     The largest of: what was there at the start, fell or was exchanged with loads, drive and friction; what moves and
     strains at the end; an impact of the mean impulse at the largest speed of approach. A scheme with a gain of its own
@@ -102,6 +102,6 @@ def _updates(result: Result) -> tuple[Flag, ...]:
 
 
 def once(flags: tuple[Flag, ...]) -> tuple[Flag, ...]:
-    """Flags without those whose code another one has that says the run failed."""
+    """Flags without those whose code another one has that states the run failed."""
     failed = {flag.code for flag in flags if flag.failed}
     return tuple(flag for flag in flags if flag.failed or flag.code not in failed)

@@ -1,4 +1,4 @@
-"""What a run of a rotor in a casing says of it: motion of the disk, angle, orbit, forces of bearings and mounts."""
+"""Results of a rotor in a casing: motion of the disk, angle, orbit, forces of bearings and mounts."""
 
 from __future__ import annotations
 

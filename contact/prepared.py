@@ -26,11 +26,11 @@ OnLimit = Literal["stop", "flag"]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Scene:
-    """What to run and how, as a scene file says it; every setting may be left out or overridden in `run`.
+    """What to run and how, as a scene file states it; every setting may be left out or overridden in `run`.
 
     `on_limit` "stop": a run whose rim moves beyond half its wall, or whose numbers are no solution (a flag that
     `failed`), is an error that keeps the result so far. "flag": it goes on to a tenth of the radius, and ends without
-    an error; `flags` of the result say what failed. A run of more than `most_steps` steps is refused.
+    an error; `flags` of the result state what failed. A run of more than `most_steps` steps is refused.
 
     >>> import contact as ct
     >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)

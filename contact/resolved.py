@@ -26,14 +26,14 @@ from contact.scheme.protocol import Problem, Stepper
 
 MOST_STEPS = 10**8  # minutes to an hour of computing: a run of more is asked for by `most_steps`
 A_STEP, A_COORDINATE = 2e-7, 1e-8  # seconds of computing: of the cheapest step, and of each coordinate beside
-WINDOWS, WINDOW = 64, 64  # places along a run at which a load is looked at, steps in each
+WINDOWS, WINDOW = 64, 64  # places along a run at which a load is examined, steps in each
 BETWEEN, MUCH_BETWEEN = 1.0 - math.cos(math.pi / 10.0), 1.0 - math.cos(math.pi / 4.0)  # of harmonics of 10, 4 steps
 
 
 def resolved(problem: Problem, law: Law, stepper: Stepper, t_end: float, given: str = "") -> tuple[Flag, ...]:
     """Hold a problem's rates, changes and loads against step and end.
 
-    `given` says where the step comes from ("courant = 1e7"). Raises LimitError, which lists all that the step is too
+    `given` states where the step comes from ("courant = 1e7"). Raises LimitError, which lists all that the step is too
     long for, with the longest step that works for each.
     """
     dt = stepper.dt
@@ -95,7 +95,7 @@ def _late(change: Change, t_end: float) -> Flag:
 
 
 def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
-    """What to say of loads given as functions that vary between the steps, and whether that is refused."""
+    """What to state of loads given as functions that vary between the steps, and whether that is refused."""
     for j, forcing in enumerate(stepper.system.body.forcing if isinstance(stepper, LinearStepper) else ()):
         left = between(forcing.amplitude, stepper.dt, t_end)
         if left > BETWEEN:
@@ -119,7 +119,7 @@ def between(amplitude: Callable[[Array], Any], dt: float, t_end: float) -> float
     at = np.asarray(amplitude(whole.astype(np.float64)), dtype=np.float64)
     half = np.asarray(amplitude(middle.astype(np.float64)), dtype=np.float64)
     if not (np.isfinite(at).all() and np.isfinite(half).all()):
-        return 0.0  # the run says where
+        return 0.0  # the run names the place
     at = np.broadcast_to(at, step.size).reshape(step.shape)
     off = np.broadcast_to(half, step.size - len(step)).reshape(len(step), -1) - (0.5 * at[:, 1:] + 0.5 * at[:, :-1])
     largest = max(float(np.abs(at).max()), float(np.abs(half).max()))

@@ -27,7 +27,7 @@ from contact.result_file import read_result, write_result
 from contact.scheme.protocol import Block, Motion, Notes
 
 LONGEST = 8  # numbers in a line that lists tips
-TIPS = "tips"  # block of a stepper's coordinates that holds forces on tips: `Result.tip_force`
+TIPS = "tips"  # block of a stepper's coordinates that contains forces on tips: `Result.tip_force`
 
 Intervals = tuple[tuple[float, float], ...]
 
@@ -118,7 +118,7 @@ class Result(Reported):
     def flags(self) -> tuple[Flag, ...]:
         """Why not to trust the numbers: words that end with a code of `contact.io.trust.TROUBLES`.
 
-        `flag.code` is that code; `flag.failed` tells numbers that are no solution from a warning.
+        `flag.code` is that code; `flag.failed` shows numbers that are no solution from a warning.
         """
         return self.notes.flags
 
@@ -204,7 +204,7 @@ class Result(Reported):
         if len(self.tracks) > 1:
             lines.extend(f"  track {k} (tips {_listed(t.tips)}): {t!r}" for k, t in enumerate(self.tracks, 1))
         if self.every != 1:
-            which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} unless a Record says otherwise)"
+            which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} unless a Record states otherwise)"
             lines.append(
                 f"stored: {self.time.size:,} samples, {which if self.every else 'at the steps nearest to the instants'}"
                 "; sums, intervals, impulse and energy are over every step"

@@ -49,7 +49,7 @@ def arrays_in(memory: Any) -> Iterator[Array]:
 def asked(stepper: Stepper, *decisive: Any) -> str:
     """Digest of a run at t = 0: all that decides it, its step, the arrays of its stepper, versions. Raises InputError.
 
-    The error names a part of the problem that no file can hold: a function, for example.
+    The error names a part of the problem that no file can contain: a function, for example.
     """
     packing = Packing()
     try:

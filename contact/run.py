@@ -26,7 +26,7 @@ from contact.scheme.protocol import Scheme, Stepper
 
 CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
 WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
-LEDGER = 20_000  # steps between looks at the energy
+LEDGER = 20_000  # steps between two checks of the energy
 
 Progress = Callable[[float], None]
 
@@ -103,7 +103,7 @@ def run(
     A run of more than `most_steps` steps, 1e8 where it is left out, is refused with an estimate of the time it takes.
 
     Raises InputError and LimitError (also for a step that does not resolve what was asked for) before the first step,
-    NumericsError (which carries the result so far) at the step that failed or where a flag of the result `failed`,
+    NumericsError (which has the result so far) at the step that failed or where a flag of the result `failed`,
     DivergedError (one of these) at the step that passed a limit.
 
     >>> from contact.model.bodies.body import Rod, Wall

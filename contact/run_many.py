@@ -30,8 +30,8 @@ def run_many(
 
     Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, those together
     whose arrays have equal shapes: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's
-    numbers do not depend on which others are given, nor on their order. `record` says by the number of steps what a run
-    stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end.
+    numbers do not depend on which others are given, nor on their order. `record` states by the number of steps what a
+    run stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)

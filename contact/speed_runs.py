@@ -46,7 +46,7 @@ class SpeedRun:
     `closed` growth of closed contact [1/s]; `growth` of the run with its interval of 95 %, nan where it has none;
     `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` None
     where nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason where it
-    does not decide. `check` says what half the step gives: "converged", "numerical", "irregular", "depends on the
+    does not decide. `check` states what half the step gives: "converged", "numerical", "irregular", "depends on the
     step", or "" of motions that do not grow. `state` is the end state of the motion, `steady` by how much the largest
     deflection of a window differs in the last stretch, relatively; `contact` the fraction of the time in which the
     contact that touches most was closed. `limit_m` is the largest deflection that the linear model allows the rim, of

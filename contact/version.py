@@ -1,4 +1,4 @@
-"""The version of the installed distribution, which holds both packages, and of what a result depends on."""
+"""The version of the installed distribution, which contains both packages, and of what a result depends on."""
 
 import platform
 from functools import cache

@@ -25,6 +25,7 @@ extensions = [
     "site_parts.api",
     "site_parts.mathml",
     "site_parts.links",
+    "site_parts.checks",
 ]
 exclude_patterns = ["gallery", "tutorial"]  # what is made of them is in built/
 suppress_warnings = [

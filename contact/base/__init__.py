@@ -1,1 +1,1 @@
-"""What everything stands on: errors, arrays that are read only, files of arrays of one format."""
+"""What everything is on: errors, arrays that are read only, files of arrays of one format."""

@@ -77,7 +77,7 @@ def is_whole(value: object) -> TypeGuard[int]:
 
 
 def require_count(least: int = 1, **fields: object) -> None:
-    """Raise InputError for the first field that is not a whole number >= `least`, or more than memory holds."""
+    """Raise InputError for the first field that is not a whole number >= `least`, or more than fits into memory."""
     for name, value in fields.items():
         if not is_whole(value) or value < least:
             raise InputError(f"{name}: found {value!r}, expected a whole number >= {least}")

@@ -15,7 +15,7 @@ SHARE = 20.0  # times what a writing takes, likewise: a twentieth of the time at
 
 
 class Asked(Protocol):
-    """What a file keeps says which computation it belongs to."""
+    """The computation to which a file belongs, as its arrays state it."""
 
     @property
     def asked(self) -> str:

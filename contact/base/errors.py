@@ -19,7 +19,7 @@ class InputError(ValueError):
 
 
 class LimitError(InputError):
-    """A scheme was asked to run beyond its limit: the message carries both numbers and what to change.
+    """A scheme was asked to run beyond its limit: the message has both numbers and what to change.
 
     >>> import contact as ct
     >>> rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1)
@@ -43,7 +43,7 @@ class NumericsError(RuntimeError):
 
 
 class DivergedError(NumericsError):
-    """A motion outgrew what its model carries: `result.divergence` says which limit, when and how fast."""
+    """A motion passed a limit of its model: `result.divergence` has the limit, the time and the growth."""
 
 
 def rounded_down(limit: float, digits: int) -> str:

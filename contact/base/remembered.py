@@ -14,7 +14,7 @@ KEPT = 16  # results of a function
 def remembered(function: Callable[P, R]) -> Callable[P, R]:
     """Keep the last results of a pure function of frozen values, numbers and arrays, given by place.
 
-    Arrays and values that hold some are told apart by identity, numbers by value. Where an array can be written,
+    Arrays and values that contain some are distinguished by identity, numbers by value. Where an array can be written,
     nothing is kept.
 
     >>> import numpy as np

@@ -94,7 +94,7 @@ def basins(
     family: Family, value: float, size: Array, *, starts: int = 100, seed: int, settle: int = 300, longest: int = 4,
     progress: Callable[[int], None] | None = None,
 ) -> Basins:  # fmt: skip
-    """Run `starts` times from states drawn from a normal law with deviations `size` (n,), a state of an orbit say.
+    """Run `starts` times from states drawn from a normal law with deviations `size` (n,), a state of an orbit state.
 
     Each run goes on for `settle` periods, and is then asked whether it closes after 1 to `longest` periods. Starts
     inside a rigid contact are drawn anew. Raises InputError.

@@ -109,7 +109,8 @@ class Course:
 class Signs(NamedTuple):
     """What changes at special points: the way of the parameter, how many multipliers are beyond 1, -1, in pairs.
 
-    And how often each contact closes; where hits end at rest, how often they do: their number in a series says nothing.
+    And how often each contact closes; where hits end at rest, how often they do: their number in a series has no
+    meaning.
     """
 
     forward: bool
@@ -187,7 +188,7 @@ def begun(course: Course, begin: Orbit, ahead: Tangent, longest: float) -> Way:
 def followed(
     course: Course, way: Way, *, longest: float, most: int, progress: Callable[[Way], None] | None = None
 ) -> Branch:
-    """All orbits of a branch from where it is; `progress` is told the way after each."""
+    """All orbits of a branch from where it is; `progress` receives the distance after each."""
     points, specials, along, length = list(way.points), list(way.specials), way.along, way.length
     while len(points) < most:
         at = points[-1]

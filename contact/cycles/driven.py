@@ -15,9 +15,9 @@ from contact.cycles.passage import Closed, Motion
 from contact.cycles.switched import Drive, Forcing, Phase, Plant
 from contact.model.bodies.patch import Patch
 
-RIGID = 1e-6  # frequency over that of the force which stands for a rigid mode: 4e-12 of its flight over a period
-ANGLE = 0.5  # of the fastest vibration between two looks at the gaps [rad]
-FEWEST, MOST = 128, 65536  # looks in a period
+RIGID = 1e-6  # frequency over that of the force which represents a rigid mode: 4e-12 of its flight over a period
+ANGLE = 0.5  # of the fastest vibration between two evaluations of the gaps [rad]
+FEWEST, MOST = 128, 65536  # evaluations in a period
 Parameter = Literal["freq_hz", "amplitude", "clearance"]
 
 
@@ -116,7 +116,7 @@ class DrivenBody:
     def over(self, name: Parameter, *, freq_hz: float, looks: int | None = None) -> ForcedFamily:
         """Motions over one parameter, the others as they are; `freq_hz` where it does not vary, or about where it does.
 
-        `looks` is the number of times in a period at which gaps are looked at; events are located whatever it is.
+        `looks` is the number of times in a period at which gaps are examined; events are located whatever it is.
         """
         require_positive(freq_hz=freq_hz)
         if name not in ("freq_hz", "amplitude", "clearance"):

@@ -19,7 +19,7 @@ from contact.cycles.result import Branch, Cycles, Special
 from contact.cycles.shooting import Orbit, orbit, settled
 from contact.io import notebook
 
-TRIES = 100  # values in the range at which a run looks for orbits beyond the end of a branch
+TRIES = 100  # values in the range at which a run searches for orbits beyond the end of a branch
 SETTLE = 200  # periods of such a run
 Progress = Callable[[int, float, int], None]
 Go = Callable[[Course, Orbit, Tangent], Branch]

@@ -150,7 +150,7 @@ def passage(
     closed = first = motion.closed_at(x, start)
     M = np.eye(x.size) if tangent else None
     time, end, events = start, start + period, list[Event]()
-    none, o = np.inf if extremes else -np.inf, len(plant.D)  # what begins beyond all values is not looked for
+    none, o = np.inf if extremes else -np.inf, len(plant.D)  # what begins beyond all values is not searched for
     reached = Extremes(gap=np.full(k, none), force=np.full(k, 0.0 if extremes else np.inf), most=np.full(o, -none),
                        least=np.full(o, none))  # fmt: skip
     while True:

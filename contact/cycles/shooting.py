@@ -30,7 +30,7 @@ class Orbit:
 
     `x` is its state there, `multipliers` (n,) the eigenvalues of the derivative of that map; `amplitude` max |u| [m] by
     channel; `gap`, `force` (k,) the least gap [m] and the largest force [N] of each contact, `closings` (k,) how often
-    each closes in the period, `rests` (k,) how often a series of ever smaller hits ends; `touching` tells the contacts
+    each closes in the period, `rests` (k,) how often a series of ever smaller hits ends; `touching` shows the contacts
     that are closed at the start.
 
     >>> import contact as ct

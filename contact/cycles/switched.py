@@ -206,7 +206,7 @@ def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
 
 
 def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) -> Forcing:
-    """What stands for c(t) in the equation of each closed contact."""
+    """What represents c(t) in the equation of each closed contact."""
     rest, wave = drive.c.rest[chosen].copy(), drive.c.wave[chosen].copy()
     p, r = (pull * plant.rate for pull in PULLS)
     for row, i in enumerate(chosen):

@@ -28,7 +28,7 @@ MOST_TEXT = 256e6  # bytes of a table or another text that is read line by line
 SILENCE = 20.0  # s that a pipe may give nothing
 LONGEST = 600.0  # s until a pipe is at its end
 CHUNK = 1 << 20
-NAMED = 1000  # files of a folder among which a mistyped name is looked for
+NAMED = 1000  # files of a folder among which a mistyped name is searched for
 OPENING = os.O_RDONLY | sum(getattr(os, flag, 0) for flag in ("O_NONBLOCK", "O_CLOEXEC", "O_NOCTTY", "O_BINARY"))
 KINDS = (
     (stat.S_ISDIR, errno.EISDIR, "a folder"),
@@ -39,7 +39,7 @@ _read_pipes: ContextVar[dict[tuple[int, int], bytes] | None] = ContextVar("_read
 
 
 class TextError(ValueError):
-    """A file that is no text as expected: `line`, `found` and `expected` say where and what."""
+    """A file that is no text as expected: `line`, `found` and `expected` state where and what."""
 
     def __init__(self, line: int, found: str, expected: str) -> None:
         self.line, self.found, self.expected = line, found, expected
@@ -109,7 +109,7 @@ def regular_file(path: str | os.PathLike[str], *, most: float = MOST) -> Path:
 
 @contextmanager
 def pipes_read_once() -> Iterator[None]:
-    """Inside, a pipe that is read again gives what it gave before, as files do: to the parser, then to the hash."""
+    """Inside, a second read of a pipe returns the same bytes, as of a file: to the parser, then to the hash."""
     if _read_pipes.get() is not None:
         yield
         return
@@ -167,7 +167,7 @@ def _opened(name: str) -> int:
 
 
 def _missing(name: str) -> str:
-    """What stands where no file is."""
+    """What is where no file is."""
     if os.path.islink(name):
         return f"found a link to {os.readlink(name)!r}, which is not there, expected a file"
     folder = os.path.dirname(name) or "."

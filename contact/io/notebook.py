@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-PATIENCE, PACE = 2.0, 0.5  # s until something is said, and between two words
+PATIENCE, PACE = 2.0, 0.5  # s until something is stated, and between two words
 
 
 def in_notebook() -> bool:
@@ -16,7 +16,7 @@ def in_notebook() -> bool:
 
 
 def notebook_progress(what: str, words: Callable[..., str]) -> Callable[..., None] | None:
-    """A `progress` that says so in a notebook, `words` of its arguments; None elsewhere.
+    """A `progress` that states it in a notebook, `words` of its arguments; None elsewhere.
 
     >>> notebook_progress("run", "{:.0%}".format) is None
     True
@@ -32,7 +32,7 @@ class Line:
         self.next = time.monotonic() + PATIENCE
 
     def __call__(self, *done: Any) -> None:
-        """Say how far it is, unless that was said just now."""
+        """State how far it is, unless that was stated just now."""
         now = time.monotonic()
         if now >= self.next:
             self.next = now + PACE

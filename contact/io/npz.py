@@ -46,7 +46,7 @@ def save_npz(stream: IO[bytes], arrays: Mapping[str, ArrayLike], *, compressed: 
     """Write arrays by name to a stream; raises ValueError for objects, which numpy would pickle."""
     given: dict[str, Any] = {name: np.asanyarray(array) for name, array in arrays.items()}
     for name, array in given.items():
-        if array.dtype.hasobject:  # numpy 2.0 cannot be told to refuse them
+        if array.dtype.hasobject:  # numpy 2.0 has no option to refuse them
             raise ValueError(f"member {name!r}: found {array.dtype}, expected numbers or text")
     (np.savez_compressed if compressed else np.savez)(stream, **given)
 

@@ -25,7 +25,7 @@ from contact.io.publication.moves import commit
 from contact.io.publication.recovery import settled
 from contact.io.publication.staging import begun, clear_parts, complete, may_be_announced, part_name
 
-Content = str | bytes | Callable[[Path], object]  # what a file holds, or what writes it at a path
+Content = str | bytes | Callable[[Path], object]  # what a file contains, or what writes it at a path
 
 
 def write_files(folder: str | os.PathLike[str], files: Mapping[str, Content]) -> list[Path]:
@@ -123,7 +123,7 @@ def _check(target: Path, files: Mapping[str, Content]) -> None:
 
 
 def in_the_way(folder: Path) -> str | None:
-    """What stands where a folder is to be made, or where one of those that it lies in is; None where nothing does."""
+    """What is where a folder is to be made, or where one of those that it lies in is; None where nothing does."""
     place = next((at for at in (folder, *folder.parents) if at.exists() or at.is_symlink()), None)
     if place is None or place.is_dir():
         return None
@@ -173,7 +173,7 @@ def finite(value: Any) -> Any:
 
 
 def write_checked(path: str | os.PathLike[str], name: str, value: Any, **head: Any) -> None:
-    """Write `value` under its name, what says whose it is, and its checksum: whole or not at all."""
+    """Write `value` under its name, with its owner and its checksum: whole or not at all."""
     content = {**head, name: value, "sha256": digest_of(value)}
     write_atomic(path, json.dumps(content, allow_nan=False) + "\n")
 

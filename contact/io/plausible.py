@@ -164,7 +164,7 @@ ALL = (
 )  # fmt: skip
 CHECKS: dict[str, Check] = {check.name: check for check in ALL}
 REACH = replace(CHECKS["size"], lower=-CHECKS["size"].upper)  # of coordinates and of single sides, which may be small
-SCANNED = replace(  # of speeds that are only looked at: twice those of a run, as where a file gives none
+SCANNED = replace(  # of speeds that are only examined: twice those of a run, as where a file gives none
     CHECKS["speed"], lower=-2.0 * TIP_SPEED, upper=2.0 * TIP_SPEED, reason="twice the speed of the fastest rims"
 )
 FROM_ZERO = {name: replace(CHECKS[name], lower=0.0) for name in ("mass", "stiffness", "compliance", "time")}
@@ -206,7 +206,7 @@ def implausible(table: BaseModel, *, radius: float = 0.0, path: Path = ()) -> It
 
 
 def inside(value: Any, radius: float, path: Path) -> Iterator[Implausible]:
-    """The same for whatever a key holds."""
+    """The same for whatever a key contains."""
     if isinstance(value, BaseModel):
         yield from implausible(value, radius=radius, path=path)
     elif isinstance(value, dict):

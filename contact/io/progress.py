@@ -1,7 +1,7 @@
-"""How far a long computation is: it tells whoever listens, and does not know who that is.
+"""How far a long computation is: it reports to any listener, and does not know which.
 
-A computation says `tell("3 of 12 groups", 0.25)`, or runs over its parts by `each`; what it repeats inside is not heard
-where it does so `quietly`. A command listens with `listening`; without a listener nothing happens.
+A computation calls `tell("3 of 12 groups", 0.25)`, or runs over its parts by `each`; what it repeats inside is not
+heard where it does so `quietly`. A command listens with `listening`; without a listener nothing happens.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 @contextmanager
 def listening(listener: Listener | None) -> Iterator[None]:
-    """Pass on what computations inside tell: words, the share that is done, and whether less may be enough.
+    """Pass on what computations inside report: words, the share that is done, and whether less may be enough.
 
     >>> heard = []
     >>> with listening(lambda *told: heard.append(told)):
@@ -34,13 +34,13 @@ def listening(listener: Listener | None) -> Iterator[None]:
 
 
 def quietly() -> AbstractContextManager[None]:
-    """Computations inside tell nobody."""
+    """Computations inside report to no listener."""
     return listening(None)
 
 
 @contextmanager
 def as_part(whole: Callable[[float], tuple[str, float]]) -> Iterator[None]:
-    """Tell of computations inside the words and the share of the whole: `whole` makes them from their own share.
+    """Report of computations inside the words and the share of the whole: `whole` makes them from their own share.
 
     >>> heard = []
     >>> with listening(lambda *told: heard.append(told)), as_part(lambda done: ("run 2 of 4", (1 + done) / 4)):
@@ -57,7 +57,7 @@ def as_part(whole: Callable[[float], tuple[str, float]]) -> Iterator[None]:
 
 
 def tell(words: str, done: float | None = None, *, most: bool = False) -> None:
-    """Tell the listener words and the share that is done, None where it is not known; `most`: of all there can be."""
+    """Show the listener words and the share that is done, None where it is not known; `most`: of all there can be."""
     listener = _LISTENER.get()
     if listener is not None:
         listener(words, done, most)

@@ -102,7 +102,7 @@ class Reported:
         return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines, *more])
 
     def _repr_html_(self) -> str:
-        """A table for a notebook, and below what `print` says."""
+        """A table for a notebook, and below what `print` states."""
         rows = list(self.records())
         heads, cells = self._cells(rows[:SHOWN])
         body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in line) + "</tr>" for line in cells)
@@ -148,7 +148,7 @@ def restored(kind: type, values: Mapping[str, Any]) -> Any:
 
 @cache
 def painters() -> tuple[Any, ...]:
-    """What draws results, as the installed packages say."""
+    """Functions that draw results, from the entry points of the installed packages."""
     from importlib.metadata import entry_points
 
     return tuple(entry.load() for entry in entry_points(group=PICTURES))

@@ -1,8 +1,8 @@
 """Frozen values of both packages as npz files: plain arrays by their paths, and a JSON text for all the rest.
 
 A value is a tree of dataclasses, named tuples, tuples, mappings, arrays, numbers and words. Each array is a member of
-its own, under the path that leads to it (`freq`, `grid.nodes`), so that any program reads it; `document` says how the
-tree hangs together. What the tree holds twice is written once. A file makes nothing but values of the two packages,
+its own, under the path that leads to it (`freq`, `grid.nodes`), so that any program reads it; `document` states how the
+tree hangs together. What the tree contains twice is written once. A file makes nothing but values of the two packages,
 through their own checks: no pickle.
 """
 
@@ -30,7 +30,7 @@ MAPS: dict[str, Callable[..., Any]] = {"dict": dict, "mapping": lambda pairs: Ma
 
 
 class StoredError(ValueError):
-    """A value that no file can hold, or a file that holds none: which, what was found, what is expected."""
+    """A value that no file can contain, or a file that contains none: which, what was found, what is expected."""
 
 
 def below(name: str, part: object) -> str:
@@ -62,7 +62,7 @@ def save_value(path: str | os.PathLike[str], value: Any, beside: Mapping[str, An
     Raises
     ------
     StoredError
-        For a part that is neither plain nor a value of the two packages, a function say.
+        For a part that is neither plain nor a value of the two packages, a function for example.
     """
     packing = Packing()
     document = packing.packed(value, "")
@@ -118,7 +118,7 @@ class Packing:
         return [[self.packed(key, name), self.packed(entry, below(name, key))] for key, entry in part.items()]
 
     def numbered(self, part: Any, document: dict[str, Any]) -> dict[str, Any]:
-        """The document of a part that is written once, however often the tree holds it."""
+        """The document of a part that is written once, however often the tree contains it."""
         number = len(self._met)
         self._met[id(part)] = number, part
         return document | {"number_of": number}
@@ -183,7 +183,7 @@ class Unpacking:
         self._met: dict[int, Any] = {}
 
     def unpacked(self, part: Any) -> Any:
-        """What a JSON part stands for; KeyError, TypeError or ValueError where it stands for nothing."""
+        """What a JSON part represents; KeyError, TypeError or ValueError where it represents nothing."""
         if not isinstance(part, dict):
             return part
         if "same" in part:

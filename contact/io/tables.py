@@ -19,7 +19,7 @@ from contact.io.toml import entries
 Model = type[BaseModel]
 WORDS = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 BOUNDS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-ANY = 1e20  # a bound beyond says no more than that a number is finite
+ANY = 1e20  # a bound beyond states no more than that a number is finite
 
 
 def at_least(least: float, *, zero: bool = False) -> AfterValidator:
@@ -62,14 +62,14 @@ def table_of(kind: Any, *names: str, optional: Collection[str] = ()) -> Callable
     """Give a table the keys of a dataclass: their types, ranges, defaults and meanings are those of its fields.
 
     `names` are the fields that the file states; all that have a `Key` if left out. A file may leave out those that are
-    `optional`: then something else gives them. The table states only what a file says beyond the value.
+    `optional`: then something else gives them. The table states only what a file has beyond the value.
 
     >>> from contact import Wall
     >>> @table_of(Wall)
     ... class WallTable(BaseModel):
     ...     pass
     >>> [(name, info.description, type_words(info)) for name, info in keys(WallTable).items()]
-    [('x', 'where it stands [m]', 'number')]
+    [('x', 'where it is [m]', 'number')]
     """
     stated = [one for one in keyed(kind) if not names or one.name in names]
     chosen = [one._replace(optional=True, default=None) if one.name in optional else one for one in stated]
@@ -174,7 +174,7 @@ def unknown(name: str, models: Sequence[Model]) -> str:
 
 
 def type_words(info: FieldInfo) -> str:
-    """What a key may hold, in words and bounds.
+    """What a key may contain, in words and bounds.
 
     >>> from pydantic import Field
     >>> class Wall(BaseModel):
@@ -189,7 +189,7 @@ def type_words(info: FieldInfo) -> str:
 
 
 def length(metadata: Sequence[Any]) -> list[str]:
-    """How many a list or a text may have, in words; empty where nothing is said."""
+    """How many a list or a text may have, in words; empty where nothing is stated."""
     least, most = (
         next((found for m in metadata if (found := getattr(m, name, None)) is not None), None)
         for name in ("min_length", "max_length")

@@ -1,4 +1,4 @@
-"""TOML files of both packages: bytes and tables, or one sentence about what is wrong; where a value of them stands."""
+"""TOML files of both packages: bytes and tables, or one sentence about what is wrong; where a value of them is."""
 
 import re
 import tomllib
@@ -12,12 +12,12 @@ PLACE = re.compile(r"at line (\d+), column \d+\)$")
 # what is written out of habit, and how TOML has it
 HABITS = {
     r"[=,\[]\s*[+-]?(\.\d|\d+\.(?!\d))": "a number has digits on both sides of its point: 0.5, 100.0",
-    r"=\s*[+-]?\d+,\d+\s*$": "decimals stand behind a point: 0.5",
+    r"=\s*[+-]?\d+,\d+\s*$": "write decimals with a point: 0.5",
     r"[=,\[]\s*(True|False|TRUE|FALSE)\b": "true and false are small letters",
-    r"=\s*[A-Za-z_/]": "text stands in quotes",
+    r"=\s*[A-Za-z_/]": "text is in quotes",
 }
 SHOWN = 60  # characters of a line
-MOST = 16e6  # bytes: large data stand in files of their own
+MOST = 16e6  # bytes: large data are in files of their own
 DEEPEST = 100  # parts of a key, a.b.c
 BETWEEN_KEYS = re.compile(r"[={,\[\]]")
 KEY = re.compile(r"[ \t]*([\w-]+|\"[^\"]*\"|'[^']*')[ \t]*")
@@ -29,7 +29,7 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
     Raises
     ------
     OSError
-        No file that can be read: `strerror` says what was found and what is expected.
+        No file that can be read: `strerror` states what was found and what is expected.
     ValueError
         A file that is no text ("line 2: found ...") or no TOML ("not TOML: ...").
     """
@@ -60,7 +60,7 @@ def require_short_keys(text: str) -> None:
 
 
 def spelling(error: str, text: str) -> str:
-    r"""The line that an error names, and how TOML writes what stands there; nothing where no line is named.
+    r"""The line that an error names, and how TOML writes what is there; nothing where no line is named.
 
     >>> spelling("Invalid value (at line 2, column 5)", "a = 1\nb = .5")
     ': b = .5; a number has digits on both sides of its point: 0.5, 100.0'
@@ -74,7 +74,7 @@ def spelling(error: str, text: str) -> str:
 
 
 def entries(value: object) -> Mapping[Any, Any]:
-    """What a value of a file holds: of a table by key, of a list by number from 0; nothing in a plain value.
+    """What a value of a file contains: of a table by key, of a list by number from 0; nothing in a plain value.
 
     >>> entries({"hz": 5.0}), entries([2, 3]), entries(5.0)
     ({'hz': 5.0}, {0: 2, 1: 3}, {})
@@ -85,7 +85,7 @@ def entries(value: object) -> Mapping[Any, Any]:
 
 
 def written(path: Iterable[str | int]) -> str:
-    """Where a value stands, as text: entries of lists counted from 1.
+    """Where a value is, as text: entries of lists counted from 1.
 
     >>> written(("imperfection", 0, "harmonics", 2, "p"))
     'imperfection[1].harmonics[3].p'

@@ -54,7 +54,7 @@ TROUBLES = MappingProxyType({
     "motion-radius": Trouble(
         "rim and tip moved by more than a tenth of the radius", "failure above 0.1 of the radius: no linear model "
         "describes such a motion; a warning with on_limit = \"flag\"",
-        "look for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
+        "search for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
     ),
     "motion-unbounded": Trouble(
         "a gap moved by a million times what start and load could do", "failure above 1e6: the motion feeds on itself",
@@ -100,7 +100,7 @@ TROUBLES = MappingProxyType({
         "reduce the casing again; a basis of your own needs gyroscopic and stiffness_by_speed",
     ),
     "turning-unstated": Trouble(
-        "the scene does not say which side turns", "warning where a basis has matrices of rotation, or gravity or a "
+        "the scene does not state which side turns", "warning where a basis has matrices of rotation, or gravity or a "
         "whirl acts, and the speed is not 0",
         "give [speed] turning = \"casing\" for a rig whose casing turns, \"blades\" for a rotor in a casing at rest",
     ),
@@ -113,7 +113,7 @@ TROUBLES = MappingProxyType({
     "wall-deflection": Trouble(
         "the rim deflected by more than half of its wall", "failure above 0.5 of the wall, to which linear theory is "
         "valid; a warning with on_limit = \"flag\"",
-        "look for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
+        "search for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
     ),
 })  # fmt: skip
 OF_LIMITS = MappingProxyType({

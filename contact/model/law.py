@@ -126,8 +126,8 @@ class Penalty:
 class Coulomb:
     """Rigid contact with friction of coefficient `mu` >= 0: |force_T| <= mu force_N, -mu force_N v_T/|v_T| in slip.
 
-    A tip sticks where a force inside the cone holds it. Contact steps in which a single tip slips against the way the
-    rim turns are counted in `Result.reversals`.
+    A tip sticks if a force inside the cone keeps it at rest. Contact steps in which a single tip slips against the way
+    the rim turns are counted in `Result.reversals`.
 
     >>> Coulomb(mu=0.3).mu
     0.3
@@ -149,7 +149,7 @@ class Coulomb:
 class Abradable:
     """Coating of a rim: bars side by side around it, elastic-plastic with linear hardening; plastic flow is wear.
 
-    A bar of length `thickness` whose surface the tip has pressed by d carries the stress E (d - w)/thickness. Where
+    A bar of length `thickness` whose surface the tip has pressed by d has the stress E (d - w)/thickness. Where
     that exceeds `yield_stress` + `hardening` w/thickness it flows and its worn depth w grows (M. Legrand, A. Batailly,
     C. Pierre, J. Comput. Nonlinear Dyn. 7, 2012, 011018). At w = thickness the casing is bare: what the tip meets
     there is as stiff as the bars, and flows no more.

@@ -157,7 +157,7 @@ class Terms:
 
 
 def terms(owner: Indices, harmonic: Indices, cos: Array, sin: Array, sums: int) -> Terms:
-    """Terms of sums by harmonics; entries stand by `owner`, then by harmonic.
+    """Terms of sums by harmonics; entries are by `owner`, then by harmonic.
 
     >>> found = terms(np.array([0, 1, 1]), np.array([4, 0, 4]), np.array([1.0, 2.0, 0.0]), np.array([0.0, 0.0, 3.0]), 2)
     >>> found.start.tolist(), found.wave.tolist(), found.value.tolist()

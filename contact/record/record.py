@@ -15,10 +15,10 @@ from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.io.keys import Key
 
-MOST_SAMPLES = 1_000_000  # what a run stores when nobody says how often
-STATES = 2048  # what a run of modes stores when nobody says how often, and no more numbers than STATE_NUMBERS
+MOST_SAMPLES = 1_000_000  # what a run stores when nobody states how often
+STATES = 2048  # what a run of modes stores when nobody states how often, and no more numbers than STATE_NUMBERS
 STATE_NUMBERS = 4_000_000
-BUFFER = 8_000_000  # numbers that the buffers of one chunk may hold, 64 MB
+BUFFER = 8_000_000  # numbers that the buffers of one chunk may contain, 64 MB
 NO_STEPS = np.zeros(0, dtype=np.int64)
 
 
@@ -27,7 +27,7 @@ class Record:
     """Store force, gap and impulse every `every` steps, and displacements u every `state_every` (0: never).
 
     `at` [s] instead: samples and displacements at the steps nearest to these instants, nothing between; no value
-    is interpolated, each stands beside the time of its own step. `channels` R (c, N): R u is stored in place of u.
+    is interpolated, each is beside the time of its own step. `channels` R (c, N): R u is stored in place of u.
     Impulse, intervals, penetration, residual and energy are summed at every step whatever is stored.
 
     Raises InputError for counts that are not whole or below one, instants beside `every`, channels that are not
@@ -184,7 +184,7 @@ def tally(contacts: int) -> Tally:
 
 
 def samples(record: Record, steps: int, contacts: int, size: int, at: Indices = NO_STEPS) -> Samples:
-    """Buffers that hold whatever `steps` steps can produce; `at`: those of them that `record` stores by instants."""
+    """Buffers that contain whatever `steps` steps can produce; `at`: those of them that `record` stores by instants."""
     rows, channels = steps // record.every + 1, record.rows(size)
     states = steps // record.state_every + 1 if record.state_every else 0
     every = record.every

@@ -34,7 +34,7 @@ class Wear(Reported):
 
     `angle` (cells,) of the bars in the casing's frame [rad]; `made` deviation of the rim's radius as made [m], `cut`
     the depth machined before the run, `worn` by the run. `map` (times, cells): worn depth at `map_time` [s].
-    `volume` worn [m^3]; `dissipated` energy summed over the steps [J], `stated` what the law says a coating worn like
+    `volume` worn [m^3]; `dissipated` energy summed over the steps [J], `stated` what the law states a coating worn like
     this has taken; their difference is round-off. `bare`: how many bars are worn to the casing; `tips` wear this track.
     """
 
@@ -68,7 +68,7 @@ class Wear(Reported):
 
     @property
     def residual(self) -> float:
-        """Energy dissipated over what the worn profile stands for, minus 1; 0 without wear."""
+        """Energy dissipated over what the worn profile represents, minus 1; 0 without wear."""
         return self.dissipated / self.stated - 1.0 if self.stated else self.dissipated
 
     def columns(self) -> dict[str, Array]:

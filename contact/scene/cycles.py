@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
 
-NEAR = 6  # orbits about a value, whose states tell how large random starts are
+NEAR = 6  # orbits about a value, whose states show how large random starts are
 
 
 class CyclesHead(Table):

@@ -43,7 +43,7 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def scene_of(data: dict[str, Any], file: Path) -> Scene:
-    """Build a scene from the tables of a file, changed or not; `file` says where bases are and stands in messages.
+    """Build a scene from the tables of a file, changed or not; `file` states where bases are and is in messages.
 
     Its source names the file without a hash, which would be of no file.
 
@@ -89,7 +89,7 @@ def read_scene(file: Path) -> tuple[File, bytes]:
 
 
 def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
-    """Read a scene file as it stands: its tables and its text. Raises SceneError."""
+    """Read a scene file as it is: its tables and its text. Raises SceneError."""
     try:
         text, data = read_toml(file)
         return data, text

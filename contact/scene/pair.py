@@ -60,4 +60,4 @@ class PairFile(CheckedFile):
     casing: CasingPairTable = Field(description="one pair of the casing")
     blade: BladeModeTable = Field(description="one mode of the blade")
     contact: PairContact = Field(description="what lies between")
-    speed: ScanTable = Field(description="speeds looked at")
+    speed: ScanTable = Field(description="speeds examined")

@@ -68,7 +68,7 @@ def read_basis(path: Path) -> ModalBody:
     try:
         stat = path.stat()
     except (OSError, ValueError):  # the latter of a name with a zero byte
-        return ModalBody.load(path)  # which says what is wrong
+        return ModalBody.load(path)  # which states what is wrong
     return _basis_as(path, stat.st_mtime_ns, stat.st_size)
 
 

@@ -72,7 +72,7 @@ class PatchBodyTable(Table):
         return self
 
     def modes(self, folder: Path) -> ModalBody:
-        """The basis file, or the modes given here, undamped and with S = 0 unless they say more."""
+        """The basis file, or the modes given here, undamped and with S = 0 unless they state more."""
         if self.basis is not None:
             return read_basis(folder / self.basis)
         omega, channels = np.array(self.omega), tuple(self.channels or ())

@@ -81,7 +81,7 @@ class BladeTable(Table):
 class RimContact(GapTable):
     """[contact] of a rim: clearance [m], friction coefficient, out-of-roundness."""
 
-    angle_deg: Angle = Field(default=0.0, description="where the blade stands [degrees]")
+    angle_deg: Angle = Field(default=0.0, description="angle of the blade [degrees]")
 
 
 class RimFile(SceneFile):
@@ -152,7 +152,9 @@ class DiskCasingTable(Table):
     @model_validator(mode="after")
     def _one_of_both(self) -> DiskCasingTable:
         if (self.basis is None) == (self.pair is None):
-            raise ValueError(f"{'nothing' if self.basis is None else 'basis and pair'} found, expected one of both")
+            raise ValueError(
+                f"{'nothing' if self.basis is None else 'basis and pair'} found, expected one of basis and pair"
+            )
         return self
 
     def radius(self, folder: Path) -> float:

@@ -46,7 +46,7 @@ from contact.scheme.modal.exact_modal import ExactModal
 
 MOST_RPM = 600_000.0  # the smallest turbochargers turn half as fast
 Rpm = Annotated[FiniteFloat, Field(ge=-MOST_RPM, le=MOST_RPM)]
-MODES = 24  # of a shaft that are kept where nothing is said
+MODES = 24  # of a shaft that are kept where nothing is stated
 
 
 class RotorHead(RunHead):
@@ -72,7 +72,7 @@ class RotorTable(Table):
 
     @property
     def given(self) -> list[str]:
-        """Its keys that stand in the file."""
+        """Its keys that are in the file."""
         return [name for name in type(self).model_fields if name in self.model_fields_set]
 
 
@@ -180,7 +180,7 @@ class RotorTips(Table):
     """[tips]: blades that do not deform, instead of tables [[blade]]."""
 
     count: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of equal blades around")
-    angle_deg: Angle = Field(default=0.0, description="where the first one stands at t = 0 [degrees]")
+    angle_deg: Angle = Field(default=0.0, description="where the first one is at t = 0 [degrees]")
 
 
 class RotorContact(RubContact):

@@ -86,11 +86,11 @@ class RubBlade(Table):
     """
 
     basis: Name = Field(description="modal basis of kind point, npz, relative to this file")
-    angle_deg: Angle = Field(default=0.0, description="where the first blade stands [degrees]")
+    angle_deg: Angle = Field(default=0.0, description="angle of the first blade [degrees]")
     count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="number of equal blades around")
     lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
     axial: bool = Field(default=False, description="whether its places slide along the axis too")
-    stiffening: bool = Field(default=False, description="whether the speed stiffens it, as its basis says")
+    stiffening: bool = Field(default=False, description="whether the speed stiffens it, by the arrays of its basis")
     node: list[RubNode] = Field(
         default_factory=list,
         description="tables [[blade.node]]: the places that touch; all that the basis has if left out",
@@ -147,13 +147,13 @@ class RubContact(GapTable):
 class RubSpeed(Table):
     """[speed]: turns per second, one number, or as many as there are times [s], straight between them.
 
-    `turning` says which side turns; `scan` the speeds of interactions.
+    `turning` names the side that turns; `scan` the speeds of interactions.
     """
 
     hz: TurnsPerSecond | list[TurnsPerSecond] = Field(description="speed, one number or one for each time [turns/s]")
     time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
     turning: Side | None = Field(default=None, description=MEANING)
-    scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
+    scan: ScanTable | None = Field(default=None, description="speeds that interactions examine")
 
     @model_validator(mode="after")
     def _fits(self) -> RubSpeed:

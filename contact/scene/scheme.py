@@ -27,7 +27,7 @@ from contact.scheme.protocol import Scheme
 
 Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
 Count = Annotated[int, Field(ge=1)]
-WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
+WAVES = 1000  # around a rim: with more, its points would be closer than a wall is thick
 Friction = Annotated[NotNegative, CHECKS["friction"]]
 Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1), CHECKS["zeta"]]
 Modulus = Annotated[Positive, CHECKS["E"]]
@@ -122,7 +122,7 @@ class RunHead(Table):
 
 
 class ScanTable(Table):
-    """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` look at."""
+    """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` examine."""
 
     from_hz: ScannedSpeed = Field(description="first speed [turns/s]")
     to_hz: ScannedSpeed = Field(description="last speed [turns/s]")
@@ -147,11 +147,11 @@ class ModalScheme(Table):
 
 
 class SpeedTable(Table):
-    """[speed]: turns per second; `turning` which side turns; `scan` the speeds that are looked at."""
+    """[speed]: turns per second; `turning` which side turns; `scan` the speeds that are examined."""
 
     hz: TurnsPerSecond = Field(description="speed [turns/s]")
     turning: Side | None = Field(default=None, description=MEANING)
-    scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions look at")
+    scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions examine")
 
 
 class Waviness(Table):

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from contact.scene.pair import PairFile
     from contact.scene.scheme import ScanTable
 
-AROUND, STEPS = 2.0, 200  # times the scene's speed, in so many steps, where nothing else is said
+AROUND, STEPS = 2.0, 200  # times the scene's speed, in so many steps, where nothing else is stated
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class StabilityScene:
-    """What stays in contact, and the speeds [Hz] to look at; `mu` is a rim's friction."""
+    """What stays in contact, and the speeds [Hz] to examine; `mu` is a rim's friction."""
 
     what: HandPair | RotatingRim
     speed_hz: Array
@@ -76,7 +76,7 @@ def load_stability(path: str | Path) -> StabilityScene:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class InteractionScene:
-    """A scene, or a pair by hand, and the speeds [Hz] to look at; `closed` has the springs of its law at the tips."""
+    """A scene, or a pair by hand, and the speeds [Hz] to examine; `closed` has the springs of its law at the tips."""
 
     scene: Scene | HandPair
     speed_hz: Array

@@ -21,13 +21,13 @@ TWO = Field(min_length=2, max_length=2)
 
 
 class ContinuationTable(Table):
-    """[continuation]: longest step, most points, looks at gaps in a period, doublings followed, channels shown."""
+    """[continuation]: longest step, most points, evaluations of the gaps in a period, doublings, channels shown."""
 
     longest_step: Annotated[FiniteFloat, Field(ge=1e-6, le=1)] = Field(
         default=0.02, description="of the parameter's range [-]"
     )
     most_points: Annotated[int, Field(ge=2, le=MANY)] = Field(default=1000, description="points of a branch at most")
-    looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="looks at the gaps in a period")
+    looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="evaluations of the gaps in a period")
     doublings: Annotated[int, Field(ge=0)] = Field(default=0, description="period doublings that are followed")
     channels: list[str] = Field(
         default_factory=list, description="channels whose amplitudes are shown; all if left out"

@@ -5,7 +5,7 @@
 2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills
    `out`, adds to `sums`, and returns -1, or the step that failed.
 3. The force of step n acts at the time of its sample: t_n = n h in leapfrog schemes, t_n + h/2 where it is the
-   mean over the step, t_{n+1} where it balances the end of the step. It makes the law hold for the gap stored
+   mean over the step, t_{n+1} where it balances the end of the step. It makes the law valid for the gap stored
    beside it; where the law is one of velocities, `residual` is theirs times h.
 4. `stored()` and `motions()` read the present state and change nothing.
 5. The energy ledger closes: change of stored energy = work of contact, damping and loads along the displacement +
@@ -47,7 +47,7 @@ class Modal(Protocol):
 
 @runtime_checkable
 class Loaded(Protocol):
-    """A problem that says how far its constant loads move it within a step; a problem of one's own may."""
+    """A problem that gives how far its constant loads move it within a step; optional for a problem of one's own."""
 
     @property
     def load_response(self) -> float:
@@ -75,7 +75,7 @@ class Motion:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Notes:
-    """What a run tells beside its forces.
+    """What a run shows beside its forces.
 
     `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
     (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them. `orbit` with
@@ -157,7 +157,7 @@ class Stepper(Protocol):
         """Those of `motion_limits`: `advance` stops after the step that passed one; None without limits."""
 
     def notes(self) -> Notes:
-        """What the run so far tells beside its forces."""
+        """What the run so far shows beside its forces."""
 
     def wear(self) -> tuple[Wear, ...]:
         """What each track of a coating has lost so far."""

@@ -80,9 +80,9 @@ def loaded(pair: HandPair) -> Loaded:
 def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
     """Every meeting of a wave of the casing with a mode of the blades, ascending, at the senses of these speeds [Hz].
 
-    They are looked for up to `REACH` times the fastest speed, by the frequencies that both have at each speed. Several
+    They are found up to `REACH` times the fastest speed, by the frequencies that both have at each speed. Several
     contacts meet a wave and a mode that they see alike, |sum of products| above `ALIKE` of the largest there can be,
-    which by n diameters a disk's tuned modes do only with theirs; what happens there, poles tell.
+    of n diameters meets only tuned modes of a disk with n diameters. The poles decide what happens there.
     """
     seen = waves_of(contact)
     top = REACH * 2.0 * math.pi * float(np.abs(speed_hz).max())

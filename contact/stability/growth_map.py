@@ -28,7 +28,7 @@ COLUMNS = (
 class StabilityMap(Reported):
     """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive.
 
-    `seen_hz`, `seen_growth`: all speeds looked at, close to where something is to be seen.
+    `seen_hz`, `seen_growth`: all speeds examined, close to where something is to be seen.
 
     >>> import contact as ct
     >>> pair = ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -73,7 +73,7 @@ class StabilityMap(Reported):
 def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = None) -> StabilityMap:
     """Growth over speeds, refined: its maximum by bounded maximisation, the edges of its bands by root finding.
 
-    `rate` gives growth [1/s] at speeds [Hz]; `floor` is what counts as none; `seeds` are further speeds looked at, so
+    `rate` gives growth [1/s] at speeds [Hz]; `floor` is what counts as none; `seeds` are further speeds examined, so
     that a band narrower than the grid is not missed. Raises InputError unless there are two ascending speeds.
     """
     speed = ascending(speed_hz)

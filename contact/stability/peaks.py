@@ -1,8 +1,8 @@
 """Peaks of the growth of closed contact over speed: where, how fast, and which motion grows.
 
 Poles s of a contact that stays closed (`closed_contact`) have the growth max Re s at each speed. Each peak of that
-curve is refined. The eigenvector of its pole says what grows: its energies, the sums of |r q|^2 + |q'|^2 over modes of
-rate r, give the share of the casing. Seen from the contact the casing moves as waves e^(i k theta + s t). In its own
+curve is refined. The eigenvector of its pole states what grows: its energies, the sums of |r q|^2 + |q'|^2 over modes
+of rate r, give the share of the casing. Seen from the contact the casing moves as waves e^(i k theta + s t). In its own
 frame their frequency is w = Im s + k Omega. A wave with k w Omega > 0 travels around the casing in the direction in
 which the blade passes. Split pairs enter by their mean (`perfect_mean`).
 """
@@ -69,7 +69,7 @@ class Peak:
 class Peaks(Reported):
     """All peaks over a range of speeds, by speed; `map` the growth over the range and its bands.
 
-    `averaged` says whether split pairs were. For a picture, `blade_hz` has the frequencies of the blade at rest and
+    `averaged` states whether split pairs were. For a picture, `blade_hz` has the frequencies of the blade at rest and
     `wave_hz` (speeds of the map, waves) those of the casing's waves in the blade's frame, both without contact.
 
     >>> import numpy as np

@@ -43,7 +43,7 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
     """A rim whose pairs are equal and turn into themselves; what has no partner is left to the compliance.
 
     Modes belong to the n that most of their radial and tangential motion has; those of one n are paired in order of
-    frequency. Damping, stiffness and the arrays of rotation are averaged over the angle at which the pairs could stand.
+    frequency. Damping, stiffness and the arrays of rotation are averaged over the angle at which the pairs could be.
     Of a perfect casing it is the casing itself but for the turn of its pairs.
 
     >>> from contact.model.gaps.bladed_disk import pair_rim

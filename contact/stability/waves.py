@@ -3,7 +3,7 @@
 Seen from the contact a casing's wave e^(i k theta) obeys
 (D + i k Omega)^2 z + C_k (D + i k Omega) z + K_k z = W_k^H lam, with C_k and K_k what `ClosedContact.matrices` has
 between waves of k diameters at that speed: Coriolis forces make the two senses k and -k differ. Modes of the bodies
-that stand before the contact have k = 0. Each gives two poles, and together they are the receptance
+that are before the contact have k = 0. Each gives two poles, and together they are the receptance
 H(s) = sum_j seen_j pushed_j/(s - s_j).
 """
 

@@ -1,4 +1,4 @@
-"""The columns of a sweep: what is kept of every run. The varied keys stand before them."""
+"""The columns of a sweep: what is kept of every run. The varied keys are before them."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ MEASURED = (
            where="files"),
     Column("growth_high_1_s", "Upper end of the 95 % interval of the growth rate.", kept("growth_high_1_s"),
            where="files"),
-    Column("growth_check", "What half the step says of a motion that grows: converged, numerical, irregular or depends "
+    Column("growth_check", "Growth at half the step, if a motion grows: converged, numerical, irregular or depends "
            "on the step.", kept("growth_check"), head="half the step", format=word),
     Column("half_wall_at_s", "Time at which the rim moves by half of its wall, at this growth.",
            kept("half_wall_at_s"), head="half the wall at", unit="s", format=".4g"),
-    Column("body", "Body that holds most of the motion.", kept("body"), format=word),
+    Column("body", "Body with most of the motion.", kept("body"), format=word),
     Column("n", "Nodal diameters of the motion.", kept("n"), format="d"),
     Column("source", "Source of the energy of the motion.", kept("source"), head="energy from", format=word),
     Column("dominant_n", "Nodal diameters with the largest rms vibration of the rim.", kept("dominant_n"),

@@ -96,7 +96,7 @@ def load_sweep(path: str | Path) -> SweepPlan:
 
 
 def _of_vary(problem: str, table: SweepTable, file: Path) -> str:
-    """A problem of the first run; where its key is varied, the place of its value in [sweep] stands before it."""
+    """A problem of the first run; where its key is varied, the place of its value in [sweep] is before it."""
     for k, vary in enumerate(table.vary, 1):
         if problem.startswith(f"{file}: {vary.key}: "):
             place = "key" if ": unknown key" in problem else "from" if vary.values is None else "values"
@@ -175,7 +175,7 @@ def changed(
 
 
 def _place(data: dict[str, Any], key: str, file: Path | None) -> tuple[dict[str, Any], str]:
-    """The table a key stands in, and its name there."""
+    """The table a key is in, and its name there."""
     *path, last = key.split(".")
     at: Any = data
     for part in path:
@@ -239,7 +239,7 @@ def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], conten
 
 
 def _words(part: Any) -> Iterator[str]:
-    """All texts of a scene's tables: bases, profiles, whatever may name a file."""
+    """All texts in the tables of a scene: each may be the name of a file, such as a basis or a profile."""
     if isinstance(part, str):
         yield part
     for inner in entries(part).values():

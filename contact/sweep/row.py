@@ -47,7 +47,7 @@ def sweep_record(steps: int) -> Record:
 
 
 def row_of(scene: Scene | None, outcome: Outcome) -> dict[str, Any]:
-    """One row; a refused, failed or diverged run says why, the last two have what they reached."""
+    """One row; a refused, failed or diverged run gives the reason, the last two have what they reached."""
     return dict.fromkeys(COLUMNS) | _ended(outcome, scene)
 
 
@@ -123,7 +123,7 @@ def _numbers(what: What | None, rim: RotatingRim | Rub | None, result: Result, r
 
 
 def _displacements(what: What | None, result: Result) -> Array | None:
-    """Displacements [m] of a run without a rim, (states, places); None where its states hold angles or modes alone."""
+    """Displacements [m] of a run without a rim, (states, places); None where its states are angles or modes alone."""
     if isinstance(what, Patch):
         return np.asarray(result.state @ what.body.rows.T)
     if isinstance(what, PointGap) and len(what.sides) == 1:
@@ -186,7 +186,7 @@ def write_run(folder: Path, digest: str, row: Row) -> None:
 
 
 def read_run(path: Path) -> Row | None:
-    """Row of a run file; None where there is none, or none that is whole and what its name says."""
+    """Row of a run file; None where there is no complete run file of this name."""
     return cast("Row | None", read_checked(path, "row", format=FORMAT, hash=path.stem))
 
 

@@ -27,7 +27,7 @@ from contact.sweep.columns import COLUMNS, MEASURED
 from contact.sweep.plan import SweepPlan, Value, changed, unit_of
 from contact.sweep.row import Row, Store, read_run, row_of, run_path, sweep_record, write_run
 
-MOST = 64  # runs a task holds at most
+MOST = 64  # runs a task contains at most
 BATCH = 8  # runs that share one compiled loop
 TRIES = 5  # of a task whose workers die
 IN_NAMES = ("", "-", "degrees", "Hz", "turns/s", "rpm")  # units that the name of a key has itself
@@ -201,7 +201,7 @@ def _given_out(pool: ProcessPoolExecutor, waiting: dict[int, Task]) -> dict[Futu
 
 
 def _load_loop(task: Task) -> None:
-    """Load the loop of a task's first run, or compile it; where that run is refused, a worker says so."""
+    """Load the loop of a task's first run, or compile it; where that run is refused, a worker states it."""
     with suppress(InputError):
         first_step(_scene(task, task.runs[0][1]), sweep_record)
 

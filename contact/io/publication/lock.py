@@ -14,14 +14,14 @@ try:
 except ImportError:  # not on Windows
     fcntl = None  # type: ignore[assignment]
 
-WAIT, PAUSE = 10.0, 0.02  # s for another writer to move its files, and between looks
+WAIT, PAUSE = 10.0, 0.02  # s for another writer to move its files, and between evaluations
 
 
 @contextmanager
 def alone(folder: Path, *, shared: bool = False) -> Iterator[bool]:
-    """One writer moves files in a folder at a time, or some readers look; whether the system can tell.
+    """One writer moves files in a folder at a time, or some readers read; whether the system can lock it.
 
-    The lock goes with the process that holds it. Nothing is written. Raises OSError after `WAIT` seconds.
+    The lock goes with the process that has it. Nothing is written. Raises OSError after `WAIT` seconds.
     """
     try:
         descriptor = os.open(folder, os.O_RDONLY)

@@ -26,7 +26,7 @@ STOPPED = "found {0} of {1} files of a set whose writer was stopped"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One file of a set: its name below the folder, what it will hold, size and time of what it replaces (or None)."""
+    """One file of a set: name below the folder, new contents, size and time of the file that it replaces (or None)."""
 
     name: str
     size: int
@@ -130,7 +130,7 @@ def require_no_links(folder: Path, name: str) -> None:
 
 
 def document_of(path: Path) -> Any:
-    """What a manifest holds; None where there is none that can be read: no link is followed, no pipe waited for."""
+    """What a manifest contains; None where there is none that can be read: no link is followed, no pipe waited for."""
     flags = os.O_RDONLY | sum(getattr(os, flag, 0) for flag in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"))
     try:
         if path.is_symlink():
@@ -146,7 +146,7 @@ def document_of(path: Path) -> Any:
 
 
 def read_manifest(folder: Path) -> Publication | None:
-    """The set that is announced in a folder; None where none is, or what stands there is no whole manifest."""
+    """The set that is announced in a folder; None where none is, or what is there is no whole manifest."""
     if not os.path.lexists(folder / MANIFEST):
         return None
     document = document_of(folder / MANIFEST)

@@ -22,7 +22,7 @@ def commit(publication: Publication) -> None:
 
 
 def announce(publication: Publication) -> None:
-    """Put the manifest where readers look for it; raises FileExistsError where another one is."""
+    """Put the manifest where readers search for it; raises FileExistsError where another one is."""
     listed = publication.folder / publication.staging / "manifest.json"
     try:
         os.link(listed, publication.manifest)

@@ -36,7 +36,7 @@ def part_name(name: str) -> str:
 
 
 def start_of(process: int) -> int:
-    """When a process began, in ticks since the machine did; 0 where the system does not say, or the process ended.
+    """When a process began, in ticks since the machine did; 0 where the system does not state it, or the process ended.
 
     The numbers of processes come again, often within minutes; number and start together do not.
     """

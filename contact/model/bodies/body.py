@@ -21,7 +21,7 @@ Fixed = Literal["none", "left", "right"]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Nodes:
-    """Nodes of one body from left to right: positions [m], masses [kg], which are held, springs to the next [N/m].
+    """Nodes of one body from left to right: positions [m], masses [kg], which are fixed, springs to the next [N/m].
 
     `ground` [N/m] and `damping` [N s/m] to the ground, `stretch` [m] of the ground springs at t = 0; the last spring
     is zero.
@@ -101,7 +101,7 @@ class Rod:
     elements: Annotated[int, Key("number of elements")] = 100
     x: Annotated[float, Key("left end at t = 0 [m]")] = 0.0
     velocity: Annotated[float, Key("at t = 0 [m/s]")] = 0.0
-    fixed: Annotated[Fixed, Key("which end is held")] = "none"
+    fixed: Annotated[Fixed, Key("which end is fixed")] = "none"
     end_mass: Annotated[float, Key("at the end that faces its neighbour [kg]", "not negative")] = 0.0
     damping: Annotated[float, Key("of its mass [1/s]", "not negative")] = 0.0
     moves: ClassVar[bool] = True
@@ -146,7 +146,7 @@ class Rod:
         return (*damping, Rate.of_passage(f"a wave through {key}", time, f"{time:.4g} s"))
 
     def contact_end(self, *, has_left: bool, has_right: bool) -> str:
-        """The end that carries the end mass: the free one, or the one that faces a neighbour."""
+        """The end that has the end mass: the free one, or the one that faces a neighbour."""
         if self.fixed != "none":
             return "right" if self.fixed == "left" else "left"
         if has_left and has_right:
@@ -233,7 +233,7 @@ class Wall:
     0.0
     """
 
-    x: Annotated[float, Key("where it stands [m]")] = 0.0
+    x: Annotated[float, Key("where it is [m]")] = 0.0
     moves: ClassVar[bool] = False
     velocity: ClassVar[float] = 0.0
     crossing_time: ClassVar[float] = math.inf

@@ -146,7 +146,7 @@ def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], inverse: 
         if inverse[node] == 0.0 and inverse[node + 1] == 0.0:
             a, b = _name(ordered[i], numbers[i]), _name(ordered[i + 1], numbers[i + 1])
             raise InputError(
-                f"bodies: nothing can touch between {a} and {b}: both ends are held (`fixed`, or a wall); free one "
+                f"bodies: nothing can touch between {a} and {b}: both ends are fixed (`fixed`, or a wall); free one "
                 "of them or leave one out"
             )
 

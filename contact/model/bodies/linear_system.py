@@ -72,7 +72,7 @@ class Linear(Protocol):
 
     @property
     def in_order(self) -> bool:
-        """Whether the coordinates' order makes narrow bands of the matrices; else one is looked for."""
+        """Whether the coordinates' order makes narrow bands of the matrices; else one is searched for."""
 
     def linear_form(self) -> LinearBody:
         """Matrices, gaps and loads."""
@@ -127,7 +127,7 @@ def _lists(body: LinearBody, place: Indices) -> tuple[Indices, Array]:
 def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Array | None = None) -> float:
     """Highest angular frequency [rad/s], with springs of this stiffness closing every contact.
 
-    `free` (N,) marks the coordinates that have mass; the others are held.
+    `free` (N,) marks the coordinates that have mass; the others are fixed.
     """
     from scipy.sparse import csr_array
 

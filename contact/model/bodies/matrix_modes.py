@@ -31,7 +31,7 @@ from contact.model.bodies.matrices import Contact, Matrices
 from contact.model.bodies.matrix_report import MatrixReport
 from contact.model.bodies.rigid_test import rigid_findings
 
-MODES = 20  # kept where nothing is said
+MODES = 20  # kept where nothing is stated
 DENSE = 1500  # unknowns up to which all modes are computed at once
 RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
 UNREAL = 1e-12  # the same, where the mode's own springs have no more stiffness: round-off of a condensed stiffness
@@ -192,7 +192,7 @@ def lowest_elastic(lam: Array, rate: float) -> float:
     """omega^2 of the first mode from the seventh on that is more than round-off; of the last one if none is.
 
     A part has at most six rigid modes; several parts that nothing joins, or a mechanism, have more. The median rate
-    K_ii / M_ii stands for what is beyond it, as the mode of a support's penalty.
+    K_ii / M_ii represents what is beyond it, as the mode of a support's penalty.
 
     >>> lowest_elastic(np.array([0.0] * 8 + [4.0, 9.0]), 20.0), lowest_elastic(np.array([4.0, 1e20]), 20.0)
     (4.0, 20.0)
@@ -210,11 +210,11 @@ def factored(A: Any) -> Any:
     try:
         return splu(csc_array(A))
     except RuntimeError:
-        raise InputError("K: found a singular stiffness, expected dofs that have mass or that springs hold") from None
+        raise InputError("K: found a singular stiffness, expected dofs that have mass or springs") from None
 
 
 def median_rate(matrices: Matrices) -> float:
-    """Median K_ii / M_ii [rad^2/s^2] of what springs hold: masses that none holds say nothing of the others."""
+    """Median K_ii / M_ii [rad^2/s^2] of dofs on springs: masses without springs are no measure of the others."""
     masses, springs = matrices.M.diagonal(), matrices.K.diagonal()
     heavy = masses > 0.0
     if not heavy.any():
@@ -260,7 +260,9 @@ def modal_damping(
     c = np.asarray(phi.T @ (matrices.C @ phi))
     own = np.diag(c)
     if own.min() < -RIGID * np.abs(own).max():
-        raise InputError(f"C: found negative damping in mode {int(own.argmin()) + 1}, expected one that takes energy")
+        raise InputError(
+            f"C: found negative damping in mode {int(own.argmin()) + 1}, expected damping that dissipates energy"
+        )
     own = np.abs(own)
     vibrates = (omega > 0.0) & (own < 2.0 * omega)
     ratio = np.divide(own, 2.0 * omega, out=np.zeros(len(omega)), where=vibrates)
@@ -281,7 +283,9 @@ def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, f
     own = np.diag(k4)
     size = float(np.abs(own).max(initial=0.0))
     if own.min(initial=0.0) < -RIGID * size:
-        raise InputError(f"K4: found negative damping in mode {int(own.argmin()) + 1}, expected one that takes energy")
+        raise InputError(
+            f"K4: found negative damping in mode {int(own.argmin()) + 1}, expected damping that dissipates energy"
+        )
     own = np.maximum(own, 0.0)
     elastic = omega > 0.0
     stiffness = np.einsum("ij,ij->j", phi, matrices.K @ phi)  # omega^2, to more digits

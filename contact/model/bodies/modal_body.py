@@ -312,7 +312,7 @@ class ModalBody:
         modes kept. `K4`: structural damping, the imaginary part of K; a mode has zeta = phi^T K4 phi / (2 omega^2).
         `axes`: node -> directions of its own x, y, z, rows (3, 3), for
         nodes whose dofs are not along the axes of the points; channels are along the latter. A free body keeps its
-        rigid modes; modes left out go into S, as do massless dofs. The provenance holds what `ct.bodies.body_of`
+        rigid modes; modes left out go into S, as do massless dofs. The provenance contains what `ct.bodies.body_of`
         reports: mass, inertia, rigid modes, symmetry, frequencies, residual compliance.
 
         Raises InputError naming the matrix, dof or unit that cannot be used, or the node at which a free part resists

@@ -74,7 +74,7 @@ def rigid_findings(matrices: Matrices, null: Array, rate: float) -> str:
                 "rigid-body motion: warning: the rigid modes of K are no rigid motions of its nodes: the part is a "
                 f"mechanism, or its axes or units are wrong; if so, {ADVICE}"
             )
-        return "rigid-body motion: not tested further, supports hold the part"
+        return "rigid-body motion: not tested further, the part has supports"
     if null.shape[1] >= ALL and not given.coupled:
         check_mass(matrices, given)
     unknown = "" if not np.isnan(turns).any() else "; rotations not tested, positions are not known"

@@ -36,7 +36,7 @@ RIGID = 1e-9  # of the largest eigenvalue: what round-off leaves of a rigid moti
 class ThinRing:
     """Ring of mean `radius` [m], section `width` (along the axis) times `height` (radial) [m], E [Pa], rho [kg/m^3].
 
-    `k_r`, `k_t` [N/m per m] hold it radially and tangentially; `zeta` damps every mode.
+    `k_r`, `k_t` [N/m per m] support it radially and tangentially; `zeta` damps every mode.
 
     Raises InputError for a value that is not physical.
 

@@ -148,7 +148,8 @@ def two_dimensional(
     319, 2009, 366). Every tip presses with `stiffness` [N/m], by `press` [m] at rest; `velocity` [m/s] starts the
     casing's cosine. The disk moves radially; modal masses are those of unit amplitude of cos n theta.
 
-    Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips tell cosine from sine.
+    Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips distinguish cosine from
+    sine.
     """
     require_waves(casing, disk, stiffness=stiffness, blades=blades)
     angle = 2.0 * math.pi * np.arange(blades) / blades

@@ -21,7 +21,7 @@ class BodyForce:
 
     a(t) = (acceleration + radius w^2) e(beta) - radius w' e'(beta) + axial z,
     beta = phase + per_rev angle(t) + 2 pi hz t as for `Whirl`, e' = de/d beta, and w = d beta/dt, plus Omega where the
-    casing turns: the rate of that direction in space. Gravity is `acceleration` in a direction that stands in space;
+    casing turns: the rate of that direction in space. Gravity is `acceleration` in a direction that is in space;
     a frame whose origin runs on a circle of `radius` [m] feels the rest. Modes are moved by f = participation . a.
 
     Raises InputError for an unknown bearer or numbers that are not finite.

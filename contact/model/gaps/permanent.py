@@ -36,7 +36,7 @@ class SplitError(InputError):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ClosedContact:
-    """Modes joined by r closed contacts, in the frame in which the contact points stand still.
+    """Modes joined by r closed contacts, in the frame in which the contact points do not change.
 
     (D + Omega G)^2 q + C (D + Omega G) q + K q = (Q - mu s T)^T lam, Q q + (S_nn - mu s S_nt) lam = 0, s = sgn Omega;
     C = diag(2 zeta omega) + damping + Omega gyroscopic, K = diag(omega^2) + stiffness + Omega^2 stiffness_by_speed;
@@ -48,7 +48,7 @@ class ClosedContact:
     the others belong to the bodies with the points. `damping` [1/s], `gyroscopic` [1/s per rad/s], `stiffness` [1/s^2]
     and `stiffness_by_speed` [1/s^2 per (rad/s)^2], (m, m), and their higher powers (k, m, m) are zero where they are
     left out. A body at rest has no
-    share in those of speed; `turns` tells whether the casing turns or its blades do.
+    share in those of speed; `turns` shows whether the casing turns or its blades do.
 
     Raises InputError for shapes that do not fit, or a compliance that cannot be inverted.
     """
@@ -217,7 +217,8 @@ def disk_contact(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades
     the contact closed, frictionless, in the disk's frame: sum over the tips of k (u_c - u_b)^2/2 = (k blades/4)
     |z_c - z_b|^2, so two contacts of stiffness k blades/2 join cosine to cosine and sine to sine.
 
-    Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips tell cosine from sine.
+    Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips distinguish cosine from
+    sine.
     """
     require_waves(casing, disk, stiffness=stiffness, blades=blades)
     omega, zeta = ([getattr(body, name) for body in (casing, disk) for _ in range(2)] for name in ("omega", "zeta"))

@@ -52,7 +52,7 @@ def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None =
 
 
 def _roots(alpha: float, count: int, *, free: bool) -> Array:
-    """First roots of the frequency equation, by bisection on branches that hold one root each."""
+    """First roots of the frequency equation, by bisection on branches that contain one root each."""
     k = np.arange(count, dtype=np.float64)
     if alpha == 0.0:
         return k * math.pi if free else (k + 0.5) * math.pi

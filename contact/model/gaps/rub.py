@@ -27,7 +27,7 @@ class ContactPoint:
     """One contact candidate: a place of blade number `blade` before rim line number `line` of the casing.
 
     `span`, `flap` and `axial` name channels of the blade: radial at no lean, along +theta, along the casing's axis
-    (left out: the contact slides along theta only). `angle_deg` where it stands at t = 0 in the casing's frame,
+    (left out: the contact slides along theta only). `angle_deg` where it is at t = 0 in the casing's frame,
     `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub. `track` numbers the strip of an abradable
     coating that it wears on its rim line, so that tips at one axial place share one; left out, its place among its
     blade's tips on that line.
@@ -111,12 +111,12 @@ class Stiffening:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Rub:
-    """K tips and one casing that turn past each other: tip j stands at phi_j = its angle - angle(t) in the casing.
+    """K tips and one casing that turn past each other: tip j is at phi_j = its angle - angle(t) in the casing.
 
     g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of
     `rub_laws`; slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved
     together, with the residual compliances that couple them. `thickness` of the wall [m], that of the casing's basis
-    where it is left out, bounds the deflection that linear theory carries: a run stops there, or is flagged.
+    where it is left out, bounds the deflection of the linear model: a run stops there, or is flagged.
     `forces`: gravity and whirl on the modes that are kept; the static share of the others is left out.
     `turning`: which side turns. Its bodies are seen in their own frame, with the gyroscopic matrix and the stiffness
     by speed of their bases at that speed; blades turn in the other sense than the angle of the tips in the casing.

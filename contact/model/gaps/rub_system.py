@@ -18,12 +18,12 @@ from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import ContactPoint, Rub
 from contact.model.trig import harmonics
 
-SPREAD = 10.0  # degrees between the tips of a blade that still stands in one place
+SPREAD = 10.0  # degrees between the tips of a blade that still is in one place
 TURN = math.sqrt(2.0)  # [rad], no part of a turn: an S that is the same after it and after its square is always so
 
 
 def plane_participation(rub: Rub) -> Array:
-    """Participation of all modes in a force along the casing's x and y, for blades as they stand at t = 0, (2, m).
+    """Participation of all modes in a force along the casing's x and y, for blades as they are at t = 0, (2, m).
 
     A blade at phi with the lean a has its span and flap at a from the radial and tangential directions:
     a_span = cos a a_r - sin a a_t, a_flap = sin a a_r + cos a a_t.
@@ -43,7 +43,7 @@ def plane_participation(rub: Rub) -> Array:
 
 
 def axial_load(rub: Rub) -> Array:
-    """Constant modal forces of what pulls along the axis, (m,): a blade's chord stands along it."""
+    """Constant modal forces of what pulls along the axis, (m,): a blade's chord is along it."""
     parts = []
     for k, body in enumerate(rub.bodies):
         pull = sum(f.axial for f in rub.forces if f.on == "both" or (f.on == "casing") == (k == 0))
@@ -53,7 +53,7 @@ def axial_load(rub: Rub) -> Array:
 
 
 def place(rub: Rub, blade: int) -> tuple[float, float]:
-    """Angle at t = 0 and lean of one blade [rad]; raises InputError where its tips stand in several places."""
+    """Angle at t = 0 and lean of one blade [rad]; raises InputError where its tips are in several places."""
     tips = [tip for tip in rub.tips if tip.blade == blade]
     if not tips:
         raise InputError(
@@ -106,7 +106,7 @@ def varying_force(rub: Rub) -> Array | None:
 
 
 def settled(rub: Rub) -> Rub:
-    """The same rub, its bodies at rest where gravity and whirl of t = 0 hold them: q = K^-1 f.
+    """The same rub, its bodies at rest under gravity and whirl of t = 0: q = K^-1 f.
 
     Raises InputError for bodies with rigid modes.
 
@@ -131,7 +131,7 @@ def settled(rub: Rub) -> Rub:
         live = np.ones(own.size, dtype=bool)
         live[-1:] = k > 0 or rub.spin is None  # the angle of a rotor has no rest
         if own[live].any() and not body.omega[live].min() > 0.0:
-            raise InputError(f"{rub.names[k]}: found rigid modes, which no rest holds against gravity or whirl")
+            raise InputError(f"{rub.names[k]}: found rigid modes, which have no support against gravity or whirl")
         at = np.zeros(own.size)
         if own[live].any():
             at[live] = np.linalg.solve(K[np.ix_(live, live)], own[live])
@@ -167,7 +167,7 @@ class RubSystem:
     `blade_rows` (K d, widest blade): the tip's share of its own blade's modes, as subtracted in the gap;
     `own` (K, 2): first and one past the last of these modes. Residual compliance between all K d directions is
     E(angle) S E(angle)^T + still, the angle all have turned, E the waves at the tips: where it does not turn, S is
-    empty and all of it stands in `still`.
+    empty and all of it is in `still`.
     """
 
     omega: Array

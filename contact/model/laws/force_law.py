@@ -92,7 +92,7 @@ class _GivesWay:
 class ForceLaw(_GivesWay):
     """A contact law of one's own: `response` gives force and slope at a depth and rate; `mu` of Coulomb friction.
 
-    It is made of a `Response`, or of a function of (depth, rate, values). The force holds at the mean of three steps,
+    It is made of a `Response`, or of a function of (depth, rate, values). The force is that at the mean of three steps,
     (gap_{n+1} + 2 gap_n + gap_{n-1})/4, or at gap_{n+1} with `ExactModal(law="forward")`, and is solved together with
     the motion of the step. For the exact-modal scheme. Raises InputError.
 

@@ -45,7 +45,7 @@ def rotor_rub(
 ) -> Rub:
     """Make the rub of blades on a rotor in a casing at rest.
 
-    The tips stand at their angles at t = 0 and turn with the rotor, from x to y at a positive speed. The rotor brings
+    The tips are at their angles at t = 0 and turn with the rotor, from x to y at a positive speed. The rotor brings
     its speed, unbalance, gravity and motion at t = 0; gravity acts on the casing too, and on blades if each has a
     participation. Forces on the tips act on the
     disk at `rotor.at`. The inertia of the blades' own motion on the disk is left out: the mass of the blades belongs to

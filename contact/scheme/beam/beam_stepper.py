@@ -4,7 +4,7 @@ Explicit: M (x_{n+1} - 2 x_n + x_{n-1})/h^2 = f - f_int(x_n) + force_n, lumped M
 circle is pushed back along its radius until it lies on the (moved) rim exactly. Angular momentum about the hinge
 changes by the impulse of the moments, to round-off, whatever the step: internal forces of co-rotational elements are
 in equilibrium. Newmark, in a rigid circle: multipliers at t_{n+1}, Newton in each step. Unconditionally stable for
-linear motion when gamma >= 1/2, beta >= gamma/2; second order for gamma = 1/2 only. Samples stand at the step's end.
+linear motion when gamma >= 1/2, beta >= gamma/2; second order for gamma = 1/2 only. Samples are at the step's end.
 """
 
 from __future__ import annotations

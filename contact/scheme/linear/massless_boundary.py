@@ -69,7 +69,7 @@ class MasslessBoundary:
 
 
 def _massless_places(system: LinearSystem) -> Indices:
-    """Coordinates of the contacts that lie on springs and carry no mass of their own beyond their neighbours'."""
+    """Coordinates of the contacts that lie on springs and have no mass of their own beyond their neighbours'."""
     mass, sprung = system.M.ground, diagonal(system.K) - system.K.ground > 0.0
     neighbours = _neighbour_mass(system)
     bare = []

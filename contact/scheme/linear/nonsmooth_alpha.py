@@ -76,7 +76,7 @@ class NonsmoothAlpha(ImpactAlpha):
     Smooth: (1 - am) a_{n+1} + am a_n = M^-1 ((1 - af) F_{n+1} + af F_n), with Chung and Hulbert's weights for the
     spectral radius rho_inf in [0, 1] at high frequency (J. Appl. Mech. 60, 1993, 371). Impact: M w = Q^T P,
     v_{n+1} = ... + w, u_{n+1} = ... + h w/2; where the free step closes the gap: Q v_{n+1} + e Q v_n >= 0, P >= 0,
-    complementary; force = P/h (Chen, Acary, Virlez, Bruels, Int. J. Numer. Meth. Eng. 96, 2013, 487: the gap is held
+    complementary; force = P/h (Chen, Acary, Virlez, Bruels, Int. J. Numer. Meth. Eng. 96, 2013, 487: the gap is fixed
     by velocities only; `ProjectedAlpha` also projects positions). Unconditionally stable; takes energy from
     high frequencies, more for a smaller rho_inf.
 

@@ -49,7 +49,7 @@ NO_EVENTS: Events = (np.zeros(0, dtype=np.int64), np.zeros(0))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """A run for the lanes: `steps` steps, stored as `record` says (every, state_every)."""
+    """A run of a batch: `steps` steps, stored as `record` states (every, state_every)."""
 
     run: RubStepper
     steps: int
@@ -72,7 +72,7 @@ def shape_of(run: RubStepper) -> Shape | None:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Layout:
-    """Where the terms that any of some runs has stand in the blocks of `BatchTerms`; keys tell sum and wave."""
+    """Where the terms that any of some runs has are in the blocks of `BatchTerms`; keys show sum and wave."""
 
     top: int  # waves
     keys: Indices
@@ -128,7 +128,7 @@ def _layout(*parts: Terms) -> Layout:
 
 
 def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
-    """Rows, `many` at a time, that add the fewest waves to the first; `has` (rows, waves) tells which a row has."""
+    """Rows, `many` at a time, that add the fewest waves to the first; `has` (rows, waves) shows which a row has."""
     blocks, size = [], has.sum(axis=1)
     left = np.argsort(-size, kind="stable").tolist()  # those with most waves first: others fit in
     while left:

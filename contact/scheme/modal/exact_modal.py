@@ -53,7 +53,7 @@ class ExactModal:
     """Exact-modal propagator; for modal bodies, or two rods by their first `modes` modes.
 
     `law` "forward", "averaged" (refused when rho = H_d/S > 1), "auto" (averaged up to rho = .1, else forward; the
-    result says which) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
+    result names it) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
     `omega_h_limit` is the largest omega_max h accepted by the first two, below pi. `skip`: of one tip on a rim, skip
     over time in which no contact is possible, from one stored step to the next (`contact.scheme.modal.free_flight`).
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 BITS = 24  # a skip is shorter than 2^BITS steps
 CELLS = 720  # of the contact angle
-POINTS = 8  # where the clearance is looked at in each cell
+POINTS = 8  # where the clearance is examined in each cell
 
 
 def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -> FreeFlight:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 BITS = 24  # a skip is shorter than 2^BITS steps
 CELLS = 720  # of the contact angle
-POINTS = 8  # where the clearance is looked at in each cell
+POINTS = 8  # where the clearance is examined in each cell
 
 
 def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, law: Law, label: str) -> ModalRun:
@@ -97,7 +97,7 @@ def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
     Over one step the force is constant and the modes move exactly under it; lam = -(phi(g_1) - phi(g_0))/(g_1 - g_0),
     phi = <-g>^2/(2 S) the energy in the residual compliance (Gonzalez, J. Nonlinear Sci. 6, 1996, 449): a scalar
     quadratic. Exact energy is not exact phase: some (modes, dt) drift in phase after several impacts. In the step of
-    closing or opening complementarity holds on average only, which `Result.residual` shows.
+    closing or opening complementarity is satisfied on average only, which `Result.residual` shows.
     Raises InputError for damping, or S = 0.
     """
     from contact.loop.modal.modal import EnergyState, advance_energy

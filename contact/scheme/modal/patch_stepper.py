@@ -43,7 +43,7 @@ WAVES = 8  # of which a steady row has the first: a block
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class PatchStepper(ExactRun):
-    """State of a run with several contacts; `state.counts` tells the solver's iterations."""
+    """State of a run with several contacts; `state.counts` shows the solver's iterations."""
 
     problem: Patch
     state: RubState  # views of `wide`

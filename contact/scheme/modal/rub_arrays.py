@@ -235,7 +235,7 @@ def _no_blocks() -> RowBlocks:
 
 
 def fixed_delassus(system: RubSystem, parts: Propagator) -> Array:
-    """What the blades yield, but for a blade that the casing's rows hold."""
+    """Motion of the blades, except a blade that the casing's rows contain."""
     found = blade_delassus(system, parts)
     return 0.0 * found if system.contacts == 1 else found
 

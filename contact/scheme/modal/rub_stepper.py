@@ -44,7 +44,7 @@ NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RubStepper(ExactRun):
-    """State of a rub; `state.counts` tells the solver's iterations, `state.heat` what slip dissipated."""
+    """State of a rub; `state.counts` shows the solver's iterations, `state.heat` what slip dissipated."""
 
     rub: Rub
     system: RubSystem
@@ -208,7 +208,7 @@ class RubStepper(ExactRun):
 
     @property
     def overlap(self) -> float:
-        """How far a tip stands inside the rim at t = 0 at most [m]."""
+        """How far a tip is inside the rim at t = 0 at most [m]."""
         rub, system, q = self.rub, self.system, self.system.displacement
         gap = system.clearance - rub.closing.at(0.0) + [rub.profile(float(phi)) for phi in system.angle]
         for w in rub.whirl:
@@ -243,7 +243,7 @@ class RubStepper(ExactRun):
         return tuple(Motion(kind=k, number=b, mean_velocity=nan, momentum=nan) for b, k in enumerate(kinds))
 
     def notes(self) -> Notes:
-        """Heat and drive of friction, and what the run went through that its theory does not carry."""
+        """Heat and drive of friction, and what the run went through that its theory does not have."""
         deflection, tangential = float(self.limits[LARGEST]), float(self.state.peaks[0])
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         solver = self.made[0].solver if self.made else None

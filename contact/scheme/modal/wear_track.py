@@ -150,7 +150,7 @@ def track_tips(rub: Rub, length: float) -> list[list[int]]:
 
     Else its number is its place among its blade's tips on this line.
 
-    Raises InputError where tips of one track stand nearer to one another than the `length` of a tip [m].
+    Raises InputError where tips of one track are nearer to one another than the `length` of a tip [m].
     """
     found: dict[tuple[int, int], list[int]] = {}
     places: Counter[tuple[int, int]] = Counter()
