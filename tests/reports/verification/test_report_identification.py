@@ -14,7 +14,7 @@ def test_every_pair_half_a_bandwidth_apart_is_found_and_nothing_else(tmp_path, c
         assert row["clear found"] == row["clear"] > 10
         assert row["missed"] <= 1  # one of a pair 0.08 bandwidths apart, with one reference
         assert row["spurious"] == 0
-        assert row["freq error %"] < identification.FREQ_PERCENT
+        assert row["freq error %"] < 0.02
         assert row["angle error deg"] < 0.5
     assert (tmp_path / "identification.csv").exists()
     assert "By split" in capsys.readouterr().out
