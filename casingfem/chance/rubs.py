@@ -15,7 +15,6 @@ from casingfem.chance.estimates import Estimate, clopper_pearson
 from casingfem.chance.evaluate import Drawing
 from casingfem.chance.points import REPLICATES, points
 from casingfem.chance.result import Chance
-from casingfem.chance.run import drawing_of
 from casingfem.io.arrays import Array, FloatArray
 from contact.io.outfiles import finite, read_checked, write_checked
 from contact.model.gaps.gap import RotatingRim
@@ -32,7 +31,7 @@ KEPT = (
 Row = dict[str, Any]
 
 
-def run_rubs(found: Chance, folder: Path | None, progress: Callable[[int, int], None]) -> list[Row]:
+def run_rubs(found: Chance, own: Drawing, folder: Path | None, progress: Callable[[int, int], None]) -> list[Row]:
     """One row for each of the first casings that are dangerous at some speed: its draw, and what its run did.
 
     The draws are in random order, so that the first ones are a fair sample of all.
@@ -41,14 +40,12 @@ def run_rubs(found: Chance, folder: Path | None, progress: Callable[[int, int], 
     worst = Chance.severity(found.drawn)
     chosen = np.flatnonzero(worst > found.drawn.floor)[: given.table.runs].tolist()
     rows: list[Row] = []
-    own: Drawing | None = None
     for first in range(0, len(chosen), GROUP):
         draws = chosen[first : first + GROUP]
         path = None if folder is None else folder / f"runs_{draws[0]:07d}_{draws[-1]:07d}.json"
         head = {"draws": draws, "turns": given.table.turns}
         kept = None if path is None else read_checked(path, "runs", **head)
         if kept is None:
-            own = own or drawing_of(given)
             kept = group_of(own, draws, lot["growth"][draws])
             if path is not None:
                 write_checked(path, "runs", kept, **head)

@@ -6,7 +6,6 @@ the number of processes, their order, or how often the run was broken off, the r
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,60 +80,29 @@ def run_draws(
     resumed = sum(len(range(*lot_of(name, given))) for name in kept if not name.startswith(DESIGN))
     missing = [name for name in names if name not in kept]
     workers = min(processes or usable_cores(), max(len(missing), 1))
-    with one_thread(), workers_of(workers, given) as executor:
-        pairs = result_of(executor.submit(about_pairs), executor)
-        for name, future in finished(executor, missing):
+    with one_thread(), worker_pool(workers, set_up, str(given.path), given.source["sha256"]) as executor:
+        pairs = executor.submit(about_pairs)
+        waiting = {executor.submit(compute, name): name for name in missing}
+        for future in as_completed(waiting):
+            name = waiting[future]
             found = result_of(future, executor)
             if store is not None:
                 write_npz(store / f"{name}.npz", found)
             kept[name] = found
             if progress is not None:
                 progress(f"{len(kept)} of {len(names)} lots", len(kept) / len(names))
+        about = result_of(pairs, executor)
     lots = [kept[name] for name in names if not name.startswith(DESIGN)]
     return Drawn(
         given=given,
         lot={name: np.concatenate([lot[name] for lot in lots]) for name in lots[0]},
-        n=pairs["n"],
-        rank=pairs["rank"],
-        freq=pairs["freq"],
-        floor=float(pairs["floor"][0]),
-        importance=importance_of(given, kept, [str(group) for group in pairs["groups"]]),
+        n=about["n"],
+        rank=about["rank"],
+        freq=about["freq"],
+        floor=float(about["floor"][0]),
+        importance=importance_of(given, kept, [str(group) for group in about["groups"]]),
         resumed=resumed,
     )
-
-
-def finished(executor: Executor, names: list[str]) -> Iterator[tuple[str, Future[Lot]]]:
-    """Lots as they are done; in this process one after the other."""
-    if isinstance(executor, Here):
-        yield from ((name, executor.submit(compute, name)) for name in names)
-        return
-    waiting = {executor.submit(compute, name): name for name in names}
-    yield from ((waiting[future], future) for future in as_completed(waiting))
-
-
-class Here(Executor):
-    """Work done in this process, at once."""
-
-    def submit(self, function: Any, /, *values: Any, **named: Any) -> Future[Any]:
-        """The result of the function, or its error."""
-        future: Future[Any] = Future()
-        try:
-            future.set_result(function(*values, **named))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
-@contextmanager
-def workers_of(count: int, given: ChanceScene) -> Iterator[Executor]:
-    """So many processes that have solved the perfect casing; this one for a single worker."""
-    values = str(given.path), given.source["sha256"]
-    if count > 1:
-        with worker_pool(count, set_up, *values) as pool:
-            yield pool
-        return
-    set_up(*values)
-    yield Here()
 
 
 def parts_of(given: ChanceScene) -> Iterator[str]:
@@ -209,12 +177,6 @@ def set_up(path: str, digest: str) -> None:
     if given.source["sha256"] != digest:
         raise RuntimeError(f"{path} changed while its draws were computed")
     _worker.append(Drawing.of(given))
-
-
-def drawing_of(given: ChanceScene) -> Drawing:
-    """What this process has of a scene already, else made anew."""
-    known = (own for own in _worker if own.given.source == given.source)
-    return next(known, None) or Drawing.of(given)
 
 
 def about_pairs() -> Lot:

@@ -8,7 +8,6 @@ import numpy as np
 from casingfem.chance.evaluate import Drawing
 from casingfem.chance.points import REPLICATES, points
 from casingfem.chance.result import Chance
-from casingfem.chance.run import drawing_of
 from casingfem.io.arrays import Array
 from casingfem.study.updated import toml
 from contact.io.outfiles import Content
@@ -18,16 +17,13 @@ from contact.scene.load import scene_data
 SMALL = 1e-12  # of a relative field: a harmonic that is none
 
 
-def worst_files(found: Chance, progress: Callable[[int], None]) -> dict[str, Content]:
+def worst_files(found: Chance, own: Drawing, progress: Callable[[int], None]) -> dict[str, Content]:
     """Files of the worst casings by their names below the folder of results.
 
     Each folder has casing.toml (casingfem reduce solves it in full), the basis casing.npz by the family, the blade,
     and scene.toml at the speed at which contact grows most.
     """
     files: dict[str, Content] = {}
-    if not len(found.worst):
-        return files
-    own = drawing_of(found.drawn.given)
     for rank, draw in enumerate(found.worst.tolist(), 1):
         folder = f"worst/{rank:02d}"
         first = draw - draw % REPLICATES

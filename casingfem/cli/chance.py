@@ -26,6 +26,7 @@ def chance(file: Path, processes: int | None, as_json: bool, out: Path | None) -
     are kept in DIR/draws: the same command goes on where a run was stopped. DIR also gets tables, a page, and the worst
     casings as studies and scenes that run by themselves.
     """
+    from casingfem.chance.evaluate import Drawing
     from casingfem.chance.load import load_chance
     from casingfem.chance.result import Chance
     from casingfem.chance.rubs import run_rubs, words_of_runs
@@ -44,11 +45,12 @@ def chance(file: Path, processes: int | None, as_json: bool, out: Path | None) -
         def ran(runs: int, most: int) -> None:
             working.say(f"chance {file.name}, {runs} of {most} runs", runs / most)
 
-        rows = run_rubs(found, folder, ran)
+        own = Drawing.of(given) if given.table.runs or (out is not None and given.table.worst) else None
+        rows = [] if own is None else run_rubs(found, own, folder, ran)
         files: dict[str, Content] = {}
-        if out is not None:
+        if out is not None and own is not None:
             working.say(f"chance {file.name}: the worst casings")
-            files = worst_files(found, lambda k: working.say(f"chance {file.name}: {k} of the worst casings"))
+            files = worst_files(found, own, lambda k: working.say(f"chance {file.name}: {k} of the worst casings"))
     words = words_of_runs(rows)
     document = {**found.to_dict(), "runs": rows, "words_of_runs": words, "seconds": working.seconds}
     if out is not None:
