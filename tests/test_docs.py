@@ -42,7 +42,7 @@ def test_headings_go_down_one_level_at_a_time_and_math_is_on_its_own():
 
 
 def test_the_page_of_keys_is_current():
-    """It says what every key may hold and is where it is left out, so that a changed range or default is seen."""
+    """It states the values of every key and its default, so that a changed range or default is seen."""
     page = runpy.run_path(str(DOCS / "keys.py"))["page"]()
     assert (DOCS / "keys.md").read_text(encoding="utf-8") == page, "run .venv/bin/python docs/keys.py"
     assert page.count("\n| ") > 700

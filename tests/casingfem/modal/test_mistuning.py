@@ -235,7 +235,7 @@ def test_more_draws_are_added_a_spoilt_chunk_is_made_again_and_another_study_is_
     study.write_text(STUDY.replace("seed = 7", "seed = 8"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2", "--out", str(out)])
     assert result.exit_code == 2
-    assert "draws holds draws of another study or version: give another --out" in result.stderr
+    assert "draws contains draws of another study or version: give another --out" in result.stderr
 
 
 @pytest.mark.campaign

@@ -327,7 +327,7 @@ BAD = {
         "line 1: found no such column among x_mm,z_m,point; expected one column y_m",
     ),
     "y without unit": (b"x_mm,Y,z_m\n500,0,0\n", "column 'Y': found a column without a unit in its name"),
-    "x in mm": (b"x_m,y_m,z_m\n500,0,0\n-500,0,0\n0,500,0\n", "median radius of 500 m.* does the column hold x_mm"),
+    "x in mm": (b"x_m,y_m,z_m\n500,0,0\n-500,0,0\n0,500,0\n", "median radius of 500 m.* is the column x_mm"),
     "on the axis": (b"x_m,y_m,z_m\n0.5,0,0\n0,0,0\n", "line 3, column 'x_m': found 0; expected a value > 0"),
     "no name": (b"theta_deg,z_m,radius_m,\n1,0,1,2\n", "no name for column 4"),
     "no header": (csv_rows().encode(), "found numbers"),
