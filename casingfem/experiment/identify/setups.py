@@ -43,7 +43,7 @@ from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import FloatArray, IntArray
 
-LEAST_CHANNELS = 2  # of a branch of the first cut
+LEAST_CHANNELS = 2  # of a branch
 SCREENED, LEVELS = 8, 2  # strongest windows in which branches are searched; levels of the tree in one cut
 MOVES = 3  # most times that channels go to another group
 SHIFTED = 0.25, 0.5  # largest share of shifted poles of one test: between sensors, between references of one sensor
@@ -181,15 +181,13 @@ def _heard(fits: list[PoleFit]) -> IntArray:
 
 
 def _branches(
-    data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds,
-    least: int = LEAST_CHANNELS,
-) -> list[_Group]:  # fmt: skip
-    """The branches of a tree of channels of `least` channels or more, cut while a criterion falls by a tenth.
+    data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds
+) -> list[_Group]:
+    """The branches of a tree of channels, cut while a criterion falls by a tenth; single channels are in none.
 
-    The first cut leaves single channels out, of which one may be spoilt; in later ones a channel may be alone. Where
-    both criteria fall by less, four are tried: each of two branches may still be several set-ups.
+    Where both criteria fall by less, four are tried: each of two branches may still be several set-ups.
     """
-    nodes = _sides(node, least)
+    nodes = _sides(node)
     for _ in range(LEVELS):
         if len(nodes) < 2:
             break
@@ -197,21 +195,20 @@ def _branches(
         several = sum(_criteria(part, part.channels) for part in parts)
         one = _criteria(whole, np.concatenate([part.channels for part in parts]))
         if np.any(several < FEWER * one):
-            pairs = zip(parts, nodes, strict=True)
-            cut = [_branches(data, fits, part, heard, each, rules, least=1) for part, each in pairs]
+            cut = [_branches(data, fits, *each, rules) for each in zip(parts, [heard] * len(nodes), nodes, strict=True)]
             return [branch for branches in cut for branch in branches]
-        deeper = [side for each in nodes for side in _sides(each, least)]
+        deeper = [side for each in nodes for side in _sides(each)]
         if len(deeper) == len(nodes) or np.any(several >= one):
             break
         nodes = deeper
     return [whole]
 
 
-def _sides(node: ClusterNode, least: int) -> list[ClusterNode]:
-    """The two branches of a node, without smaller ones than `least`; the node itself where it is too small for two."""
-    while node.get_count() >= 2 * least:
+def _sides(node: ClusterNode) -> list[ClusterNode]:
+    """The two branches of a node, without single channels; the node itself where it is too small for two."""
+    while node.get_count() >= 2 * LEAST_CHANNELS:
         sides = [node.get_left(), node.get_right()]
-        if min(side.get_count() for side in sides) >= least:
+        if min(side.get_count() for side in sides) >= LEAST_CHANNELS:
             return sides
         node = max(sides, key=ClusterNode.get_count)
     return [node]
