@@ -42,6 +42,8 @@ RESULTS = {
     "Whirl of a rotor": "contact.model.rotor.whirl.WHIRL",
     "Unbalance response of a rotor": "contact.model.rotor.whirl.RESPONSE",
     "Periodic motions": "contact.cycles.columns.POINTS",
+    "Splits of random casings": "casingfem.chance.result.PAIRS",
+    "Dangerous speeds of random casings": "casingfem.chance.result.SPEEDS",
 }
 
 
