@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -34,6 +35,7 @@ from contact.scene.scheme import (
     Size,
     SpeedTable,
     Table,
+    Thickness,
     Velocity,
 )
 from contact.scheme.modal.exact_modal import ExactModal
@@ -140,6 +142,9 @@ class DiskPairTable(CasingPairTable):
     """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
 
     radius: Size = Field(description="of the rim [m]")
+    thickness: Thickness | None = Field(
+        default=None, description="of its wall [m]: a run stops where the rim deflects by more than half of it"
+    )
     kick: Velocity = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
 
 
@@ -165,8 +170,8 @@ class DiskCasingTable(Table):
         """The casing; a basis file is found in `folder`. Raises InputError."""
         if self.pair is None:
             return read_basis(folder / str(self.basis))
-        pair = ModalPair(**self.pair.model_dump(exclude={"radius", "kick"}))
-        return pair_rim(pair, radius=self.pair.radius)
+        pair = ModalPair(**self.pair.model_dump(exclude={"radius", "thickness", "kick"}))
+        return replace(pair_rim(pair, radius=self.pair.radius), thickness=self.pair.thickness or 0.0)
 
 
 @table_of(BladedDisk)

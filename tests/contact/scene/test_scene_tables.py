@@ -152,7 +152,7 @@ LEFT_OUT = [
     (RingTable(basis="b"), {"k_r": 0.0, "k_t": 0.0, "zeta": 0.0, "n_max": 20, "width": None, "E": None}),
     (CoatingTable(**COAT), {"bars": 6, "machined": 0.0}),
     (CyclesContact(normal="n"), {"slide": 0.0, "clearance": 0.0, "stiffness": None, "restitution": 0.0}),
-    (DiskPairTable(**PAIR, radius=1.0), {"kick": 0.0, "zeta": 0.0}),
+    (DiskPairTable(**PAIR, radius=1.0), {"kick": 0.0, "zeta": 0.0, "thickness": None}),
     (DiskTable(**DISK), {"coupling": 0.0, "mistuning": None, "zeta": 0.0, "compliance": 0.0, "lean_deg": 0.0}),
     (PairContact(stiffness=1.0), {"friction": 0.0, "lean_deg": 0.0}),
     (GroundTable(), {"friction": 0.0}),
