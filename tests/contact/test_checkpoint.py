@@ -32,6 +32,16 @@ BODY = ct.ModalBody(
 PATCH = ct.Patch(
     body=BODY, normal=("n1", "n2"), tangent=(("t1",), ("t2",)), clearance=1e-4, velocity=[-1.0, 0.2], load=[-40.0, 0.0]
 )
+TURNING = ct.ModalBody(
+    omega=[500.0, 500.0, 900.0], zeta=[0.02] * 3, channels=("d.x", "d.y"), rows=[[0.2, 0.0, 0.1], [0.0, 0.2, 0.1]],
+    S=np.zeros((2, 2)), gyroscopic=[[0.0, 0.1, 0.2], [-0.1, 0.0, 0.1], [-0.2, -0.1, 0.0]],
+)  # fmt: skip
+SLOWS = ct.rotor.rotor_rub(
+    ct.rotor.Rotor.of(TURNING, 40.0, unbalance=ct.rotor.Unbalance(moment=0.05)),
+    ct.rotor.rigid_casing(radius=0.45, mass=20.0, stiffness=2e7, zeta=0.05), [blade()] * 3,
+    [ct.ContactPoint(blade=j, angle_deg=120.0 * j) for j in range(3)], clearance=1e-4,
+    spin=ct.rotor.Spin(inertia=0.2),
+)  # fmt: skip
 LONG = {"dt": 1e-6, "t_end": 0.03}  # one call of a loop takes 20,000 steps at most
 LINEAR = {
     name: ([ROD, ct.Wall(x=0.0)], {"scheme": getattr(ct.scheme, name)(), "t_end": 0.03, "dt": 1e-6})
@@ -49,6 +59,7 @@ RUNS = {
     "rub with friction": (RUB, {"law": ct.Coulomb(mu=0.1), **LONG}),
     "rub with coupled modes over a ramp": (RAMP, {"law": ct.Coulomb(mu=0.1), **LONG}),
     "rub with a coating": (RUB, {"law": replace(COATING, tip=0.001), **LONG}),
+    "rotor that slows": (SLOWS, {"law": ct.Coulomb(mu=0.1), **LONG}),
     "patch": (PATCH, {"law": ct.Unilateral(), **LONG}),
     "patch with friction": (PATCH, {"law": ct.Coulomb(mu=0.3), **LONG}),
     "beam": (BEAM, LONG),

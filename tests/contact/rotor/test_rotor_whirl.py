@@ -1,5 +1,7 @@
 """Whirl frequencies, critical speeds, unbalance response and stability of rotors against equations of their own."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -124,6 +126,38 @@ def test_cross_coupled_bearings_destabilise_where_their_work_exceeds_the_damping
     ]
     rates = [R.campbell(R.Rotor.of(one, 1.0), [10.0]).growth.max() for one in body]
     assert rates[0] < 0.0 < rates[1]
+
+
+ROSS_CRITICAL = [91.7898326, 96.29661317, 271.28522677, 300.38458856, 636.09122779, 866.90896183, 1045.28280239]
+ROSS_WHIRL = [91.56162911, 96.45747282, 265.41862166, 305.37247739, 658.31289265, 821.19430854, 1062.76763362]
+
+
+@pytest.mark.parametrize("matrices", [True, False])
+def test_a_rotor_of_ross_has_the_same_critical_speeds_by_its_matrices_and_by_its_sizes(matrices):
+    """Two disks on a shaft on bearings that are softer along y; speeds [rad/s] of ROSS 2.3.0, whirl at 500 rad/s.
+
+    `run_critical_speed().wn()` and `run_modal(500).wd` without torsion; M, K, C and G are those of x, y, rx and ry.
+    """
+    if matrices:
+        with np.load(Path(__file__).with_name("ross_rotor.npz")) as kept:
+            M, K, C, G = (kept[name] for name in "MKCG")
+        dofs = [(node, axis) for node in range(1, 8) for axis in ("x", "y", "rx", "ry")]
+        rotor = R.Rotor.of(ct.ModalBody.from_matrices(M, K, C, G=G, dofs=dofs, contact=[3]), 10.0, at="3")
+    else:
+        piece = R.Piece(length=1.5, diameter=0.05, E=211e9, rho=7810.0, nu=211.0 / (2.0 * 81.2) - 1.0, elements=6)
+        disk = {"mass": 32.58972765304033, "polar": 0.32956362089137037, "diametral": 0.17808928257067666}
+        soft = {"kxx": 1e6, "kyy": 8e5, "cxx": 1e2, "cyy": 1e2}
+        rotor = R.Rotor.of(
+            R.Shaft(
+                pieces=[piece], disks=[R.Disk(at=z, **disk) for z in (0.5, 1.0)],
+                bearings=[R.Bearing(at=z, **soft) for z in (0.0, 1.5)],
+            ), 10.0,
+        )  # fmt: skip
+    turn = 2.0 * np.pi
+    critical = [turn * one["speed_hz"] for one in R.critical_speeds(rotor)[: len(ROSS_CRITICAL)]]
+    np.testing.assert_allclose(critical, ROSS_CRITICAL, rtol=5e-4)
+    whirl = turn * R.campbell(rotor, [500.0 / turn]).freq_hz[: len(ROSS_WHIRL)]
+    np.testing.assert_allclose(whirl, ROSS_WHIRL, rtol=5e-4)
 
 
 @pytest.mark.parametrize(
