@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,6 +35,48 @@ def rotor_orbit(what: object, result: Result) -> Orbit | None:
     angle, disk = rotor_turned(rub, result), rotor_motion(rub, result) @ np.array([1.0, 1j])
     hz = np.gradient(angle, result.state_time, edge_order=2) / (2.0 * math.pi)
     return orbit_of_states(result.state_time, disk, angle, hz, rub.rotor.unbalance.after)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RotorHistory:
+    """A rotor in a casing at the stored instants `time` (ns,): its speed (ns,), vectors along x and y (ns, 2).
+
+    `disk` and `casing` [m]: the motion of the disk, and the mean motion of the casing's first line as a rigid ring.
+    `bearings` and `mounts` [N] as of `support_forces`, None where a basis has no participation.
+    """
+
+    time: Array
+    speed_hz: Array
+    disk: Array
+    casing: Array
+    bearings: Array | None
+    mounts: Array | None
+
+
+def rotor_history(what: object, result: Result) -> RotorHistory | None:
+    """Speed, motion and support forces of a rotor in a casing; None of other problems, or without states.
+
+    >>> import contact as ct
+    >>> scene = ct.load_scene("data/scenes/blade_off.toml")
+    >>> result = ct.run(scene, t_end=1e-3, record=ct.Record(every=10, state_every=10))
+    >>> rotor_history(scene.what, result).disk.shape
+    (10, 2)
+    """
+    rub: Rub | None = rub_of(what)
+    if rub is None or rub.rotor is None or result.channels.size or len(result.state) < 3:
+        return None
+    turned = rotor_turned(rub, result)
+    q = result.state_of("casing")[:, : rub.flexible]
+    n = 2 * rub.casing.n_max + 1
+    rows = rub.casing.rows.reshape(-1, n, rub.casing.omega.size)[:, :, : rub.flexible]
+    cos, sin = rows[0, [1, n // 2 + 1]], rows[1, [1, n // 2 + 1]]
+    ring = 0.5 * np.stack([q @ (cos[0] - sin[1]), q @ (cos[1] + sin[0])], axis=1)
+    known = rub.casing.participation is not None
+    forces = support_forces(rub, result) if known else {"bearings": None, "mounts": None}
+    return RotorHistory(
+        time=result.state_time, speed_hz=np.gradient(turned, result.state_time, edge_order=2) / (2.0 * math.pi),
+        disk=rotor_motion(rub, result), casing=ring, **forces,
+    )  # fmt: skip
 
 
 def support_forces(rub: Rub, result: Result) -> dict[str, Array]:

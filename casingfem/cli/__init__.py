@@ -12,6 +12,7 @@ from casingfem.cli.identify import identify, rig
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.new import example, new, watch
 from casingfem.cli.recover import recover
+from casingfem.cli.response import response
 from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
 from casingfem.cli.sweep import mistune, sweep
@@ -32,8 +33,8 @@ def main() -> None:
 
 # commands that change nothing on the disk unless --out names a folder, and those that write without it
 READING = (
-    modes, campbell, frf, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices, contact,
-    rub, stability, interactions, cycles, sweep, chance, schema, explain, doctor,
+    modes, campbell, response, frf, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices,
+    contact, rub, stability, interactions, cycles, sweep, chance, schema, explain, doctor,
 )  # fmt: skip
 WRITING = (reduce, report, new, example, watch, recover, compile_loops)
 for command in (*READING, *WRITING):

@@ -43,8 +43,10 @@ def figures(
 ) -> dict[str, "Figure"]:
     """All pictures that the run has the data for; `rim` and `casing` are its motions where they are known already."""
     from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
+    from casingfem.plot.rotor import figure_rotor_run
     from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
     from contact.histories import strain_energy, tip_motion
+    from contact.on_rotor import rotor_history
     from contact.recovery import casing_motion
     from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
 
@@ -67,6 +69,9 @@ def figures(
             moved.time, moved.tip[:, 0], label="tip, normal", unit="m", top_hz=top, marks=marks, turn_hz=turn_hz
         )
         found["orbit"] = figure_orbit(moved)
+    rotor = rotor_history(scene.what, result)
+    if rotor is not None:
+        found["rotor"] = figure_rotor_run(rotor, max(0.0, float(getattr(scene.what, "clearance", 0.0))))
     if rim is not None:
         found["waves"] = figure_waves(rim, pairs_of(scene.what), top_hz=top)
     over_angle = force_over_angle(scene.what, result)

@@ -1,5 +1,7 @@
 from .basis import ModalBasis
 from .campbell import Campbell
+from .cyclic.bladed import BladedWheel, Influence
+from .cyclic.engine_orders import Amplification, EngineOrderResponse, amplification, engine_order_response
 from .cyclic.mistuned import MistunedModes, mistuned_modes
 from .cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from .cyclic.reduction import cyclic_reduce
@@ -16,12 +18,16 @@ from .reduction import reduce
 from .whirl import WhirlModes, whirl_modes
 
 __all__ = [
+    "Amplification",
     "AtNodes",
+    "BladedWheel",
     "Campbell",
     "CyclicModes",
     "CyclicWhirl",
     "DiskFrequencies",
     "Displacement",
+    "EngineOrderResponse",
+    "Influence",
     "Interactions",
     "MeshModes",
     "MistunedModes",
@@ -37,10 +43,12 @@ __all__ = [
     "Tip",
     "TipNodes",
     "WhirlModes",
+    "amplification",
     "basis_matrices",
     "cyclic_modes",
     "cyclic_reduce",
     "cyclic_whirl",
+    "engine_order_response",
     "interactions",
     "mistune",
     "mistuned_modes",

@@ -1,4 +1,4 @@
-"""A rotor over speed: whirl frequencies by sense with the speed itself as a line, and the orbit under its unbalance."""
+"""A rotor over speed: whirl frequencies and orbit; a run of a rotor in its casing: speed, orbit, support forces."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from casingfem.io.arrays import Array
+from casingfem.plot.history import BINS, envelope
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, new_figure, rpm_above, styled
 
 SENSES = {"forward": (AFTER, "o"), "backward": (BEFORE, "s"), "planar": (GREEN, "D")}
@@ -35,3 +37,43 @@ def figure_whirl(found: Any, response: Any, critical_hz: Sequence[float]) -> Fig
     rpm_above(axes[0])
     figure.legend(loc="outside upper left", ncols=4)
     return figure
+
+
+@styled
+def figure_rotor_run(history: Any, clearance: float = 0.0) -> Figure:
+    """Speed, distance of the disk from its place, forces of bearings and mounts over time; right: the disk's orbit.
+
+    `history` is a `contact.on_rotor.RotorHistory`; `clearance` [m] is drawn as a circle where it is given.
+    """
+    figure = new_figure(9.2, 5.2)
+    parts: Any = figure.subfigures(1, 2, width_ratios=(1.5, 1.0))
+    left, right = parts
+    known = history.mounts is not None
+    panels: Any = left.subplots(3 if known else 2, 1, sharex=True)
+    panels[0].plot(history.time, history.speed_hz, color=PERFECT)
+    panels[0].set_ylabel("speed [Hz]")
+    _sizes(panels[1], history.time, (("disk", history.disk, AFTER), ("casing", history.casing, BEFORE)), 1e3)
+    panels[1].set_ylabel("distance [mm]")
+    if known:
+        forces = (("bearings", history.bearings, AFTER), ("mounts", history.mounts, BEFORE))
+        _sizes(panels[2], history.time, forces, 1e-3)
+        panels[2].set_ylabel("force [kN]")
+    panels[-1].set_xlabel("time [s]")
+    axes: Any = right.subplots()
+    axes.plot(*(1e3 * history.disk.T), color=AFTER, linewidth=0.4, label="disk")
+    axes.plot(*(1e3 * history.casing.T), color=BEFORE, linewidth=0.4, label="casing")
+    if clearance > 0.0:
+        turn = np.linspace(0.0, 2.0 * np.pi, 181)
+        axes.plot(1e3 * clearance * np.cos(turn), 1e3 * clearance * np.sin(turn), ":", color=PERFECT, label="clearance")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    right.legend(loc="outside upper left", ncols=3)
+    return figure
+
+
+def _sizes(axes: Any, time: Array, curves: Sequence[tuple[str, Array, str]], unit: float) -> None:
+    """Lowest and highest length of vectors (ns, 2) in each stretch of time."""
+    for name, vectors, colour in curves:
+        t, low, high = envelope(time, unit * np.hypot(*vectors.T), BINS)
+        axes.fill_between(t, low, high, color=colour, linewidth=0.5, alpha=0.7, label=name)
+    axes.legend(loc="upper right", fontsize=8)

@@ -27,7 +27,7 @@ from casingfem.updating.parameters import Parameter
 from contact.io.tables import value_of
 
 # tables of an imported part; others need a chart
-OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce", "cyclic", "checks")
+OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce", "cyclic", "response", "checks")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

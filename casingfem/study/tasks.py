@@ -2,8 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.basis import ModalBasis
+from casingfem.modal.cyclic.bladed import BladedWheel, Influence
+from casingfem.modal.cyclic.engine_orders import (
+    Amplification,
+    EngineOrderResponse,
+    OrderLoad,
+    amplification,
+    engine_order_response,
+)
 from casingfem.modal.cyclic.reduction import OF_A_DIAMETER, cyclic_reduce
 from casingfem.modal.reduction import reduce
 from casingfem.structure.imported.assembly import MeshStructure
@@ -18,6 +28,7 @@ from casingfem.updating.uncertainty.posterior import Laplace, laplace
 from casingfem.updating.uncertainty.prediction import LeftOut, leave_one_out
 from casingfem.updating.uncertainty.sampling import PosteriorSamples, sample_posterior
 from casingfem.updating.updating import update
+from contact.io.tables import value_of
 
 
 def run_update(study: Study | MeshStudy, progress: Progress | None = None) -> UpdateResult:
@@ -71,6 +82,55 @@ def judge_update(
     except ValueError as error:
         raise StudyError([f"{study.path}: update: {error}"]) from error
     return found
+
+
+Answer = tuple[EngineOrderResponse, Amplification | None]
+
+
+def run_response(study: Study | MeshStudy) -> tuple[BladedWheel, list[Answer]]:
+    """The wheel of a study, and of each [[response]] the amplitudes over speed and the draws of mistuned blades.
+
+    Raises
+    ------
+    StudyError
+        Without [cyclic], [reduce] or [[response]], or where the wheel cannot be seen or pushed so.
+    """
+    wheel, tables = study.wheel if isinstance(study, MeshStudy) else None, study.file.response
+    if wheel is None:
+        raise study.error("cyclic", "none", "a wheel: [cyclic] with its sectors, which engine orders need")
+    if study.interface is None or study.file.reduce is None:
+        raise study.error("reduce", "nothing", "a table [reduce] with the interface of the blade's tip")
+    if not tables:
+        raise study.error("response", "none", "a table [[response]]: order, from_hz, to_hz, zeta")
+    count = study.file.reduce.modes if "modes" in study.file.reduce.model_fields_set else OF_A_DIAMETER
+    try:
+        loads = [value_of(table, OrderLoad) for table in tables]
+        channels = sorted({load.channel for load in loads})
+        if len(channels) > 1:
+            raise study.error("response.channel", ", ".join(channels), "one channel in all tables [[response]]")
+        bladed = BladedWheel.of(wheel.sector, study.interface, channel=channels[0], modes=count, blade=wheel.blade)
+        paths = [None if table.influence is None else study.path.parent / table.influence for table in tables]
+        answers = [answer(bladed, wheel.deviations, *pair) for pair in zip(loads, paths, strict=True)]
+    except StudyError:
+        raise
+    except ValueError as error:
+        raise StudyError([f"{study.path}: response: {error}"]) from error
+    return bladed, answers
+
+
+def answer(wheel: BladedWheel, deviations: FloatArray | None, load: OrderLoad, path: Path | None) -> Answer:
+    """Amplitudes over speed under one engine order, and the draws that it asks for; the air's forces are at `path`."""
+    air = None if path is None else Influence.from_csv(path)
+    found = engine_order_response(
+        wheel, load.order, load.speeds, force=load.force, zeta=load.zeta, deviations=deviations, influence=air
+    )
+    if load.sigma is None:
+        return found, None
+    drawn = amplification(
+        wheel, load.order, sigma=load.sigma, draws=load.draws, seed=load.seed, zeta=load.zeta, influence=air,
+        band_hz=(load.order * load.from_hz, load.order * load.to_hz),
+    )  # fmt: skip
+    return found, drawn
 
 
 def run_reduce(study: Study | MeshStudy, shell: Shell | MeshStructure | None = None) -> ModalBasis:

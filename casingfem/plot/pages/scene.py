@@ -18,6 +18,8 @@ ROUND_OFF = 1e-12, 1e-9  # violation of the law of contact [m] and part of the e
 CAPTIONS = {
     "run": "Force averaged over the model's shortest period, gap, and motion; bands span the lowest and highest value "
     "of each stretch of time. Right: close-up of the yellow stretch, about the largest force.",
+    "rotor": "Left: speed of the rotor, distance of disk and casing from their places, forces of all bearings on the "
+    "rotor and of all mounts on the casing, at the stored states. Right: orbits of disk and casing.",
     "angle": "Largest contact force over the place on the casing and time; each row is a whole number of turns.",
     "spectrum": "Spectrum of the contact force.",
     "spectrum_tip": "Top: spectrum of the tip's motion along the contact's normal. Bottom: spectrogram.",

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self, TypedDict
 
 from pydantic import ConfigDict, Field, model_validator
 
+from casingfem.modal.cyclic.engine_orders import OrderLoad
 from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Output, Strain
 from casingfem.structure.imported.cells.solid import COMPONENTS
 from casingfem.study.tables import shapes
@@ -186,6 +187,15 @@ class ReduceTable(Table):
         return self
 
 
+@table_of(OrderLoad)
+class ResponseTable(Table):
+    """[[response]]: how a wheel answers an engine order over speed; beside [cyclic] and [reduce]."""
+
+    influence: str | None = Field(
+        default=None, min_length=1, description="CSV offset,stiffness,damping: forces of the air [N/m, N s/m]"
+    )
+
+
 class ChecksTable(Table):
     """[checks]: implausible values that are meant."""
 
@@ -216,6 +226,7 @@ class StudyFile(Table):
     mesh: shapes.MeshTable = Field(default=shapes.MeshTable(), description="how the shell is divided")
     update: UpdateTable | None = Field(default=None, description="the measured table and what may vary")
     reduce: ReduceTable | None = Field(default=None, description="the modal basis")
+    response: list[ResponseTable] = Field(default=[], description="tables [[response]]: engine orders on a wheel")
     rig: RigTable | None = Field(default=None, description="the virtual test rig")
     checks: ChecksTable = Field(default=ChecksTable(), description="implausible values that are meant")
 

@@ -1,6 +1,7 @@
 """[cyclic] of a study: from the file of a sector to modes by nodal diameter and a basis; what it cannot mean."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -156,3 +157,59 @@ def test_commands_for_a_part_alone_refuse_a_wheel(write):
     assert "cyclic: found a wheel" in answer.stderr
     answer = run("reduce", write("modes = 2\nout", 'modes = 2\nmethod = "free"\nout'))
     assert (answer.exit_code, "reduce.method" in answer.stderr) == (2, True)
+
+
+RESPONSE = """[[response]]
+order = 5
+from_hz = 100.0
+to_hz = 800.0
+steps = 60
+force = 2.0
+zeta = 0.005
+sigma = 0.01
+draws = 5
+seed = 3
+influence = "air.csv"
+"""
+AIR = "# SYNTHETIC\noffset,stiffness,damping\n0,100.0,0.3\n1,20.0,0.0\n-1,-20.0,0.0\n"
+
+
+@pytest.mark.slow
+def test_engine_orders_of_a_file_are_those_of_python(write, disk, tmp_path):
+    (tmp_path / "air.csv").write_text(AIR)
+    answer = run("response", write("[modes]", RESPONSE + "[modes]"), "--json", "--out", tmp_path / "out")
+    assert answer.exit_code == 0, answer.output
+    (found,) = json.loads(answer.stdout)["responses"]
+    wheel = cf.modal.BladedWheel.of(disk, cf.TipNodes("tip", 2), modes=2, blade="blade")
+    air = cf.modal.Influence(offset=[0, 1, -1], stiffness=[100.0, 20.0, -20.0], damping=[0.3, 0.0, 0.0])
+    given = {"zeta": 0.005, "influence": air}
+    exact = cf.modal.engine_order_response(
+        wheel, 5, np.linspace(100.0, 800.0, 60), force=2.0, deviations=DEVIATIONS, **given
+    )
+    assert (found["nodal_diameters"], len(found["rows"])) == (1, 60)
+    assert found["peak_m"] == pytest.approx(exact.peak, rel=1e-6)
+    assert found["amplification"] == pytest.approx(exact.amplification, rel=1e-6)
+    drawn = cf.modal.amplification(wheel, 5, sigma=0.01, draws=5, seed=3, band_hz=(500.0, 4000.0), **given)
+    np.testing.assert_allclose(found["draws"]["amplification"], drawn.amplification, rtol=1e-6)
+    written = {file.name for file in (tmp_path / "out").iterdir()}
+    assert written >= {"response.json", "safe.png", "response_1.csv", "response_1.png", "amplification_1.csv"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("[modes]", "[modes]", r"response: found none, expected a table \[\[response\]\]"),
+        ("[modes]", RESPONSE.replace("to_hz = 800.0", "to_hz = 80.0") + "[modes]", "two speeds in order"),
+        ("[modes]", RESPONSE.replace("zeta = 0.005\n", "").replace('influence = "air.csv"\n', "") + "[modes]",
+         "nothing damps"),
+        ("[modes]", RESPONSE.replace("order = 5", "order = 0") + "[modes]", "response.*order"),
+        ("[modes]", RESPONSE.replace("force", 'channel = "twist"\nforce') + "[modes]", "found 'twist'"),
+        ("[modes]", RESPONSE.replace("air.csv", "wind.csv") + "[modes]", "wind.csv"),
+    ],
+)  # fmt: skip
+def test_engine_orders_that_cannot_be_are_refused(write, tmp_path, old, new, words):
+    (tmp_path / "air.csv").write_text(AIR)
+    answer = run("response", write(old, new))
+    assert answer.exit_code == 2, answer.output
+    assert re.search(words, " ".join(answer.output.split()))
