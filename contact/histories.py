@@ -177,8 +177,9 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
 def frames(rub: Rub, result: Result, count: int) -> tuple[Places, Places]:
     """Which of the stored states a film shows, and where its stretches begin."""
     stored = len(result.state_time)
-    power = np.mean(result.state_of("casing") ** 2, axis=0)
-    omega = math.sqrt(float(power @ rub.casing.omega**2) / (float(power.sum()) or 1.0))
+    own = slice(0, rub.flexible)  # without the modes of a rotor and its angle, which grows
+    power = np.mean(result.state_of("casing")[:, own] ** 2, axis=0)
+    omega = math.sqrt(float(power @ rub.casing.omega[own] ** 2) / (float(power.sum()) or 1.0))
     step = float(np.diff(result.state_time).mean())
     every = max(1, int(2.0 * math.pi / (A_PERIOD * step * omega))) if omega > 0.0 else 1
     if stored <= count * every:

@@ -41,6 +41,8 @@ RESULTS = {
     "Growth over speed": "contact.stability.growth_map.COLUMNS",
     "Whirl of a rotor": "contact.model.rotor.whirl.WHIRL",
     "Unbalance response of a rotor": "contact.model.rotor.whirl.RESPONSE",
+    "Engine order over speed": "casingfem.modal.cyclic.engine_orders.RESPONSE",
+    "Amplification of drawn wheels": "casingfem.modal.cyclic.engine_orders.DRAWS",
     "Periodic motions": "contact.cycles.columns.POINTS",
     "Splits of random casings": "casingfem.chance.result.PAIRS",
     "Dangerous speeds of random casings": "casingfem.chance.result.SPEEDS",
