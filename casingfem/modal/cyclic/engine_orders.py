@@ -213,6 +213,11 @@ def amplification(
 
     `band_hz` bounds the frequencies of the excitation. The air's influence is that of the tuned resonance. Raises as
     `engine_order_response`.
+
+    >>> wheel = BladedWheel.chain(blades=6, freq_hz=100.0, mass=0.2, coupling=0.01)
+    >>> found = amplification(wheel, 2, sigma=0.01, draws=50, seed=5, zeta=1e-3)
+    >>> bool(1.0 < found.quantile(0.5) < found.bound)
+    True
     """
     checked_speeds(order, [1.0], zeta)
     if not 0.0 < sigma < 0.2 or draws < 1:
