@@ -17,7 +17,6 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.cyclic.bladed import BladedWheel, Influence, excited, whitehead
 from casingfem.modal.cyclic.mistuned import Deviations
-from contact.base.keyed import require_keyed
 from contact.io.columns import Column
 from contact.io.keys import Key
 from contact.io.reported import Reported
@@ -67,8 +66,7 @@ class OrderLoad:
     seed: Annotated[int, Key("of the draws: same seed, same draws", least=0)] = 1
 
     def __post_init__(self) -> None:
-        require_keyed(self)
-        if not self.from_hz < self.to_hz:
+        if not 0.0 < self.from_hz < self.to_hz:
             found = f"from_hz = {self.from_hz:g}, to_hz = {self.to_hz:g}"
             raise InputError("response", found=found, expected="two speeds in order")
 
