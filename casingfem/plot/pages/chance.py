@@ -37,9 +37,8 @@ def chance_page(name: str, found: Any, runs: str = "") -> str:
         )  # fmt: skip
         caption = "The worst casings. Folder worst/NN has the study, the bases and the scene of each."
         sections.append(Section("Worst casings", tables=(Table(caption, heads, rows),)))
-    return render_page(
-        f"Chances of {name}", sections, verdict=verdict(found, runs), source=origin(found.drawn.given.source)
-    )  # fmt: skip
+    source = {key: value for key, value in found.drawn.given.source.items() if key != "study"}  # the scene names it
+    return render_page(f"Chances of {name}", sections, verdict=verdict(found, runs), source=origin(source))
 
 
 def verdict(found: Any, runs: str) -> Verdict:
