@@ -143,6 +143,7 @@ CAMPAIGNS = (
         "verification.rubs.agreement", "interactions, poles and runs at sixty speeds of three pairs", ("contact",)
     ),
     Campaign("verification.rubs.turning", "bodies that turn: growth, impulse and ledger beside plain NumPy", RUBS),
+    Campaign("studies.blade_off", "fifteen seconds after a blade is lost", (*RUBS, "contact/model/rotor")),
     Campaign("studies.rotor37", "what the rub of NASA rotor 37 converges with", (*STRUCTURE, *RUBS)),
     Campaign("studies.section_44", "the study's rubs", RUBS),
     Campaign("studies.wear", "abradable coatings", (*RUBS, "contact/record/wear.py")),

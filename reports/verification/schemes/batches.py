@@ -111,7 +111,7 @@ def scene_from(r: Recipe) -> ct.Scene:
         scheme=ct.ExactModal(law=r["law"], skip=r["skip"]), on_limit=r["on_limit"],
     )  # fmt: skip
     if r["kind"] == "rods":
-        return replace(scene, law=None, dt=None, courant=0.5, t_end=2.0, scheme=getattr(ct, r["scheme"])())
+        return replace(scene, law=None, dt=None, courant=0.5, t_end=2.0, scheme=getattr(ct.scheme, r["scheme"])())
     return scene
 
 

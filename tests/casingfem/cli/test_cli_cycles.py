@@ -25,7 +25,7 @@ def test_cycles_gives_points_folds_and_files(tmp_path):
     assert set(document) == {
         "parameter", "points", "folds", "events", "end", "branches", "seconds", "warnings", "basins"
     }  # fmt: skip
-    assert set(document["points"][0]) == {"freq_hz", "amplitude", "multiplier", "stable", "contacts"}
+    assert set(document["points"][0]) == {"freq_hz", "amplitude", "multiplier", "stable", "contacts", "growth_1_s"}
     assert 2.0 * np.pi * document["folds"][0]["freq_hz"] == pytest.approx(1.5579, rel=3e-3)
     assert document["points"][0]["freq_hz"] == 0.15
     assert document["points"][-1]["freq_hz"] == 0.26

@@ -106,7 +106,7 @@ def test_the_digest_knows_the_shapes_and_an_updated_study_finds_them(folder, tmp
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ("", "update.shape_sigma: found nothing, expected the relative noise of the shapes, of which shapes.uff"),
+        ("", "update.shape_sigma: found nothing, expected the relative noise of the shapes, which shapes.uff"),
         ("shape_sigma = 0", "update.shape_sigma: found 0"),
         ("shape_error = 1.5\nshape_sigma = 0.1", "update.shape_error: found 1.5"),
         ("shape_sigmas = 0.1", "did you mean shape_sigma?"),

@@ -217,7 +217,7 @@ def test_parameters_that_do_the_same_are_named():
     fit = cf.update(blade(), blade_table(), vary)
     assert [(a, b) for a, b, _ in fit.indistinct()] == [("material.rho", "material.E")]
     assert fit.correlation[0, 1] > 0.95
-    assert "cannot tell" in repr(fit)
+    assert "do not separate" in repr(fit)
     assert fit.value[0] / fit.value[1] == pytest.approx(200e9 / 7857.0, rel=1e-4)
 
 
@@ -240,7 +240,7 @@ def test_result_shows_before_after_and_how(exact_fit):
     text = repr(fit).splitlines()
     assert text[0].split() == ["parameter", "unit", "start", "value", "sigma", "sigma", "in"]
     assert len([line for line in text if line.lstrip()[:1].isdigit()]) == ROWS
-    assert any("cannot tell" in line for line in text)  # E and thickness
+    assert any("do not separate" in line for line in text)  # E and thickness
     np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
 
 

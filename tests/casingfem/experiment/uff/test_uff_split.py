@@ -96,7 +96,7 @@ def of_three(values):
         ({"form": 1}, "found floating format 1; expected 2 (IEEE 754"),
         ({"lines": 12}, "found lines of header 12; expe"),
         ({"size": 9}, "found no closing -1 behind 9 bytes of data; expected it t"),
-        ({"size": 99}, "found 12 bytes of data; expected 99, as line 2 says"),
+        ({"size": 99}, "found 12 bytes of data; expected 99, as line 2 states"),
         ({"header": 10, "payload": b"", "behind": b""}, "found the end of the fil"),
         ({"payload": b"abc\n", "behind": b"    -1\n"}, "found no closing -1 behin"),
         ({"size": 3}, "found no closing -1 behind 3 bytes"),

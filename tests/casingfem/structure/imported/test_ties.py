@@ -164,7 +164,7 @@ def test_faces_that_are_not_there_or_apart_are_named():
     corner = replace(both, groups={**both.groups, "pin": cf.imported.Group(nodes=both.groups["a.high"].nodes[:3])})
     with pytest.raises(cf.errors.ModelError, match=r"tie: group 'pin' has no facets.*mesh-tie"):
         cf.imported.tied(corner, [cf.imported.Gluing(follower="b.low", master="pin")])
-    with pytest.raises(cf.errors.ModelError, match=r"'b.high' stands 0.4 m from 'a.high' or farther.*mesh-tie"):
+    with pytest.raises(cf.errors.ModelError, match=r"'b.high' is 0.4 m from 'a.high' or farther.*mesh-tie"):
         cf.imported.tied(both, [cf.imported.Gluing(follower="b.high", master="a.high")])
     with pytest.warns(cf.errors.ModelWarning, match=r"9 nodes .* of 'b' off 'a.high'.*mesh-tie-loose"):
         found = cf.imported.tied(both, [cf.imported.Gluing(follower="b", master="a.high", tolerance=0.01)])
