@@ -113,6 +113,10 @@ RESULTS = {
     ),
     "reduce-method": ("there is no such method of reduction", "use free or craig-bampton"),
     "reduce-rigid": ("a body that can move as a whole has no static compliance", "support it before reducing"),
+    "reduce-steady": (
+        "a part deforms so much as it turns that its stiffness over speed is known near the speed of its modes alone",
+        "run the basis at speeds between those named; for others, set rotation.speed_hz of the study and reduce again",
+    ),
     "sensor-far": (
         "a sensor is not on the wall of this model",
         "check the points' unit (metres), origin and axes; the axis of a casing is z",

@@ -7,7 +7,6 @@ tangent is material, stress and spin softening. (Bathe, Finite Element Procedure
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -53,18 +52,20 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     ModelError
         `static-loose` if the centrifugal force drives a rigid motion that is not restrained.
     """
-    linear = mesh_spin(solid_turning(system, solid, rotation))
-
-    def steady(omega: float) -> csc_array:
-        return steady_stiffness(system, solid, rotation.at(omega), omega**2 * linear.fields)
-
-    return linear if system.lift is not None else replace(linear, steady=steady)  # connections: in their shape at rest
+    return mesh_spin(solid_turning(system, solid, rotation))
 
 
 def solid_turning(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> MeshTurning:
     """A solid assembled at rest and an axis."""
-    inertia, stiffening = solid_inertia(solid, rotation), partial(solid_stiffening, solid)
-    return MeshTurning(system=system, rotation=rotation, inertia=inertia, stiffening=stiffening)
+
+    def steady(fields: FloatArray) -> Callable[[float], csc_array]:
+        return lambda omega: steady_stiffness(system, solid, rotation.at(omega), omega**2 * fields)
+
+    return MeshTurning(
+        system=system, rotation=rotation, inertia=solid_inertia(solid, rotation),
+        stiffening=partial(solid_stiffening, solid),
+        steady=None if system.lift is not None else steady,  # connections: in their shape at rest
+    )  # fmt: skip
 
 
 def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:

@@ -24,9 +24,9 @@ READ = {  # arguments of each command; the exit code is 0, or 2 where the files 
     "import": ("part.npz", "--contact", "7", "--modes", "2"), "export": ("study.toml",), "contact": ("scene.toml",),
     "rub": ("rim.toml",), "stability": ("rim.toml",), "interactions": ("rim.toml",), "cycles": ("scene.toml",),
     "sweep": ("sweep.toml", "--jobs", "1"), "chance": ("rim.toml",), "schema": (),
-    "explain": ("shell-thickness",), "doctor": (),
+    "response": ("study.toml",), "explain": ("shell-thickness",), "doctor": (),
 }  # fmt: skip
-REFUSED = {"correlate", "mistune", "rig", "locate", "cycles", "chance"}
+REFUSED = {"correlate", "mistune", "rig", "locate", "cycles", "chance", "response"}
 MANIFEST = ".casingfem-publication.json"
 HERE = re.sub(r"\W", "_", platform.node())  # names of unfinished sets begin with their machine
 NAMES = ("study.toml", "table.csv", "rim.toml", "casing.npz", "blade.npz", "part.npz", "frfs.npz", "records.npz")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+import contact as ct
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
@@ -150,3 +151,15 @@ def test_parts_without_an_axis_or_without_support_are_named():
     loose = replace(block(AXES["flapping out of it"].at(10.0)), supports={"root": cf.imported.Fixed(directions=("z",))})
     with pytest.raises(cf.errors.ModelError, match="static-loose"):
         cf.modes(loose, 3)
+
+
+@pytest.mark.slow
+def test_the_basis_of_a_blade_that_untwists_has_the_frequencies_near_its_speed():
+    """Its steady shape follows the speed, so that the stiffness over speed is that of the shape, with its range."""
+    axis = cf.Rotation(omega=0.0, axis=(0.0, 1.0, 1.0), centre=(-0.2, 0.05, 0.03))
+    with pytest.warns(cf.errors.ModelWarning, match=r"from 199.7 to 272.2 turns a second.*reduce-steady"):
+        basis = cf.reduce(block(axis.at(1500.0)), cf.TipNodes("tip", 1), modes=6, zeta=0.0)
+    body = ct.ModalBody.of(basis)
+    for omega in (1350.0, 1650.0):
+        found = np.sqrt(np.linalg.eigvalsh(body.matrices(omega)[1])[:3]) / (2.0 * np.pi)
+        np.testing.assert_allclose(found, cf.modes(block(axis.at(omega)), 3).freq, rtol=5e-3)
