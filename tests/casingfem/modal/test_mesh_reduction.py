@@ -207,7 +207,8 @@ def test_a_structure_of_ones_own_rotates_by_the_members_of_the_protocol():
     np.testing.assert_allclose(cf.modes(own, 4).freq, cf.modes(one, 4).freq, rtol=1e-9)
     drawn, expected = (cf.campbell(part, [0.0, 500.0], 3).freq for part in (own, one))
     np.testing.assert_allclose(drawn, expected, rtol=1e-9)
-    a, b = (cf.reduce(part, cf.TipNodes("tip", 2), modes=4) for part in (one, own))
+    with pytest.warns(cf.errors.ModelWarning, match="reduce-steady"):
+        a, b = (cf.reduce(part, cf.TipNodes("tip", 2), modes=4) for part in (one, own))
     largest = np.abs(a.stiffness_by_speed).max()
     np.testing.assert_allclose(np.abs(b.stiffness_by_speed), np.abs(a.stiffness_by_speed), atol=1e-6 * largest)
     assert a.spin == b.spin != 0.0
