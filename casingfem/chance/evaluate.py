@@ -11,8 +11,7 @@ from casingfem.chance.points import points
 from casingfem.chance.tables import INPUTS
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_laws import RimProfile
+from contact.model.gaps.rub import Rub, rub_of
 from contact.stability.closed_contact import FLOOR
 from contact.stability.varied import Cases, growth_of_cases
 
@@ -107,8 +106,7 @@ class Drawing:
 
     def fixed_rim(self, angles: FloatArray) -> FloatArray:
         """Deviation that the scene itself states [m]."""
-        what = self.given.scene.what
-        profile = what.profile if isinstance(what, Rub) else RimProfile(tuple(what.terms))  # type: ignore[union-attr]
+        profile = rub_of(self.given.scene.what).profile
         return np.array([float(profile(angle)) for angle in angles.tolist()])
 
     def dangerous(self, lot: Lot) -> BoolArray:

@@ -1,7 +1,7 @@
 """Runs in time of drawn casings, each with its own basis, at the speed at which its closed contact grows most.
 
-A group of runs shares the lanes of one compiled loop. Only its own bases are in memory. Each group is kept in a file;
-a run does not depend on the others of its group, so that a resumed table is the same to the last bit.
+One compiled loop advances a group of runs together. Only the bases of the group are in memory. Each group is kept in a
+file. A run does not depend on the others of its group, so that a resumed table is the same to the last bit.
 """
 
 from collections.abc import Callable

@@ -65,7 +65,7 @@ def run_draws(
     processes
         Worker processes; by default one for each core.
     folder
-        Where lots are kept and looked for; without it nothing is kept.
+        Where finished draws are kept and searched for; without it nothing is kept.
     progress
         Called with words and the share that is done.
 
@@ -90,7 +90,7 @@ def run_draws(
                 write_npz(store / f"{name}.npz", found)
             kept[name] = found
             if progress is not None:
-                progress(f"{len(kept)} of {len(names)} lots", len(kept) / len(names))
+                progress(f"{len(kept)} of {len(names)} parts", len(kept) / len(names))
         about = result_of(pairs, executor)
     lots = [kept[name] for name in names if not name.startswith(DESIGN)]
     return Drawn(

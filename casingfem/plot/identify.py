@@ -145,7 +145,7 @@ def _row_ends(found: Identified) -> list[float]:
 
 
 def _mark(axes: Axes, found: Identified, low: float, high: float) -> None:
-    """A line for each identified mode; above each cluster the n in it; pairs that are not distinguished dashed."""
+    """Identified modes as lines, dashed for pairs that are not distinguished; above each cluster the n in it."""
     clusters: list[list[int]] = []
     for k in np.flatnonzero((found.freq >= low) & (found.freq <= high)).tolist():
         whole = k in found.unresolved
