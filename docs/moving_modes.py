@@ -6,7 +6,7 @@ The modes of eight and seven nodal diameters of the frustum in the ten lines bes
 from pathlib import Path
 
 import casingfem as cf
-from casingfem.plot.shapes import frames, moving_picture
+from casingfem.plot.body.shapes import frames, moving_picture
 from contact.io.outfiles import write_atomic
 
 HERE = Path(__file__).parent

@@ -7,10 +7,10 @@ import numpy as np
 
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.mode_set import Modes, ModeSet
+from casingfem.plot.body.turning import turning_shapes
 from casingfem.plot.modes import figure_frequencies, figure_rim, groups
 from casingfem.plot.page import Cell, Picture, Section, Table
 from casingfem.plot.pages.quantities import chart_rows, spaced, values_of
-from casingfem.plot.turning import turning_shapes
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField

@@ -6,7 +6,7 @@ A blade has laws for chord, camber and twist from root to tip, and a wall that t
 """
 
 import casingfem as cf
-from casingfem.plot.shapes import figure_shapes
+from casingfem.plot.body.shapes import figure_shapes
 
 blade = cf.Shell(
     chart=cf.Blade(length=0.2, chord=(0.12, 0.10, 0.09), camber=(0.6, 0.2), twist=(0.1, 0.6)),  # m, rad

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import casingfem as cf
+from casingfem.plot.body.turning import turning_shapes
 from casingfem.plot.contact import figure_contact, rub_film
 from casingfem.plot.modes import figure_rim, groups
 from casingfem.plot.page import Picture, Section, Table, Verdict
@@ -17,7 +18,6 @@ from casingfem.plot.pages.scene import outcome
 from casingfem.plot.pages.sections import inputs_section, provenance_section
 from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
 from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
-from casingfem.plot.turning import turning_shapes
 from casingfem.study import Study
 from contact.model.gaps.limits import WALL
 from reports.studies.rig.blade import BladeFit, rms

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.plot.body.turning import turning_shapes
 from casingfem.plot.contact import rub_film
 from casingfem.plot.modes import figure_frequencies
 from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
@@ -16,7 +17,6 @@ from casingfem.plot.pages.scene import scene_page
 from casingfem.plot.pages.sweep import sweep_page
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import figure_sweep
-from casingfem.plot.turning import turning_shapes
 from contact.sweep.columns import MEASURED
 from tests.casingfem.plot.browser import Tab, browser, found_browser
 from tests.casingfem.plot.page_samples import cycles_sample, ran_sample, run_rows, trace_samples

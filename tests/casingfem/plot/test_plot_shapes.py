@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 
 import casingfem as cf
+from casingfem.plot.body.shapes import PHASES, Painter, figure_shapes, frames, moving_picture, moving_shapes, view_from
+from casingfem.plot.body.surface import skin, surface_of
+from casingfem.plot.body.turning import turning_shapes
 from casingfem.plot.modes import around, figure_rim, groups, most_moving
-from casingfem.plot.shapes import PHASES, Painter, figure_shapes, frames, moving_picture, moving_shapes, view_from
-from casingfem.plot.surface import skin, surface_of
-from casingfem.plot.turning import turning_shapes
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes, ModeSet
+from casingfem.plot.body.shapes import EXAGGERATION, VIEWS, moving_shapes
+from casingfem.plot.body.surface import Surface, surface_of
 from casingfem.plot.modes import title
 from casingfem.plot.page import Picture, coded, island, packed
-from casingfem.plot.shapes import EXAGGERATION, VIEWS, moving_shapes
-from casingfem.plot.surface import Surface, surface_of
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.shell.shell import Shell
 

@@ -13,10 +13,10 @@ from PIL import Image
 
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.mode_set import ModeSet
+from casingfem.plot.body.surface import Surface, surface_of
 from casingfem.plot.modes import title
 from casingfem.plot.page import Picture
 from casingfem.plot.style import DIVERGING, embed, image, new_figure, styled
-from casingfem.plot.surface import Surface, surface_of
 
 EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
 PHASES = 20  # pictures in a period
