@@ -1,4 +1,4 @@
-"""Many runs at once: rotating rims of one size share eight lanes of one compiled loop, whatever else runs singly."""
+"""Many runs at once: rotating rims of one size share eight slots of one compiled loop, whatever else runs singly."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from contact.scheme.modal.rub_stepper import RubStepper
 
 Outcome = Result | InputError | NumericsError
 Ended = Callable[[int, Outcome], None]
-MOST_BYTES = 200_000_000  # what the lanes of one group may store; longer records run singly
+MOST_BYTES = 200_000_000  # what the slots of one group may store; longer records run singly
 
 
 def run_many(
@@ -90,7 +90,7 @@ def _alone(ready: Prepared) -> Outcome:
 
 
 def _fits(ready: Prepared) -> Shape | None:
-    """Shape of what the lanes take of this run; None where it runs singly."""
+    """Shape of what the slots take of this run; None where it runs singly."""
     stepper, record = ready.stepper, ready.record
     if not isinstance(stepper, RubStepper) or record.at is not None or record.channels is not None:
         return None
@@ -100,7 +100,7 @@ def _fits(ready: Prepared) -> Shape | None:
 
 
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
-    """Outcomes of prepared runs of one shape in the order in which lanes end; None where no force was found.
+    """Outcomes of prepared runs of one shape in the order in which slots end; None where no force was found.
 
     The energies of each are computed as often as those of a run alone; None, too, where contact adds too much of it.
     Marks are kept as in a run alone (`contact.half_step`).
@@ -108,26 +108,26 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
     jobs = [Job(run=cast(RubStepper, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]
-    lanes: dict[int, int] = {}
+    slots: dict[int, int] = {}
     events: dict[int, list[Events]] = {}
-    calm: dict[int, EnergyBudget] = {}  # of each lane after its first LEDGER steps
+    calm: dict[int, EnergyBudget] = {}  # of each slot after its first LEDGER steps
     marks: dict[int, list[Mark]] = {}
     began, steps = time.perf_counter(), sum(job.steps for job in jobs)
-    while waiting or lanes:
+    while waiting or slots:
         for k in range(WIDTH):
-            if k not in lanes and waiting:
-                lanes[k] = waiting.pop()
+            if k not in slots and waiting:
+                slots[k] = waiting.pop()
                 events[k] = []
                 marks[k] = []
-                shared.load(k, jobs[lanes[k]], _until(group[lanes[k]][1], 0))
+                shared.load(k, jobs[slots[k]], _until(group[slots[k]][1], 0))
                 calm.pop(k, None)
         happened = shared.advance()
         for k, own in happened.items():
             events[k].append(own)
-        for k, number in list(lanes.items()):
-            failed, ended = int(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
+        for k, number in list(slots.items()):
+            failed, ended = int(shared.slots.failed[k]), shared.slots.step[k] == shared.slots.end[k]
             if failed or ended:
-                job, (i, ready), taken = jobs[number], group[number], int(shared.lanes.step[k])
+                job, (i, ready), taken = jobs[number], group[number], int(shared.slots.step[k])
                 if not failed and taken < job.steps:
                     shared.read(k, job)
                     if ready.marked:
@@ -135,9 +135,9 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
                     if taken % LEDGER or not runs_away(ready, now := budget_of(ready), calm.setdefault(k, now)):
                         shared.go_on(k, job, _until(ready, taken))
                         continue
-                    failed = 1  # its lane: alone it ends here
+                    failed = 1  # its slot: alone it ends here
                 kept = shared.unload(k, job, events.pop(k))
-                del lanes[k]
+                del slots[k]
                 seconds = (time.perf_counter() - began) * job.steps / steps
                 ended_at = taken if failed else -1
                 yield i, None if failed == 1 else _result(ready, kept, taken, seconds, ended_at, calm.get(k), marks[k])

@@ -1,6 +1,6 @@
 """Compiled: formulas of one exact-modal step and its ledger, of numbers or of eight runs at once.
 
-Written once for rubs, rims, patches, fixed points and runs in lanes. Where eight numbers stand for one, constants are
+Written once for rubs, rims, patches, fixed points and runs in slots. Where eight numbers stand for one, constants are
 given by the caller as eight numbers, too.
 """
 

@@ -1,4 +1,4 @@
-"""Speed of many rubs: one run, eight in lanes, contact-free time skipped, and what the core's limits are.
+"""Speed of many rubs: one run, eight in slots, contact-free time skipped, and what the core's limits are.
 
 `python -m reports.benchmarks.sweeps [--quick] [--out DIR]`. Times are processor seconds, the best of several, all of
 one process on one core unless the row says two; on a machine that others use they are upper bounds, ratios within the
@@ -65,7 +65,7 @@ def rub(pair: tuple[ct.ModalBody, ct.ModalBody], *, clearance: float = 0.0, spee
 
 
 def physics(pair: tuple[ct.ModalBody, ct.ModalBody], steps: int, repeats: int, peak: dict[str, float]) -> list[Row]:
-    """Microseconds per step, alone and in lanes, with each part of the physics added."""
+    """Microseconds per step, alone and in slots, with each part of the physics added."""
     undamped = tuple(replace(body, zeta=np.zeros(body.omega.size)) for body in pair)
     bare = tuple(replace(body, S=np.zeros(body.S.shape)) for body in undamped)
     end = steps * DT
@@ -86,7 +86,7 @@ def faster(one: Row, other: Row) -> Row:
 
 
 def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) -> Row:
-    """One run, and 64 at neighbouring speeds in lanes; preparing the runs is not counted."""
+    """One run, and 64 at neighbouring speeds in slots; preparing the runs is not counted."""
     assert isinstance(scene.what, ct.RotatingRim)  # as `rub` makes them
     rims = [replace(scene.what, speed_hz=scene.what.speed_hz * (1.0 + 1e-3 * k)) for k in range(RUNS)]
     scenes = [replace(scene, what=rim) for rim in rims]
@@ -105,8 +105,8 @@ def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) ->
     return {
         "case": name, "modes": m, "terms of the rows": terms, "contact fraction": touching,
         "us/step alone": 1e6 * one / result.steps,
-        "us/run-step in lanes": 1e6 * many / (RUNS * result.steps),
-        "million steps/s in lanes": 1e3 * rate,
+        "us/run-step in slots": 1e6 * many / (RUNS * result.steps),
+        "million steps/s in slots": 1e3 * rate,
         "% of peak flops": 100.0 * rate * flops / peak["GFlop/s"],
         "% of cache bandwidth": 100.0 * rate * 8.0 * 14.0 * m / peak["GB/s, 12 kB"],
     }  # fmt: skip
@@ -159,18 +159,18 @@ def skips(
     """Speed-up by skipping over the contact fraction, and the largest difference of the end state."""
     rows: list[Row] = []
     for clearance in clearances:
-        plain, leaping = (
+        plain, skipping = (
             rub(pair, clearance=clearance, mu=0.1, t_end=turns / 5.0, skip=skip) for skip in (False, True)
         )
-        a, b = (ct.run(replace(scene, record=ct.Record(every=9973, state_every=9973))) for scene in (plain, leaping))
+        a, b = (ct.run(replace(scene, record=ct.Record(every=9973, state_every=9973))) for scene in (plain, skipping))
         difference = float(np.abs(a.state - b.state).max() / np.abs(a.state).max())
-        slow, fast = (best(lambda scene=scene: ct.run(scene), repeats) for scene in (plain, leaping))
-        lanes = [best(lambda s=scene: ct.run_many([s] * 8), repeats) for scene in (plain, leaping)]
+        slow, fast = (best(lambda scene=scene: ct.run(scene), repeats) for scene in (plain, skipping))
+        slots = [best(lambda s=scene: ct.run_many([s] * 8), repeats) for scene in (plain, skipping)]
         rows.append({
             "clearance past touch [m]": clearance, "contact fraction": float(a.contact_steps[0]) / a.steps,
             "steps": a.steps, "state differs by": difference,
             "impulse differs by": float(abs(b.impulse[0] / a.impulse[0] - 1.0)),
-            "speed-up alone": slow / fast, "speed-up in lanes": lanes[0] / lanes[1],
+            "speed-up alone": slow / fast, "speed-up in slots": slots[0] / slots[1],
         })  # fmt: skip
     return rows
 

@@ -1,4 +1,4 @@
-"""One measure of a rim's deflection: in the loop, in lanes, in the growth of a run and on pages."""
+"""One measure of a rim's deflection: in the loop, in slots, in the growth of a run and on pages."""
 
 from dataclasses import replace
 

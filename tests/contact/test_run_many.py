@@ -28,7 +28,7 @@ def scene(
 
 
 def different():
-    """More runs than lanes, no two alike, one without contact, one that skips nothing, two lengths, two steps."""
+    """More runs than slots, no two alike, one without contact, one that skips nothing, two lengths, two steps."""
     return [
         scene(), scene(speed_hz=15.0, mu=0.2, clearance=1.5e-4, imperfect=0.05), scene(clearance=1e-2),
         scene(speed_hz=30.0, clearance=1e-4, t_end=0.05), scene(mu=0.1, clearance=-1e-5, imperfect=0.05, lean_deg=10.0),
@@ -39,7 +39,7 @@ def different():
 
 
 def test_each_run_is_as_if_alone():
-    """Lanes add in another order: what touches differs in its last bits, and equal bits mean that it was run singly."""
+    """Slots add in another order: what touches differs in its last bits, and equal bits mean that it was run singly."""
     scenes = different()
     for one, many in zip(map(ct.run, scenes), ct.run_many(scenes), strict=True):
         assert np.array_equal(many.state, one.state) == (one.contact_steps[0] == 0)
@@ -144,11 +144,11 @@ def test_growth_of_batches_is_checked_at_half_the_step_as_that_of_a_run_alone():
             law=ct.Coulomb(mu=0.3), t_end=0.4, dt=2e-5,
         ) for clearance in (-1e-5, 1e-2)
     ]  # fmt: skip
-    lanes, still = ct.run_many(grows)
+    slots, still = ct.run_many(grows)
     with pytest.raises(ct.NumericsError) as alone:
         ct.run(grows[0])
-    assert isinstance(lanes, ct.NumericsError)
-    for found in (lanes.result.growth, alone.value.result.growth):
+    assert isinstance(slots, ct.NumericsError)
+    for found in (slots.result.growth, alone.value.result.growth):
         assert (found.state, found.check) == ("grows", "converged")
-    assert lanes.result.growth.half_step == pytest.approx(alone.value.result.growth.half_step, rel=1e-6)
+    assert slots.result.growth.half_step == pytest.approx(alone.value.result.growth.half_step, rel=1e-6)
     assert still.growth.check == ""

@@ -1,6 +1,6 @@
-"""Compiled step loop of eight rotating rims with one tip at once: runs, lanes, are the innermost index.
+"""Compiled step loop of eight rotating rims with one tip at once: runs, slots, are the innermost index.
 
-Lanes do not wait for each other: each has its own step, skips alone, and ends alone. No sum runs across lanes, so that
+Slots do not wait for each other: each has its own step, skips alone, and ends alone. No sum runs across slots, so that
 a run's numbers do not depend on its neighbours.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside, jit_vectors
 from contact.jit.vector import WIDTH, load, put, same
-from contact.loop.batch.step import add_up, fly, move_lanes, touch
+from contact.loop.batch.step import add_up, fly, move_slots, touch
 from contact.loop.batch.waves import (
     BEFORE,
     DRAG,
@@ -26,7 +26,7 @@ from contact.loop.batch.waves import (
     BatchSamples,
     BatchState,
     land,
-    rotate_lanes,
+    rotate_slots,
     skip_in_batch,
 )
 from contact.loop.rub.deflection import add_waves, matters, note_deflection, strained
@@ -36,8 +36,8 @@ from contact.record.record import Samples, Tally
 
 
 @jit_inside
-def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, before: float, k: int) -> None:
-    """Events and samples of one step of lane k; the gap was `before`."""
+def note_slot(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, before: float, k: int) -> None:
+    """Events and samples of one step of slot k; the gap was `before`."""
     force, h, step = s.work[FORCE, k], s.h[k], s.step[k]
     if s.mu[k] > 0.0 and (force > 0.0 or sums.closed[k] == 1):
         along = 0.0
@@ -64,27 +64,27 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
 
 
 @jit_inside
-def lane_too_far(limits: Array, k: int) -> bool:
-    """Whether the rim's deflection or the tip's motion in lane k passes its limit, as `outgrown`."""
+def slot_too_far(limits: Array, k: int) -> bool:
+    """Whether the rim's deflection or the tip's motion in slot k passes its limit, as `outgrown`."""
     return not (limits[REACHED + RIM, k] <= limits[RIM, k] and limits[REACHED + TIP, k] <= limits[TIP, k])
 
 
 @jit_inside
-def note_lane_rim(s: BatchState, waves: Array, k: int, ends: bool) -> None:
-    """Note the rim's deflection in lane k by q and the forces of this step, where it may be larger than before."""
+def note_slot_rim(s: BatchState, waves: Array, k: int, ends: bool) -> None:
+    """Note the rim's deflection in slot k by q and the forces of this step, where it may be larger than before."""
     normal, tangent, bound = s.work[FORCE, k], -s.work[DRAG, k], 0.0
     for i in range(s.casing[k]):
         bound += s.reach[i, k] * abs(s.q[i, k])
     bound += s.soft[0, k] * abs(normal) + s.soft[1, k] * abs(tangent)
     if matters(s.limits[:, k], bound, ends):
         n = min(1, waves.shape[0] - 1)
-        note_lane_line(s, waves[n, 0, k], waves[n, 1, k], normal, tangent, k, ends)
+        note_slot_line(s, waves[n, 0, k], waves[n, 1, k], normal, tangent, k, ends)
 
 
 @jit
-def note_lane_line(s: BatchState, c: float, t: float, normal: float, tangent: float, k: int,
+def note_slot_line(s: BatchState, c: float, t: float, normal: float, tangent: float, k: int,
                    ends: bool) -> None:  # fmt: skip
-    """Note the deflection in lane k, whose tip is at the angle with this cosine and sine."""
+    """Note the deflection in slot k, whose tip is at the angle with this cosine and sine."""
     rim, own = s.rim, min(k, s.rim.rows.shape[0] - 1)
     for a in range(rim.z.size):
         part = 0.0
@@ -102,7 +102,7 @@ def note_lane_line(s: BatchState, c: float, t: float, normal: float, tangent: fl
 
 @jit_inside
 def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
-    """Store the displacements of lane k at the start of a step that is due, and the forces of that step."""
+    """Store the displacements of slot k at the start of a step that is due, and the forces of that step."""
     if s.step[k] == kept.due[1, k]:
         row = kept.filled[1, k]
         kept.state_time[k, row] = s.step[k] * s.h[k]
@@ -119,7 +119,7 @@ def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
 def advance_batch(
     s: BatchState, flights: BatchFreeFlight, sums: Tally, out: Samples, kept: BatchSamples, rubs: bool, budget: int
 ) -> None:
-    """Step all live lanes, until one is at its end or has failed, or `budget` steps are taken."""
+    """Step all live slots, until one is at its end or has failed, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
     skips, swapped, landed = flights.powers.shape[1] > 0, False, 0
     for k in range(s.step.size):
@@ -142,7 +142,7 @@ def advance_batch(
         if stop:
             break
         old, new, swapped = new, old, not swapped
-        rotate_lanes(s, ahead, 1)
+        rotate_slots(s, ahead, 1)
         touching = fly(s, Q_next, ahead, old, new)
         for row in (FORCE, PULL, DRAG, H_, SLIDE, T_N, T_T):
             put(s.work, row * WIDTH, same(0.0))
@@ -152,15 +152,15 @@ def advance_batch(
         for k in range(s.step.size):
             if s.live[k] == 1:
                 if s.step[k] == kept.due[1, k] or s.step[k] % LOOK == 0:
-                    note_lane_rim(s, waves, k, s.step[k] % LOOK == 0)
+                    note_slot_rim(s, waves, k, s.step[k] % LOOK == 0)
                 keep_state(s, kept, k)
-        move_lanes(s, Q, old, new, touching, rubs)
+        move_slots(s, Q, old, new, touching, rubs)
         put(s.work, BEFORE * WIDTH, load(s.memory, 0))
         far = add_up(s, sums, Q, Q_next)
         for k in range(s.step.size):
             if s.live[k] == 1 and s.failed[k] == 0:
-                note_lane(s, sums, out, kept, s.work[BEFORE, k], k)
-                if far and lane_too_far(s.limits, k):
+                note_slot(s, sums, out, kept, s.work[BEFORE, k], k)
+                if far and slot_too_far(s.limits, k):
                     s.failed[k] = 2
                 s.step[k] += 1
             stop = stop or (s.live[k] == 1 and (s.failed[k] > 0 or s.step[k] == s.end[k]))

@@ -26,7 +26,7 @@ from contact.loop.batch.waves import (
     TANGENT,
     TEST,
     BatchState,
-    fill_lanes,
+    fill_slots,
 )
 from contact.loop.formulas import damped, free_step, mean_gap, turned_work, works
 from contact.loop.rub.free_flight import PAUSE
@@ -37,7 +37,7 @@ from contact.solver.friction.one_contact import force_and_ratio
 
 @jit_inside
 def coefficient(s: BatchState, alike: bool, k: int, values: Array, i: int) -> float:
-    """One of al, be, c, weight (k = 0 .. 3) of mode i, in every lane."""
+    """One of al, be, c, weight (k = 0 .. 3) of mode i, in every slot."""
     found: float = same(entry(s.alike, k * s.q.shape[0] + i)) if alike else load(values, i * WIDTH)
     return found
 
@@ -45,7 +45,7 @@ def coefficient(s: BatchState, alike: bool, k: int, values: Array, i: int) -> fl
 @jit_inside
 def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
     """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
-    fill_lanes(s.normal, ahead, Q_next)
+    fill_slots(s.normal, ahead, Q_next)
     alike = s.alike.size > 0
     free = load(Q_next, s.q.shape[0] * WIDTH)
     for i in range(s.q.shape[0]):
@@ -65,11 +65,11 @@ def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> b
 
 @jit_inside
 def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs: bool) -> None:
-    """Slip, Delassus numbers and forces of the lanes whose gap would close."""
+    """Slip, Delassus numbers and forces of the slots whose gap would close."""
     nn, nt, tn, tt, slip, m = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0), s.q.shape[0]
     alike = s.alike.size > 0
     if rubs:
-        fill_lanes(s.tangent, waves, s.T)
+        fill_slots(s.tangent, waves, s.T)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
         row, c = load(Q, at), coefficient(s, alike, 2, s.c, i)
@@ -106,7 +106,7 @@ def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs
 
 
 @jit_inside
-def move_lanes(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
+def move_slots(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
     """Add the forces to D and D to q; what forces and damping do along D_n + D_{n+1}."""
     normal, tangent, damping = same(0.0), same(0.0), same(0.0)
     alike = s.alike.size > 0
@@ -132,7 +132,7 @@ def move_lanes(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, 
 
 @jit_inside
 def add_up(s: BatchState, sums: Tally, Q: Array, Q_next: Array) -> bool:
-    """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work.
+    """Sums of one step of every slot, and the gaps the next one needs; where no force is, it does no work.
 
     Returns whether some tip has moved further against its rim than it may.
     """

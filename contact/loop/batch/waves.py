@@ -28,7 +28,7 @@ SIN = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(12)])
 class BatchTerms(NamedTuple):
     """Sums of waves: block b of rows has those at wave[start[b]] .. wave[start[b + 1] - 1]; all count single numbers.
 
-    Where all lanes have the same coefficients a block is four rows with most of their waves in common, so that a wave
+    Where all slots have the same coefficients a block is four rows with most of their waves in common, so that a wave
     is read once for them, and coefficient 4 j + r is that of wave j in row[4 b + r]; else it is one row.
     """
 
@@ -36,11 +36,11 @@ class BatchTerms(NamedTuple):
     start: Indices
     wave: Indices
     value: Array  # (terms, 8)
-    alike: Array  # (terms,), empty where lanes differ: an eighth of the memory
+    alike: Array  # (terms,), empty where slots differ: an eighth of the memory
 
 
 class BatchFreeFlight(NamedTuple):
-    """The fields of `FreeFlight`, one row a lane; `powers` (1, bits, 4, m) where all lanes have the same."""
+    """The fields of `FreeFlight`, one row a slot; `powers` (1, bits, 4, m) where all slots have the same."""
 
     powers: Array
     fade: Array
@@ -56,7 +56,7 @@ class BatchFreeFlight(NamedTuple):
 
 
 class BatchSamples(NamedTuple):
-    """What lanes store: samples (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
+    """What slots store: samples (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
 
     time: Array
     force: Array
@@ -99,9 +99,9 @@ class BatchState(NamedTuple):
     reach: Array  # (m, 8), how far each of the casing's modes moves the rim at most, zero for others
     peaks: Array  # largest motion of the blade's tip along the rim
     limits: Array  # (6, 8), of `motion_limits`
-    rim: RimWaves  # one line, its rows (1 or 8, 2 N + 1, m) and S (1 or 8, 2 N + 1, d, 2 N + 1) by lane
+    rim: RimWaves  # one line, its rows (1 or 8, 2 N + 1, m) and S (1 or 8, 2 N + 1, d, 2 N + 1) by slot
     soft: Array  # (2, 8), most that a unit force along the normal and the tangent strains the rim
-    memory: Array  # (10, 8), as in `Lane`
+    memory: Array  # (10, 8), as in `Slot`
     Q: Array  # (m + 5, 8): the rows of `normal`, then one that nothing reads
     Q_next: Array
     T: Array  # (m + 1, 8)
@@ -155,13 +155,13 @@ def sine(x: float) -> float:
 
 @jit_inside
 def angle_after(s: BatchState, k: int, step: int) -> float:
-    """Contact angle of lane k at a step."""
+    """Contact angle of slot k at a step."""
     return float(s.angle[k] - s.speed[k] * step * s.h[k])
 
 
 @jit
-def rotate_lanes(s: BatchState, waves: Array, ahead: int) -> None:
-    """Cos n phi, sin n phi of every lane, `ahead` steps from where it is."""
+def rotate_slots(s: BatchState, waves: Array, ahead: int) -> None:
+    """Cos n phi, sin n phi of every slot, `ahead` steps from where it is."""
     for k in range(s.step.size):
         s.work[ANGLE, k] = angle_after(s, k, s.step[k] + ahead)
     phi = load(s.work, ANGLE * WIDTH)
@@ -189,8 +189,8 @@ def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) ->
 
 
 @jit
-def fill_lanes(terms: BatchTerms, waves: Array, rows: Array) -> None:
-    """Rows in every lane. Terms of a row are added one by one: zeros, of other rows or lanes, change no bit."""
+def fill_slots(terms: BatchTerms, waves: Array, rows: Array) -> None:
+    """Rows in every slot. Terms of a row are added one by one: zeros, of other rows or slots, change no bit."""
     if terms.alike.size > 0:
         fill_fours(terms, waves, rows)
         return
@@ -203,7 +203,7 @@ def fill_lanes(terms: BatchTerms, waves: Array, rows: Array) -> None:
 
 @jit_inside
 def fill_fours(terms: BatchTerms, waves: Array, rows: Array) -> None:
-    """Four rows at once, of coefficients that all lanes share."""
+    """Four rows at once, of coefficients that all slots share."""
     for b in range(terms.start.size - 1):
         one, two, three, four = same(0.0), same(0.0), same(0.0), same(0.0)
         for j in range(entry(terms.start, b), entry(terms.start, b + 1)):
@@ -220,14 +220,14 @@ def fill_fours(terms: BatchTerms, waves: Array, rows: Array) -> None:
 
 @jit
 def land(s: BatchState, Q: Array, Q_next: Array, waves: Array, ahead: Array, d: Array, landed: int) -> None:
-    """Waves, rows and gaps of the lanes that have `landed`, a bit each, where they are now, and the gap a step before.
+    """Waves, rows and gaps of the slots that have `landed`, a bit each, where they are now, and the gap a step before.
 
-    The rows ahead are work space: other lanes' rows are left as they are.
+    The rows ahead are work space: other slots' rows are left as they are.
     """
     m = s.q.shape[0]
     for back in range(1, -1, -1):
-        rotate_lanes(s, ahead, -back)
-        fill_lanes(s.normal, ahead, Q_next)
+        rotate_slots(s, ahead, -back)
+        fill_slots(s.normal, ahead, Q_next)
         gap, part = load(Q_next, m * WIDTH), same(float(back))
         for i in range(m):
             gap = gap + load(Q_next, i * WIDTH) * (load(s.q, i * WIDTH) - part * load(d, i * WIDTH))
@@ -248,7 +248,7 @@ def land(s: BatchState, Q: Array, Q_next: Array, waves: Array, ahead: Array, d: 
 
 @jit
 def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array, k: int, room: int) -> int:
-    """Skip in lane k over steps without contact, as `skip_free_flight`, at most `room`. Negative: wait.
+    """Skip in slot k over steps without contact, as `skip_free_flight`, at most `room`. Negative: wait.
 
     How far the gap is surely open is kept until that is used up: no force comes between.
     """
@@ -266,7 +266,7 @@ def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array
     steps: int = min(flights.open[k] - s.step[k], room, (1 << powers.shape[0]) - 1)
     if steps < LEAST:
         return -(steps + 1)
-    sums.damping[k] += propagate_lane(s, powers, d, k, steps)
+    sums.damping[k] += propagate_slot(s, powers, d, k, steps)
     flights.taken[k, 0] += 1
     flights.taken[k, 1] += steps
     s.step[k] += steps
@@ -274,8 +274,8 @@ def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array
 
 
 @jit
-def propagate_lane(s: BatchState, powers: Array, d: Array, k: int, steps: int) -> float:
-    """Take (q, D) of lane k over `steps` steps of free motion, as `propagate`; the change of `discrete_energy`."""
+def propagate_slot(s: BatchState, powers: Array, d: Array, k: int, steps: int) -> float:
+    """Take (q, D) of slot k over `steps` steps of free motion, as `propagate`; the change of `discrete_energy`."""
     gained = 0.0
     for i in range(s.q.shape[0]):
         x, y, be = s.q[i, k], d[i, k], s.be[i, k]

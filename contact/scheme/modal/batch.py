@@ -1,7 +1,7 @@
-"""Eight lanes for rotating rims of one size: runs are loaded into lanes, advanced together, and read back.
+"""Eight slots for rotating rims of one size: runs are loaded into slots, advanced together, and read back.
 
-The coefficients of all runs that will share the lanes are known from the start, so that their rows have one table of
-harmonics; a run's own numbers fill a column when it enters a lane.
+The coefficients of all runs that will share the slots are known from the start, so that their rows have one table of
+harmonics; a run's own numbers fill a column when it enters a slot.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from contact.model.gaps.deflection import RimRows, places
 from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.blocks import whole
-from contact.scheme.modal.lane import Lane, give_back, lane_of
 from contact.scheme.modal.rub_stepper import RubStepper
+from contact.scheme.modal.slot import Slot, give_back, slot_of
 
 if TYPE_CHECKING:
     from contact.loop.batch.waves import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
@@ -39,7 +39,7 @@ OF_MODES = ("q", "d", *SHARED)
 STEPS = ("live", "step", "end", "retry", "failed", "casing")
 NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns", "peaks")
 TERMS = ("normal", "tangent")
-FOUR = 4  # rows that are summed at once where lanes share their coefficients
+FOUR = 4  # rows that are summed at once where slots share their coefficients
 NONE = np.array([np.inf, np.inf, 0.0, 0.0, np.inf, 0.0])  # limits there
 AWAY = 1e300  # gap where there is no run
 Shape = int
@@ -54,10 +54,10 @@ class Job:
     run: RubStepper
     steps: int
     record: Record
-    lane: Lane = field(init=False)
+    slot: Slot = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "lane", lane_of(self.run))
+        object.__setattr__(self, "slot", slot_of(self.run))
 
     @property
     def mu(self) -> float:
@@ -66,7 +66,7 @@ class Job:
 
 
 def shape_of(run: RubStepper) -> Shape | None:
-    """Number of modes of a run, which all that share the lanes have; None for a run that lanes do not take."""
+    """Number of modes of a run, which all that share the slots have; None for a run that slots do not take."""
     return None if run.rim is None else run.system.omega.size
 
 
@@ -97,12 +97,12 @@ class Layout:
         alike[self.place] = one.value
         return BatchTerms(self.row, self.start, self.wave, aligned(0, WIDTH), alike)
 
-    def load(self, lanes: BatchTerms, own: Terms, k: int) -> None:
-        """Put one run's coefficients into lane k, where lanes differ."""
+    def load(self, slots: BatchTerms, own: Terms, k: int) -> None:
+        """Put one run's coefficients into slot k, where slots differ."""
         if self.alike:
             return
-        lanes.value[:, k] = 0.0
-        lanes.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
+        slots.value[:, k] = 0.0
+        slots.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
 
 
 @remembered
@@ -144,7 +144,7 @@ def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
 class Batch:
     """BatchState, their sums and what they store; `rubs`: some run has friction."""
 
-    lanes: BatchState
+    slots: BatchState
     layouts: dict[str, Layout]
     flights: BatchFreeFlight
     sums: Tally
@@ -154,38 +154,38 @@ class Batch:
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once
 
     def advance(self) -> dict[int, Events]:
-        """Step until a lane is at its end, has failed, or the room for events is used up; events of lanes with any."""
+        """Step until a slot is at its end, has failed, or the room for events is used up; events of slots with any."""
         from contact.jit.bundle import bundled
         from contact.loop.batch.batch import advance_batch
 
         if not self.given:
-            self.given.extend(map(bundled, (self.lanes, self.flights, self.sums, self.events, self.kept)))
+            self.given.extend(map(bundled, (self.slots, self.flights, self.sums, self.events, self.kept)))
         self.sums.filled[:] = 0
-        lanes, flights, sums, events, kept = self.given
-        advance_batch(lanes, flights, sums, events, kept, self.rubs, BUDGET)
+        slots, flights, sums, events, kept = self.given
+        advance_batch(slots, flights, sums, events, kept, self.rubs, BUDGET)
         return self._events()
 
     def _events(self) -> dict[int, Events]:
-        """Kinds and times of the events of each lane that had some in the last call."""
+        """Kinds and times of the events of each slot that had some in the last call."""
         out, n = self.events, int(self.sums.filled[2])
-        lane, kind, when = out.event_contact[:n], out.event_kind[:n], out.event_time[:n]
-        return {k: (kind[lane == k], when[lane == k]) for k in set(lane.tolist())}
+        slot, kind, when = out.event_contact[:n], out.event_kind[:n], out.event_time[:n]
+        return {k: (kind[slot == k], when[slot == k]) for k in set(slot.tolist())}
 
     def load(self, k: int, job: Job, most: int = NEVER) -> None:
-        """Put a run at its start into lane k, for `most` steps at first."""
-        lane, run, system, lanes = job.lane, job.run, job.lane.system, self.lanes
+        """Put a run at its start into slot k, for `most` steps at first."""
+        slot, run, system, slots = job.slot, job.run, job.slot.system, self.slots
         for name in OF_MODES:
-            getattr(lanes, name)[:, k] = getattr(run.state, name)
+            getattr(slots, name)[:, k] = getattr(run.state, name)
         for name, layout in self.layouts.items():
-            layout.load(getattr(lanes, name), getattr(lane, name), k)
+            layout.load(getattr(slots, name), getattr(slot, name), k)
         own = {"angle": system.angle, "speed": system.speed, "surface": system.radius * system.speed, "mu": job.mu}
         own |= {"h": run.dt, "averaged": run.averaged, "turns": system.compliance_turns, "away": 0.0}
         own |= {"live": 1, "step": 0, "end": min(job.steps, most), "retry": 0, "failed": 0}
         own |= {"casing": system.first[1], "peaks": 0.0}
         for name, value in own.items():
-            getattr(lanes, name)[k] = value
-        lanes.memory[:, k], lanes.limits[:, k], lanes.reach[:, k] = lane.memory, run.limits, lane.reach
-        self._load_rim(k, lane.rim)
+            getattr(slots, name)[k] = value
+        slots.memory[:, k], slots.limits[:, k], slots.reach[:, k] = slot.memory, run.limits, slot.reach
+        self._load_rim(k, slot.rim)
         self._load_free_flight(k, job)
         for name in SUMS:
             getattr(self.sums, name)[k] = 0
@@ -194,21 +194,21 @@ class Batch:
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
 
     def _load_rim(self, k: int, rim: RimRows) -> None:
-        """What the deflection of the rim in lane k is computed from."""
-        lanes, (_, size, m), d = self.lanes, rim.rows.shape, rim.soft.shape[1]
-        own, place = min(k, len(lanes.rim.rows) - 1), _waves(size, lanes.rim.z.size)
-        lanes.soft[:, k], lanes.rim.rows[own] = 0.0, 0.0
-        lanes.soft[:d, k], lanes.rim.rows[own, place, :m] = rim.soft[0], rim.rows[0]
-        if lanes.rim.S.size:
-            lanes.rim.S[own] = 0.0
+        """What the deflection of the rim in slot k is computed from."""
+        slots, (_, size, m), d = self.slots, rim.rows.shape, rim.soft.shape[1]
+        own, place = min(k, len(slots.rim.rows) - 1), _waves(size, slots.rim.z.size)
+        slots.soft[:, k], slots.rim.rows[own] = 0.0, 0.0
+        slots.soft[:d, k], slots.rim.rows[own, place, :m] = rim.soft[0], rim.rows[0]
+        if slots.rim.S.size:
+            slots.rim.S[own] = 0.0
             for i in range(d if rim.S.size else 0):
-                lanes.rim.S[own, place[:, None], i, place] = rim.S[0, :, i]
+                slots.rim.S[own, place[:, None], i, place] = rim.S[0, :, i]
 
     def _load_free_flight(self, k: int, job: Job) -> None:
         flight = job.run.flight
         self.flights.taken[k], self.flights.open[k] = 0, 0
         if not flight.powers.size:
-            self.lanes.retry[k] = NEVER
+            self.slots.retry[k] = NEVER
             return
         for name in ("fade", "cos", "sin", "floor", "start"):
             getattr(self.flights, name)[k] = getattr(flight, name)
@@ -217,24 +217,24 @@ class Batch:
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
 
     def go_on(self, k: int, job: Job, steps: int) -> None:
-        """Let lane k take so many more steps, as far as its run goes."""
-        self.lanes.end[k] = min(job.steps, int(self.lanes.step[k]) + steps)
+        """Let slot k take so many more steps, as far as its run goes."""
+        self.slots.end[k] = min(job.steps, int(self.slots.step[k]) + steps)
 
     def read(self, k: int, job: Job) -> None:
-        """Write the state and the sums of lane k into its run."""
-        run, lanes = job.run, self.lanes
-        run.flight.taken[:], run.limits[:] = self.flights.taken[k], lanes.limits[:, k]
+        """Write the state and the sums of slot k into its run."""
+        run, slots = job.run, self.slots
+        run.flight.taken[:], run.limits[:] = self.flights.taken[k], slots.limits[:, k]
         for name in SUMS:
             getattr(run.sums, name)[0] = getattr(self.sums, name)[k]
-        run.steps[0], run.state.peaks[0] = int(lanes.step[k]), lanes.peaks[k]
-        give_back(run, job.lane, lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k])
+        run.steps[0], run.state.peaks[0] = int(slots.step[k]), slots.peaks[k]
+        give_back(run, job.slot, slots.q[:, k], slots.d[:, k], slots.memory[:, k])
 
     def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
-        """End the run of lane k, as `read`; what it stored, views until the next load, with `events`."""
+        """End the run of slot k, as `read`; what it stored, views until the next load, with `events`."""
         self.read(k, job)
-        run, lanes, kept = job.run, self.lanes, self.kept
+        run, slots, kept = job.run, self.slots, self.kept
         n, states = (int(value) for value in kept.filled[:, k])
-        lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
+        slots.live[k], slots.away[k], slots.limits[:, k] = 0, AWAY, NONE
         kind, when = (np.concatenate(part) for part in zip(NO_EVENTS, *events, strict=True))
         return self.events._replace(  # its contact is number 0 of its own run
             event_contact=np.zeros(kind.size, dtype=np.int64), event_kind=kind, event_time=when,
@@ -245,12 +245,12 @@ class Batch:
 
 
 def batch(jobs: Sequence[Job]) -> Batch:
-    """Empty lanes for runs of one number of modes."""
+    """Empty slots for runs of one number of modes."""
     from contact.loop.batch.waves import BatchState
 
     m = jobs[0].run.system.omega.size
-    layouts = {name: Layout.of([getattr(job.lane, name) for job in jobs]) for name in TERMS}
-    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].lane, name)) for name, layout in layouts.items()}
+    layouts = {name: Layout.of([getattr(job.slot, name) for job in jobs]) for name in TERMS}
+    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].slot, name)) for name, layout in layouts.items()}
     arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old", "reach")}
     arrays["alike"] = _alike([job.run.state for job in jobs])
     arrays |= {"Q": aligned(m + 5, WIDTH), "Q_next": aligned(m + 5, WIDTH), "T": aligned(m + 1, WIDTH)}
@@ -260,10 +260,10 @@ def batch(jobs: Sequence[Job]) -> Batch:
     arrays |= {name: aligned(waves, 2, WIDTH) for name in ("waves", "waves_next")}
     arrays |= {"memory": aligned(10, WIDTH), "limits": aligned(6, WIDTH), "work": aligned(18, WIDTH)}
     arrays |= {"soft": aligned(2, WIDTH), "rim": _rims(jobs)}
-    lanes = BatchState(away=np.full(WIDTH, AWAY), **arrays)
-    lanes.limits[:] = NONE[:, None]
+    slots = BatchState(away=np.full(WIDTH, AWAY), **arrays)
+    slots.limits[:] = NONE[:, None]
     return Batch(
-        lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
+        slots=slots, layouts=layouts, flights=_free_flights(jobs, m),
         sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=BUDGET), BUDGET, WIDTH, 0), kept=_kept(jobs),
         rubs=any(job.mu > 0.0 for job in jobs),
@@ -271,16 +271,16 @@ def batch(jobs: Sequence[Job]) -> Batch:
 
 
 def _rims(jobs: Sequence[Job]) -> RimWaves:
-    """Room for the rims of the lanes, one where all runs have the same."""
+    """Room for the rims of the slots, one where all runs have the same."""
     from contact.loop.rub.deflection import RimWaves
 
-    rims = list({id(job.lane.rim): job.lane.rim for job in jobs}.values())
-    lanes, size = 1 if len(rims) == 1 else WIDTH, max(rim.rows.shape[1] for rim in rims)
+    rims = list({id(job.slot.rim): job.slot.rim for job in jobs}.values())
+    slots, size = 1 if len(rims) == 1 else WIDTH, max(rim.rows.shape[1] for rim in rims)
     d, angle = max(rim.soft.shape[1] for rim in rims), places(size)
     strains = any(rim.S.size for rim in rims)
     return RimWaves(
-        reach=np.zeros((0, 0)), soft=np.zeros((0, 0)), rows=np.zeros((lanes, size, jobs[0].run.system.omega.size)),
-        S=aligned(lanes, size, d, whole(size)) if strains else np.zeros((0, 0, 0, 0)),
+        reach=np.zeros((0, 0)), soft=np.zeros((0, 0)), rows=np.zeros((slots, size, jobs[0].run.system.omega.size)),
+        S=aligned(slots, size, d, whole(size)) if strains else np.zeros((0, 0, 0, 0)),
         places=np.array([np.cos(angle), np.sin(angle)]),
         force=aligned(d, whole(size)), z=np.zeros(size), top=aligned(WIDTH),
     )  # fmt: skip

@@ -64,8 +64,8 @@ class RubStepper(ExactRun):
     stiffest: float  # Delassus number [m/N] of a normal with itself, the largest around
     y: Yielding | None = None
     worn: tuple[Tracks, Coats] | None = None
-    rim: RotatingRim | None = None  # the scene, where lanes may take it
-    made: list[LoopArrays] = field(default_factory=list)  # when the loop first runs: in lanes it never does
+    rim: RotatingRim | None = None  # the scene, where slots may take it
+    made: list[LoopArrays] = field(default_factory=list)  # when the loop first runs: in slots it never does
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
 
     @property

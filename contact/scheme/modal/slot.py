@@ -1,4 +1,4 @@
-"""What one of eight lanes takes of a run of one tip: its rows as sums of waves, and how it starts."""
+"""What one of eight slots takes of a run of one tip: its rows as sums of waves, and how it starts."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from contact.scheme.modal.rub_stepper import RubStepper
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Lane:
-    """Arrays of a run for its lane.
+class Slot:
+    """Arrays of a run for its slot.
 
     `memory`: g_n, g_{n-1} of q, force, its drag over it, S_nn, S_nt, S_tt at phi_{n-1}, tangential S lam, heat, work of
     the drive against friction.
@@ -30,8 +30,8 @@ class Lane:
     memory: Array
 
 
-def lane_of(run: RubStepper) -> Lane:
-    """The lane of a run that has not begun."""
+def slot_of(run: RubStepper) -> Slot:
+    """The slot of a run that has not begun."""
     assert run.rim is not None
     system, s = rim_system(run.rim), run.state
     normal, tangent = system.sums()
@@ -39,7 +39,7 @@ def lane_of(run: RubStepper) -> Lane:
     before = system.angle + system.speed * run.dt
     gaps = _gap(system, system.angle, s.q), _gap(system, before, s.q - s.d)
     S = [part(before) for part in (system.S_nn, system.S_nt, system.S_tt)]
-    return Lane(
+    return Slot(
         system=system, normal=normal, tangent=tangent, reach=_reach(system.table, int(system.first[1])),
         rim=rim_rows(run.rub.casing, run.dimensions, run.rub.flexible),
         memory=np.array([*gaps, 0.0, 0.0, *S, 0.0, 0.0, 0.0]),
@@ -63,8 +63,8 @@ def _reach(table: RowTable, casing: int) -> Array:
     return readonly(reach)
 
 
-def give_back(run: RubStepper, lane: Lane, q: Array, d: Array, memory: Array) -> None:
-    """Write where a lane ended into its run: motion, the force of the last step and what it did."""
+def give_back(run: RubStepper, slot: Slot, q: Array, d: Array, memory: Array) -> None:
+    """Write where a slot ended into its run: motion, the force of the last step and what it did."""
     s, (force, pull) = run.state, memory[2:4]
     s.q[:], s.d[:] = q, d
     s.heat[0], s.drive[0] = memory[8:10]
@@ -72,7 +72,7 @@ def give_back(run: RubStepper, lane: Lane, q: Array, d: Array, memory: Array) ->
     s.strain[-1] = memory[7] if run.dimensions > 1 else 0.0
     s.known[0], s.contact[:] = 0, 0.0
     if force > 0.0:
-        system = lane.system
+        system = slot.system
         assert system.table is not None
         Q, T = system.table.rows(system.angle - system.speed * (int(run.steps[0]) - 1) * run.dt)
         s.contact[:] = (Q - pull * T) * force
