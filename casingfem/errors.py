@@ -1,4 +1,4 @@
-"""What can be wrong with a model: every refusal and warning has a code, a cause and a remedy.
+"""Errors and warnings of a model; each has a code, a cause and a remedy.
 
 A message states what was found where; the remedy and the code come from the catalogue (`casingfem.faults`), so that a
 user can find a code there and a program can react to it.
@@ -97,7 +97,7 @@ def warn(code: str, message: str, *, stacklevel: int = 3) -> None:
 
 
 def sentence(code: str, message: str) -> str:
-    """What was found, what helps, and the code.
+    """The finding, the remedy, and the code.
 
     >>> print(sentence("mesh-coarse", "rows: found 1 row"))
     rows: found 1 row: ask for more elements or a higher order, for fewer modes, or leave [mesh] out [mesh-coarse]

@@ -65,7 +65,7 @@ class Example:
         return tuple(dict.fromkeys(found))
 
     def commands(self, folder: Path) -> tuple[str, ...]:
-        """What to type to run it from `folder`: its bases first."""
+        """Commands that run the example in `folder`; commands that make its bases come first."""
         bases = [["reduce", str(folder / path), "--out", str(folder / self.file.parent)] for path in self.makers]
         return tuple(shlex.join(["casingfem", *words]) for words in (*bases, [self.verb, str(folder / self.file)]))
 
@@ -85,7 +85,7 @@ class ExampleFolder:
 
     @property
     def verb(self) -> str:
-        """What it holds, in place of one command."""
+        """A description of the example, shown where it has no single command."""
         return "folder"
 
     @property

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[1]  # of a checkout, else the folder of all instal
 
 
 class Extra(NamedTuple):
-    """What an extra is for, and the packages it brings."""
+    """An extra: its purpose and the packages it installs."""
 
     purpose: str
     packages: tuple[str, ...]

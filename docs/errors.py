@@ -5,7 +5,7 @@ from pathlib import Path
 from casingfem.faults import CATALOGUE
 
 PAGE = Path(__file__).parent / "errors.md"
-HEAD = """# What can be wrong with a model or a run
+HEAD = """# Errors and warnings
 
 Made by `.venv/bin/python docs/errors.py` from `casingfem/faults/`. Every refusal and warning about a structural
 model, and every flag of a contact run, ends with one of these codes; `casingfem explain shell-thickness` prints its

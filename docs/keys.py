@@ -33,13 +33,13 @@ def title(model: Model, path: str, file: str) -> str:
 def section(model: Model, found: dict[str, list[str]]) -> str:
     """One table of the page."""
     first = next(iter(found))
-    stands = "; ".join(f"{path or 'the file'} ({', '.join(files)})" for path, files in found.items())
+    places_of = "; ".join(f"{path or 'the file'} ({', '.join(files)})" for path, files in found.items())
     rows = [
         f"| {name} | {info.description} | {type_words(info)} | {kept(info)} |" for name, info in keys(model).items()
     ]
     lines = [
-        "", f"## {title(model, first, found[first][0])}", "", f"{headline(model)} Stands at {stands}.", "",
-        "| key | meaning | holds | left out |", "|---|---|---|---|", *rows, "",
+        "", f"## {title(model, first, found[first][0])}", "", f"{headline(model)} Used at {places_of}.", "",
+        "| key | meaning | values | default |", "|---|---|---|---|", *rows, "",
     ]  # fmt: skip
     return "\n".join(lines)
 

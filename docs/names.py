@@ -10,12 +10,12 @@ SHORT = {"casingfem": "cf", "contact": "ct"}
 HEAD = """# Public names
 
 Made by `.venv/bin/python docs/names.py`: every name that `import casingfem as cf` and `import contact as ct` give, each
-once, in the room nearest to the top. `help(cf.modes)` shows parameters, errors and an example.
+once, in the module nearest to the top. `help(cf.modes)` shows parameters, errors and an example.
 """
 
 
-def rooms() -> dict[str, ModuleType]:
-    """The packages and their rooms by what one writes to reach them, the nearest to the top first."""
+def public_modules() -> dict[str, ModuleType]:
+    """The packages and their public modules by address, the nearest to the top first."""
     found: dict[str, ModuleType] = {}
     waiting = [(short, importlib.import_module(name)) for name, short in SHORT.items()]
     while waiting:
@@ -28,17 +28,17 @@ def rooms() -> dict[str, ModuleType]:
 
 
 def exported(module: ModuleType) -> list[str]:
-    """Names that a room exports: its list, or what is written in it."""
+    """Names that a module exports: its `__all__`, or names defined in it."""
     own = (name for name, item in vars(module).items() if getattr(item, "__module__", "") == module.__name__)
     listed = getattr(module, "__all__", None) or [name for name in own if not name.startswith("_")]
     return sorted((name for name in listed if not name.startswith("__")), key=str.lower)
 
 
 def public() -> dict[str, dict[str, object]]:
-    """The exported objects by room and name, rooms themselves left out, each once."""
+    """The exported objects by module and name, each once, without modules."""
     found: dict[str, dict[str, object]] = {}
     seen: list[object] = []
-    for address, module in rooms().items():
+    for address, module in public_modules().items():
         items = {name: getattr(module, name) for name in exported(module)}
         new = {
             name: item
@@ -51,14 +51,14 @@ def public() -> dict[str, dict[str, object]]:
 
 
 def line(item: object) -> str:
-    """The first line of a docstring, with what goes on to the next line."""
+    """The first paragraph of a docstring as one line."""
     text = inspect.cleandoc(getattr(item, "__doc__", None) or "")  # its own, not one that it inherits
     return " ".join(text.partition("\n\n")[0].split()).replace("|", "\\|")
 
 
 def page() -> str:
     """The page as text."""
-    modules, parts = rooms(), [HEAD]
+    modules, parts = public_modules(), [HEAD]
     for address, items in public().items():
         rows = [f"| `{address}.{name}` | {line(item)} |" for name, item in items.items()]
         parts += (

@@ -21,7 +21,7 @@ RESULTS = ("largest split", "worst growth where something touches")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Drawing:
-    """What turns random numbers into casings, gaps and growth.
+    """Converts random numbers into casings, gaps and growth rates.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ ROOM = 3  # points of a mesh around for each wave of the highest harmonic
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ChanceScene:
-    """What is drawn, and around what.
+    """The scene of a chance calculation: the random quantities and the model that they vary.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ def load_chance(path: str | Path) -> ChanceScene:
 
 
 def attempted(problems: Problems, made: Any) -> Any:
-    """What `made` gives; None where it raises bad input, which is noted."""
+    """The value of `made`, or None where it raises an input error; the error is collected."""
     try:
         return made()
     except (SceneError, StudyError) as error:
@@ -140,7 +140,7 @@ def study_of(file: Path, name: str) -> Study:
 
 
 def faults_of_study(file: Path, table: ChanceTable, study: Study) -> list[str]:
-    """What keeps the casing's study from being drawn."""
+    """Reasons why no random casings can be drawn for the casing's study."""
     shell, key, found = study.shell, f"{file}: chance.study: {study.path.name}", []
     if study.file.reduce is None or not isinstance(study.interface, Rim):
         found.append(f"{key}: reduce: found no rim of a casing, expected [reduce] with interface and n_max")

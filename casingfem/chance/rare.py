@@ -24,7 +24,7 @@ Response = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RareEvent:
-    """What subset simulation found.
+    """Result of subset simulation.
 
     Attributes
     ----------

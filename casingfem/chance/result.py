@@ -1,4 +1,4 @@
-"""What the draws of a scene say: splits, growth over speed, which input matters, which casings are worst."""
+"""Results of the draws: splits, growth over speed, Sobol indices, and the casings with the largest growth."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -233,7 +233,7 @@ def waves_unit(test: "RigTest") -> str:
 
 
 def words_of_test(test: "RigTest") -> str:
-    """What was made, in lines."""
+    """Lines that summarise the test that was simulated."""
     import numpy as np
 
     parts = ["SYNTHETIC: nobody measured this", repr(test.rig), repr(test.truth)]

@@ -60,12 +60,12 @@ def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma:
 def modes_tables(
     document: dict[str, Any], found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma: float
 ) -> dict[str, Content]:
-    """What --out contains of any modes."""
+    """Tables that --out writes for modes."""
     return {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study, sigma)}
 
 
 def mode_pictures(found: "ModeSet") -> dict[str, Content]:
-    """What --out draws of modes: frequencies by nodal diameters, and the rim's shapes of a casing on a chart."""
+    """Pictures that --out writes for modes: frequencies by nodal diameter, and shapes of the rim of a casing."""
     from casingfem.modal.mode_set import Modes
     from casingfem.plot.modes import figure_frequencies, figure_rim, groups
     from casingfem.plot.style import png

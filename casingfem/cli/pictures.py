@@ -1,4 +1,4 @@
-"""What `--out` of a contact command shows: pictures, the forces as a table, the motion of --vtu."""
+"""Files that `--out` of a contact command writes: pictures, a table of forces, and the motion for --vtu."""
 
 from importlib.util import find_spec
 from pathlib import Path

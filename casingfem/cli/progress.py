@@ -99,7 +99,7 @@ class ProgressMessage:
 
     @property
     def text(self) -> str:
-        """What is stated now, with the time so far and the estimate of what is left."""
+        """The current progress text, with elapsed time and estimated remaining time."""
         words, done, since, now = self.what, self._done, self._since, self.seconds
         words += f", {self._detail}" if self._detail else ""
         share = "" if done is None else f": {done:.0%}"

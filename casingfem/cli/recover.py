@@ -35,7 +35,7 @@ def recover(folder: Path, as_json: bool) -> None:
 
 
 def words(folder: Path, found: Recovery, former: bool) -> str:
-    """What was done, and what was left."""
+    """A line that lists which files were recovered and which were not."""
     lines = {
         "finished": [f"{folder}: finished a set of {len(found.files)} files: {listed(found.files)}"],
         "put back": [

@@ -1,4 +1,4 @@
-"""What all commands share: --json and --out, what goes to stdout and stderr, warnings, exit codes."""
+"""Behaviour common to all commands: --json and --out, stdout and stderr, warnings, exit codes."""
 
 import hashlib
 import warnings

@@ -64,7 +64,7 @@ def overview() -> str:
 
 
 def roots() -> dict[str, "Model"]:
-    """What a file, or the table [sweep] or [chance] of one, is by its kind."""
+    """Root tables of the file kinds, and of the tables [sweep] and [chance], by kind."""
     from casingfem.chance.tables import ChanceTable
     from casingfem.study.tables.tasks import StudyFile
     from contact.scene.schema import scene_models
@@ -74,7 +74,7 @@ def roots() -> dict[str, "Model"]:
 
 
 def explained(key: str) -> list[dict[str, Any]]:
-    """What a key represents: a part for each different table of this name, with the files that have it."""
+    """Description of a key: one part for each table with this name, with the files that contain it."""
     first, *rest = key.split(".")
     known = roots()
     if first == "scene" and not rest:
@@ -146,7 +146,7 @@ def headline(model: "Model") -> str:
 
 
 def headline_of(end: tuple[Any, ...]) -> str:
-    """What the end of a path is, in a line."""
+    """One line that describes the last part of a path of keys."""
     from contact.io.tables import keys
 
     return str(keys(end[1])[end[0]].description) if isinstance(end[0], str) else headline(end[0])
@@ -163,7 +163,7 @@ def described(name: str, info: Any, wide: int) -> list[str]:
 
 
 def kept(info: Any) -> str:
-    """What a key is where it is left out."""
+    """The default of a key."""
     if info.is_required():
         return "must be given"
     default = info.default if info.default_factory is None else info.default_factory()

@@ -1,4 +1,4 @@
-"""What was measured: frequency tables and their correlation with a model."""
+"""Measured data: frequency tables and their correlation with a model."""
 
 import lazy_loader
 

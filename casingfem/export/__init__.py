@@ -1,1 +1,1 @@
-"""What other programs read: meshes with mode shapes, universal files."""
+"""Files for other programs: meshes with mode shapes, universal files."""

@@ -29,7 +29,7 @@ HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="Litt
 
 
 class Drawn(NamedTuple):
-    """What is drawn of a structure: its nodes (nodes, 3), cells of one kind by VTK's number, lines between nodes.
+    """A structure to be drawn: nodes (nodes, 3), cells of one kind by VTK's number, lines between nodes.
 
     `rows` are the places of the nodes in the modes' fields, `labels` their numbers; `normals` (nodes, 3), pointing
     outward, and `thickness` (nodes,) are those of a wall, None on imported parts.
@@ -152,7 +152,7 @@ def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, e
 
 
 def point_data(surface: Drawn, shape: FloatArray) -> dict[str, Array]:
-    """What a file has at its points."""
+    """Fields of a file at its points."""
     data: dict[str, Array] = {"displacement": shape}
     if surface.normals is not None and surface.thickness is not None:
         data |= {"normal_displacement": np.einsum("ni,ni->n", surface.normals, shape), "thickness": surface.thickness}

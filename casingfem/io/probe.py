@@ -27,11 +27,11 @@ REFUSED = 3  # exit code: the reader raised, and what it stated was handed over
 
 
 class UnreadableError(Exception):
-    """What a reader stated of a file, or what became of its process."""
+    """A file could not be read: the reader reported a fault, or its process ended."""
 
 
 def fault_of(path: Path, module: str, function: str) -> str:
-    """What happens to a process that calls `module.function(path)`; "" where it ends within its bounds.
+    """Fault of a process that calls `module.function(path)`; "" if it ends within its limits.
 
     An exception is no fault: the parent will meet it too.
     """
@@ -120,7 +120,7 @@ def give(stream: IO[bytes], call: Callable[[Path], Mapping[str, Any]], path: Pat
 
 
 def taken(stream: IO[bytes]) -> dict[str, Array]:
-    """What `give` wrote."""
+    """Read the file that `give` wrote."""
     *names, end = np.load(stream, allow_pickle=False).tolist()
     if end == "raised":
         raise UnreadableError(names[0])

@@ -18,7 +18,7 @@ def usable_cores() -> int:
 
 
 class Each(Protocol):
-    """What a function makes of each of some items, in their order, as `map` does."""
+    """Results of a function for each item, in the order of the items, like `map`."""
 
     def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterator[B]:
         """One after the other, or several at once."""

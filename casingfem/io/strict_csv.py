@@ -111,7 +111,7 @@ class StrictCsv:
 
 
 def _or_empty(blank: float | None) -> str:
-    """What is stated of empty cells where they are allowed."""
+    """End of a message about empty cells, where they are allowed."""
     return "" if blank is None else ", or an empty cell where there is none"
 
 
@@ -265,7 +265,7 @@ def _check_printable(text: str, row: StrictRow) -> None:
 
 
 def _decimal(rows: Sequence[tuple[str, ...]], lines: Sequence[int], path: str) -> str:
-    """What is before the decimals of a table whose cells no comma separates: one mark throughout."""
+    """Decimal mark of a table whose cells are not separated by commas; the whole table uses one mark."""
     marks = ""
     for line, cells in zip(lines, rows, strict=True):
         for cell in cells:

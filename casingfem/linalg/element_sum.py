@@ -60,7 +60,7 @@ class ElementSum:
 
     @property
     def pattern(self) -> tuple[IntArray, ...]:
-        """What its sparsity depends on."""
+        """The data that determine the sparsity pattern."""
         return tuple(group.dofs for group in self.groups)
 
     @property

@@ -1,4 +1,4 @@
-"""What a front takes from the matrix itself: entries of a sparse one, or the dense matrices of elements.
+"""Entries that a front takes from the matrix: from a sparse matrix, or from dense element matrices.
 
 An element's matrix goes whole to the front that eliminates the first of its unknowns: the others, coupled with that
 one, are pivots or rows there. The matrix of an element that has a front to itself is that front.

@@ -117,7 +117,7 @@ class Fronts:
 
 
 def pattern_of(A: Symmetric) -> tuple[IntArray, ...]:
-    """What the plan of a matrix depends on."""
+    """The data of a matrix that determine its plan."""
     return A.pattern if isinstance(A, ElementSum) else (A.indptr, A.indices)
 
 

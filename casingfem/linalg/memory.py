@@ -34,7 +34,7 @@ def free_on_machine() -> float:
 
 
 def left_in_group() -> float:
-    """What is left of the limit of the control group, as in a container."""
+    """Memory left within the limit of the control group, as in a container."""
     try:
         most, used = ((GROUP / name).read_text(encoding="ascii").strip() for name in ("memory.max", "memory.current"))
         return np.inf if most == "max" else float(most) - float(used)
@@ -43,7 +43,7 @@ def left_in_group() -> float:
 
 
 def left_by_limit() -> float:
-    """What is left of the process's limit on its address space (ulimit -v)."""
+    """Memory left within the process's limit on its address space (ulimit -v)."""
     try:
         import resource
     except ImportError:

@@ -1,4 +1,4 @@
-"""What a search's answer may mean: bolts or masses with their half turns, how likely each is, and what stays hidden."""
+"""Explanations of a table: bolts or masses with their half turns, their probabilities, and changes that stay hidden."""
 
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -42,7 +42,7 @@ def bolted_edge(shell: Shell) -> str:
 
 
 def factors_of(model: AffineModel) -> FloatArray:
-    """What the bolts of a model have of a tight one's stiffness, (bolts,)."""
+    """Stiffness of a model's bolts relative to a tight bolt, (bolts,)."""
     shell = model.system.shell
     bolts = outer_supports(shell)[bolted_edge(shell)]
     assert isinstance(bolts, Bolts)
@@ -163,7 +163,7 @@ def likely(explanations: Sequence[Explanation]) -> list[Explanation]:
 
 
 def visible(point: Point, level: float, scale: float) -> FloatArray:
-    """What each change alone must be to exceed the threshold, to first order, (changes,)."""
+    """Size above which each change alone exceeds the threshold, to first order, (changes,)."""
     lengths = np.linalg.norm(point.jacobian, axis=0)
     needed = threshold(level, len(lengths), len(point.values), 1)
     return np.asarray(scale * np.sqrt(needed) / np.where(lengths > 0.0, lengths, np.nan))

@@ -1,4 +1,4 @@
-"""What a search for loose bolts or added masses found: places with uncertainty, and what else it may be."""
+"""Result of a search for loose bolts or added masses: places with uncertainty, and alternatives."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -85,7 +85,7 @@ MASSES = columns_of(
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class Localisation(Reported):
-    """What explains a table with the fewest changes.
+    """The smallest set of changes that explains a table.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ class Localisation(Reported):
         }
 
     def __repr__(self) -> str:
-        """What was found, what else it may be, and what cannot be decided."""
+        """The best explanation, its alternatives, and what the table cannot decide."""
         one, many = {"bolts": ("loose bolt", "loose bolts"), "mass": ("added mass", "added masses")}[self.among]
         what = one if len(self.found) == 1 else many
         lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]

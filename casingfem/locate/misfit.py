@@ -58,7 +58,7 @@ class Point:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Misfit:
-    """What a table states against a model.
+    """Difference between a table and a model.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class Misfit:
         return Point(x, found, residuals, slopes, cost + float(residuals @ residuals), tuple(lost))
 
     def whitening(self, table: FrequencyTable, matches: Sequence[Match], rows: int) -> FloatArray:
-        """What the uncertainty of orientations makes of the residuals, (rows, rows): less weight across the splits."""
+        """Matrix (rows, rows) that weights the residuals by the uncertainty of orientations."""
         W, row = np.eye(rows), 0
         for match in matches:
             if has_angle(match, table):

@@ -81,7 +81,7 @@ def bounded_step(at: Point, on: list[int], low: FloatArray, high: FloatArray) ->
 
 
 def gains(at: Point, active: Sequence[int], bounds: Bounds) -> FloatArray:
-    """What each change promises, (changes,): the linear fall of chi^2 by it, those active left free."""
+    """Expected decrease of chi^2 by each change, (changes,), to first order; the active changes stay free."""
     on = list(active)
     J, r = at.jacobian, at.values
     if on and len(r):

@@ -39,7 +39,7 @@ ALIKE = 1e-9  # of the largest: what a direction must add to the others' strain 
 
 
 class Change(NamedTuple):
-    """What one unit of a change adds to the stiffness and to the mass; None for nothing."""
+    """Addition to stiffness and mass for one unit of a change; None for no addition."""
 
     stiffness: EdgeForm | None = None
     mass: EdgeForm | None = None

@@ -248,7 +248,7 @@ def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> Float
 
 
 def shown(wave: Array, n: int, *, sine: bool) -> FloatArray:
-    """What a mode shows of its wave; all at n = 0, where torsion, in quadrature, may share a frequency with the rest.
+    """Share of its wave that a mode shows; 1 at n = 0, where torsion, in quadrature, may have the same frequency.
 
     So it does at zero: a free casing's two rigid motions come out mixed.
     """

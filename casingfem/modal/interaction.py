@@ -81,7 +81,7 @@ class Meeting:
 
     @property
     def effect(self) -> str:
-        """What touching does there."""
+        """Effect of contact at this crossing."""
         return EFFECT[self.branch]
 
 

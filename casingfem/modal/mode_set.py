@@ -91,7 +91,7 @@ class ModeSet(Reported):
         return next((k for k, pair in enumerate(self.doublets) if mode in pair), -1)
 
     def rows(self) -> ModeRows:
-        """What the columns read."""
+        """Values of the columns."""
         members = np.array(self.doublets, dtype=int).reshape(-1, 2)
         doublet, split = np.full(len(self), -1), np.full(len(self), np.nan)
         doublet[members] = np.arange(1, 1 + len(members))[:, None]
@@ -151,7 +151,7 @@ def frequency_scale(shell: Shell) -> float:
 
 
 class Labels(NamedTuple):
-    """What the circumferential content states of modes: n, purity, partners, antinode angles [rad], aligned fields.
+    """Labels of modes from their circumferential content: n, purity, partners, antinode angles [rad], aligned fields.
 
     `rings` is the content of the aligned fields.
     """

@@ -156,7 +156,7 @@ def warn_of_surveys(found: Modes) -> None:
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:
-    """What is asked for, checked; 40 modes by default."""
+    """The requested count or band, checked; the default is 40 modes."""
     if count is not None and band is not None:
         raise ModelError("modes-band", "found both a count of modes and a band")
     if band is not None and not 0.0 <= band[0] < band[1] < HIGHEST:

@@ -174,7 +174,7 @@ def reduce(
 
 
 def beside(vectors: FloatArray, motions: FloatArray, mass: csc_array) -> FloatArray:
-    """What motions (free, k) have beside the mass-normalised modes `vectors` (free, m).
+    """The part of motions (free, k) outside the mass-normalised modes `vectors` (free, m).
 
     Of K^-1 P this is (K^-1 - Phi Lambda^-1 Phi^T) P. A difference of compliances would keep the round-off of a soft
     support, which can exceed the residual.

@@ -21,7 +21,7 @@ TRACE = 1500  # points of force and gap over the whole run
 
 
 class _Run(Protocol):
-    """What a contact result shows, a column for each contact, states by coordinate, (name, start, end) of each body.
+    """Plot data of a contact result: a column for each contact, states by coordinate, the ends of each body.
 
     Times [s], (n,), gaps [m] and forces averaged over the model's shortest period, `window` [s], in newtons, (n,
     contacts); times of the states [s], (ns,), and coordinates, (ns, N).
@@ -116,7 +116,7 @@ def named_coordinates(body: str, count: int, *, modal: bool) -> dict[int, str]:
 
 
 class _Worn(Protocol):
-    """What a coating has lost by angle of its bars [rad].
+    """Material removed from a coating, by angle of its bars [rad].
 
     Deviations of the radius [m] as made, before and after a run, (cells,); worn depths [m] at the times [s] of the map,
     (times, cells).

@@ -103,7 +103,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """What is above all: what was found, facts by name, how sure that is, what to do next.
+    """The summary at the top of a page: the finding, facts by name, confidence, next steps.
 
     `state` colours it: "good", "bad", "open", or nothing. `strips` are pictures of speed ranges by name, as HTML.
 

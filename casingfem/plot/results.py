@@ -93,7 +93,7 @@ def deflection(result: Any) -> Figure:
 
 
 def sweep(result: Any) -> Figure:
-    """What was measured over the varied keys."""
+    """Results of the runs over the varied keys."""
     values = np.array([run.values for run in result.plan.runs], dtype=float)
     return by_name("sweep", "figure_sweep")(result.plan.labels, values=values, rows=result.rows)
 

@@ -1,4 +1,4 @@
-"""What became of many runs: over one varied key as curves, over two as maps."""
+"""Results of many runs: curves over one varied key, maps over two."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""What turns in a study: [rotation], speed and axis; [cyclic], a wheel of equal sectors, perhaps mistuned."""
+"""Rotation in a study: [rotation], speed and axis; [cyclic], a wheel of equal or mistuned sectors."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +25,7 @@ NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Wheel:
-    """What [cyclic] describes.
+    """A wheel as [cyclic] describes it.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshStudy(FromFile):
-    """What a study file on an imported mesh describes.
+    """A study on an imported mesh, as its file describes it.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
 def mesh_interface(
     table: ReduceTable | None, structure: Solid | MeshShell | None, problems: Problems
 ) -> Interface | None:
-    """What [reduce] of an imported mesh names: nodes, a rim by harmonics, a tip in pieces or as a whole."""
+    """Interface that [reduce] of an imported mesh names: nodes, a rim by harmonics, a tip in pieces or as a whole."""
     if table is None:
         return None
     rim = sorted({"n_max", "axial", "axis", "point"} & table.model_fields_set)

@@ -38,7 +38,7 @@ PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Study(FromFile):
-    """What a study file describes.
+    """A study as its file describes it.
 
     Attributes
     ----------

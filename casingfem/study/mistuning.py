@@ -37,7 +37,7 @@ CHECKED = 50  # draws 0, 50, 100, 200, 400 and so on are also solved in full, an
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MistuneRun:
-    """What a run found.
+    """Result of a mistuning run.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ def read(store: Path, chunk: range) -> dict[str, Any] | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorkerState:
-    """What a worker keeps from chunk to chunk."""
+    """State that a worker keeps from chunk to chunk."""
 
     study: Study
     family: Family | None

@@ -1,4 +1,4 @@
-"""What a study's numbers can be: the checks that its keys declare, and those that need more than one key."""
+"""Plausibility checks of a study's numbers: checks that keys declare, and checks that need more than one key."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What is wrong with a study file, stated once for all: file, key, what was found, what was expected."""
+"""Problems in a study file, all reported together: file, key, what was found, what was expected."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -62,7 +62,7 @@ class Problems(list[str]):
         return Attempt(self, key)
 
     def made(self, key: str, kind: Callable[..., T], table: BaseModel | None) -> T | None:
-        """What a table describes, None without it, or with the reason collected."""
+        """The object that a table describes, None without a table; problems are collected."""
         if table is not None:
             with self.at(key):
                 return value_of(table, kind)
@@ -99,7 +99,7 @@ class Attempt:
 
 
 class FromFile:
-    """What was read from a file, and can state what is wrong with a key of it."""
+    """An object read from a file, which can report problems with its keys."""
 
     __slots__ = ()
     path: Path

@@ -35,7 +35,7 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RigTest:
-    """What a test made: rig and layout, truth, responses, coherence, kept records, the scan and its waves.
+    """Result of a simulated test: rig and layout, truth, responses, coherence, kept records, the scan and its waves.
 
     `troubles` is the truth behind those of a test in a hall.
     """

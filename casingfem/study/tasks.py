@@ -1,4 +1,4 @@
-"""What a study asks for: the update and the reduction it describes, with errors that name its keys."""
+"""Tasks of a study: the update and the reduction it describes, with errors that name its keys."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -64,7 +64,7 @@ def run_update(study: Study | MeshStudy, progress: Progress | None = None) -> Up
 def judge_update(
     study: Study | MeshStudy, fit: UpdateResult, *, left_out: bool, posterior: str | None, say: Callable[[str], None]
 ) -> dict[str, LeftOut | Laplace | PosteriorSamples]:
-    """What was asked for beyond the fit, by its key in the JSON document.
+    """Results requested beyond the fit, by their keys in the JSON document.
 
     Raises
     ------

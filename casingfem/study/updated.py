@@ -110,7 +110,7 @@ def holding(tables: dict[str, Any], edge: str) -> dict[str, Any]:
 
 
 def stiffnesses(support: dict[str, Any]) -> dict[str, float]:
-    """What a [support] table of bolts states of k: one number, or up to three."""
+    """Stiffnesses k of a [support] table of bolts: one number, or up to three."""
     return {name: support[name] for name in ("k", "k_r", "k_theta", "k_z") if name in support}
 
 

@@ -31,7 +31,7 @@ HARMONIC = re.compile(r"p(\d+)$")
 
 
 def address_of(shell: ShellParts | MeshStructure, name: str) -> numbers.Address:
-    """What a name means on this shell, or imported part.
+    """The number that a name means on this shell or imported part.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def address_of(shell: ShellParts | MeshStructure, name: str) -> numbers.Address:
 
 
 def mesh_address(structure: MeshStructure, name: str) -> numbers.Plain:
-    """What a name means on an imported part."""
+    """The number that a name means on an imported part."""
     known = numbers.mesh_numbers(structure)
     if name not in known:
         raise InputError(f"{name!r}: an imported part has {', '.join(known)}")
@@ -53,7 +53,7 @@ def mesh_address(structure: MeshStructure, name: str) -> numbers.Plain:
 
 
 def shell_address(shell: ShellParts, name: str) -> numbers.Address:
-    """What a name means on a shell."""
+    """The number that a name means on a shell."""
     parts = name.split(".")
     if len(parts) < 2:
         raise InputError(f"{name!r} is no parameter name; expected a path such as material.E")

@@ -1,4 +1,4 @@
-"""What a table can show about the parameters: the singular values of its Jacobian in units of what was known before.
+"""Identifiability of parameters: singular values of the Jacobian, scaled by the prior widths of the parameters.
 
 With J the derivatives of the weighted residuals and D the width of each parameter before the test (its prior's sigma,
 else that of a number anywhere between its bounds, their distance over sqrt 12),
@@ -100,7 +100,7 @@ class Identifiability(Reported):
 
 
 def identifiability(vary: Sequence[Parameter], jacobian: FloatArray) -> Identifiability:
-    """What a Jacobian (residuals, parameters) of the data's weighted residuals determines.
+    """Identifiability from a Jacobian (residuals, parameters) of the data's weighted residuals.
 
     >>> two = [Parameter(name=f"material.{name}", lower=0.0, upper=12**0.5) for name in ("E", "rho")]
     >>> identifiability(two, np.array([[10.0, -10.0]])).singular.round(6).tolist()

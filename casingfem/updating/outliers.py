@@ -32,7 +32,7 @@ Kind = Literal["frequency", "split", "orientation"]
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """What may be wrong: rows of the table, by which of their numbers, and how the residuals change with it."""
+    """A possible error of a table: rows, the number that is wrong in them, and the change of the residuals."""
 
     kind: Kind
     rows: tuple[int, ...]
@@ -51,7 +51,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outlier:
-    """What was set aside: mode numbers of the table, which of their numbers is off and by how much.
+    """Outlier rows that the update excluded: mode numbers, the wrong number in them, and its error.
 
     `shift` is relative for frequencies and splits (of the frequency), in degrees for orientations; `deviation` is in
     standard deviations.

@@ -1,4 +1,4 @@
-"""What an update may vary: a named number of a structure (`addresses.py`), its bounds and its prior."""
+"""Parameters of an update: a named number of a structure (`addresses.py`), its bounds and its prior."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

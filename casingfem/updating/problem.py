@@ -41,7 +41,7 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Given:
-    """What a problem was made of, frozen: a result keeps it, and makes the problem anew for what comes after the fit.
+    """Inputs of a problem, frozen: a result keeps them, to set up the problem again after the fit.
 
     `prior` and `exact` are those with which the fit ended, the others are as in `Problem`.
     """
@@ -108,7 +108,7 @@ class Problem:
 
     @property
     def given(self) -> Given:
-        """What it was made of."""
+        """The inputs of the problem."""
         return Given(
             shell=self.shell, table=self.table, vary=tuple(self.vary), count=self.count, reach=self.reach,
             shapes=self.shapes, start=frozen(self.start), prior=frozen(self.prior), exact=self.exact,

@@ -28,7 +28,7 @@ WEIGHTS = np.logspace(-4.0, 4.0, 321)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Regularisation:
-    """What is regularised, and by which rule.
+    """Parameters that are regularised, and the rule that sets the weight.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What an update found: values with their uncertainties, before and after, and what the data do not determine."""
+"""Result of an update: values with uncertainties, before and after, and undetermined parameters."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -200,7 +200,7 @@ class UpdateResult(Reported):
 
     @property
     def identifiability(self) -> Identifiability:
-        """What the table determines: singular values and directions of the data's Jacobian."""
+        """Identifiability from the table: singular values and directions of the data's Jacobian."""
         return identifiability(self.parameters, self.jacobian)
 
     @property
@@ -276,7 +276,7 @@ class UpdateResult(Reported):
         return [(names[i], names[j], float(R[i, j])) for i in range(len(R)) for j in range(i) if abs(R[i, j]) > ALIKE]
 
     def outlier_words(self) -> list[str]:
-        """What was set aside, and what the parameters are with it and without."""
+        """Lines on excluded outliers, and the parameters with and without them."""
         if self.plain is None:
             return []
         values = ", ".join(

@@ -130,7 +130,7 @@ def rates(
     table: FrequencyTable,
     matches: Sequence[Match],
 ) -> Rates:
-    """What the derivatives of all residuals need, from one evaluation of the energies for each parameter.
+    """Quantities for the derivatives of all residuals, from one evaluation of the energies for each parameter.
 
     Without a solution pairs are taken as perfect: only their partners turn them.
     """

@@ -265,7 +265,7 @@ def without_outliers(
 def contradicting(
     shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray, fit: UpdateResult, table: FrequencyTable
 ) -> tuple[tuple[Outlier, ...], FloatArray]:
-    """What of a table contradicts the rest, and the step from a fit to that without it, linearised."""
+    """Rows that contradict the rest of a table, and the linearised step of the fit without them."""
     free = jacobian * ~np.array(fit.at_bound)  # what is on a bound gives no way
     found = outlying(shifts, residual, free, len(table))
     return named(found, table), step_without(found, shifts, residual, free)

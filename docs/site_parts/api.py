@@ -1,4 +1,4 @@
-"""The pages of the API: one for each package and room, every exported name on the page of the room nearest the top."""
+"""Pages of the API: one for each public module; a name is on the page of the module nearest to the top."""
 
 import importlib
 import inspect
@@ -13,13 +13,13 @@ ARRAY = re.compile(r"(?:numpy\.)?ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], (?:
 SHORT = {"casingfem": "cf", "contact": "ct"}
 
 
-def rooms() -> dict[str, ModuleType]:
-    """The packages and the rooms below them by their addresses, the nearest to the top first."""
+def public_modules() -> dict[str, ModuleType]:
+    """The packages and the public modules below them by address, the nearest to the top first."""
     found: dict[str, ModuleType] = {}
     waiting = [(name, importlib.import_module(name)) for name in PACKAGES]
     while waiting:
         address, module = waiting.pop(0)
-        if module in found.values():  # a room below another is also at the top
+        if module in found.values():  # a module below another is also at the top
             continue
         found[address] = module
         parts = ((name, getattr(module, name)) for name in names(module))
@@ -28,13 +28,13 @@ def rooms() -> dict[str, ModuleType]:
 
 
 def names(module: ModuleType) -> list[str]:
-    """What a room exports: its list, else what is written in it."""
+    """Names that a module exports: its `__all__`, or names defined in it."""
     own = (name for name, item in vars(module).items() if getattr(item, "__module__", "") == module.__name__)
     return sorted(getattr(module, "__all__", None) or own, key=str.lower)
 
 
 def page(address: str, module: ModuleType, seen: dict[int, str]) -> str:
-    """The page of a room; what an earlier page has is named with its place there."""
+    """The page of a module; names on an earlier page are listed with a link."""
     first, _, rest = address.partition(".")
     called = SHORT[first] + (f".{rest}" if rest else "")
     lines = [f"``{called}``", "=" * (len(called) + 4), "", f".. module:: {address}", ""]
@@ -60,7 +60,7 @@ def write(app: Sphinx) -> None:
     folder = Path(app.srcdir, "built", "api")
     folder.mkdir(parents=True, exist_ok=True)
     seen: dict[int, str] = {}
-    found = rooms()
+    found = public_modules()
     for address, module in found.items():
         text = page(address, module, seen)
         path = folder / f"{address}.rst"

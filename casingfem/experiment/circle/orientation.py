@@ -143,7 +143,7 @@ def quadrature(first: float, second: float, n: int) -> float:
 
 
 def reading(own: FloatArray, covariance: FloatArray) -> FloatArray:
-    """What gives the parts c (columns,) of a shape = own c + error by generalised least squares, (columns, sensors).
+    """Matrix (columns, sensors) that estimates c of a shape = own c + error by generalised least squares.
 
     >>> reading(np.ones((2, 1)), np.diag([1.0, 3.0])).tolist()
     [[0.75, 0.25]]

@@ -17,7 +17,7 @@ from contact.io.npz import write_npz
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ScanRecord:
-    """What the vibrometer saw while its spot ran; arrays are read-only.
+    """Record of the vibrometer while its spot ran around the casing; arrays are read-only.
 
     Attributes
     ----------

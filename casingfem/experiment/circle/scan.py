@@ -51,7 +51,7 @@ class Wave(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class CircleScan(Reported):
-    """What a scan found; arrays are read-only.
+    """Result of a circle scan; arrays are read-only.
 
     Attributes
     ----------

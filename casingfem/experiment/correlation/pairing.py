@@ -34,7 +34,7 @@ WORST_SHAPE = 0.5
 
 
 class ModeSet(Protocol):
-    """What pairing asks of computed modes: three arrays, ascending in frequency."""
+    """The data of computed modes that pairing needs: three arrays, ascending in frequency."""
 
     @property
     def freq(self) -> FloatArray:

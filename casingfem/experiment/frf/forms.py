@@ -1,4 +1,4 @@
-"""What a frequency response is, receptance, mobility or accelerance: from its unit, or from codes of a universal file.
+"""Kind of a frequency response (receptance, mobility, accelerance), from its unit or from codes of a universal file.
 
 A response is the receptance times (j omega)^p: p = 0 for a displacement over a force, 1 for a velocity, 2 for an
 acceleration.
@@ -57,7 +57,7 @@ def unit_of(function: Function) -> str:
 
 
 def quantity_of(function: Function) -> str:
-    """What a response without a unit is, by its codes, where it is no motion over a force; "" where they leave it open.
+    """Quantity of a response without a unit that is not motion over force, by its codes; "" if they leave it open.
 
     It replaces a unit: no form follows from it, so that a user has to state one.
     """

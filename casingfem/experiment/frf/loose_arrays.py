@@ -109,7 +109,7 @@ def read_mat(path: str | os.PathLike[str]) -> dict[str, Array]:
 
 
 def mat_contents(path: Path) -> dict[str, Array]:
-    """What `read_mat` returns (in a child)."""
+    """Contents of a MAT file for `read_mat`, read in a child process."""
     from scipy.io import loadmat
 
     try:

@@ -72,7 +72,7 @@ def outer_terms(fit: PoleFit, rules: Thresholds = USUAL) -> int:
 
 
 def worth(fit: PoleFit, rules: Thresholds = USUAL) -> FloatArray:
-    """What each pole brings over what chance does, (poles,): above 1 it is justified."""
+    """Improvement by each pole relative to that expected by chance, (poles,); a pole above 1 is justified."""
     return np.asarray(fit.gains() / (fit.noise * asked(fit.window.Y.shape[1], rules)))
 
 

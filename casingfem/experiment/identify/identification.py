@@ -286,7 +286,7 @@ def _empty(modes: list[Mode], rules: Thresholds) -> tuple[str, ...]:
 
 
 def _test_notes(data: Responses, left: float, rules: Thresholds) -> tuple[str, ...]:
-    """What the record itself shows: an end before the ringing has decayed, leakage."""
+    """Notes on the record: whether it ends before the ringing has decayed, and leakage."""
     ended = (
         f"the records end {data.end:.3g} s after the hit, when {100.0 * left:.0f} % of the ringing is left; the fit"
         " includes this end. Measure longer, or use an exponential window and give its time constant"

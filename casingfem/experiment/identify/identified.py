@@ -1,4 +1,4 @@
-"""What was identified: modes with uncertainties, and the table an engineer wants."""
+"""Result of an identification: modes with uncertainties, and a frequency table."""
 
 from __future__ import annotations
 

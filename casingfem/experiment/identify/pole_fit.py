@@ -129,7 +129,7 @@ class PoleFit:
         return np.asarray(np.abs(self.A.conj() @ self.A.T) ** 2 / np.outer(norms, norms) ** 2)
 
     def gains(self) -> FloatArray:
-        """What the sum of squares rises by when a pole is left out, the others staying, (poles,)."""
+        """Increase of the sum of squares when one pole is removed and the others stay, (poles,)."""
         return np.asarray(np.sum(np.abs(self.A) ** 2, axis=1) / np.maximum(np.diag(self.gram).real, 1e-300))
 
 

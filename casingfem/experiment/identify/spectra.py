@@ -1,4 +1,4 @@
-"""What the responses show before any fit: noise, the mode indicator and its peaks, the end of the ringing."""
+"""Quantities of the responses before any fit: noise, mode indicator, peaks, end of the ringing."""
 
 from __future__ import annotations
 

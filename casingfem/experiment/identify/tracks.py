@@ -60,7 +60,7 @@ def shift_of(tracks: list[Track]) -> float:
 
 
 def setup_notes(tracks: list[Track]) -> tuple[str, ...]:
-    """What a test of several set-ups is."""
+    """Notes on a test with several set-ups."""
     if not tracks:
         return ()
     most = max(len(track.freqs) for track in tracks)

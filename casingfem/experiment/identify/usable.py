@@ -1,4 +1,4 @@
-"""What of a set of responses can be used: lines of the band, sensors with a signal, the form, what each line weighs."""
+"""Selection of usable responses: lines of the band, sensors with a signal, form, and weights of the lines."""
 
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What drives the structure: random, burst random, impact, stepped sine. One value each, with `force(time, rng)`.
+"""Excitation of a structure: random, burst random, impact, stepped sine, each with `force(time, rng)`.
 
 Forces have no content above their band, so that samples of them state everything about them.
 """
@@ -17,7 +17,7 @@ RAMP = 0.05  # part of a burst, or of a dwell's step, in which it rises and fall
 
 
 class Excitation(Protocol):
-    """What a record needs to know of a force."""
+    """Interface of a force that a record can use."""
 
     @property
     def highest(self) -> float:

@@ -106,7 +106,7 @@ def record(
     quantity: Quantity = "accelerance",
     card: Sequence[str] = (),
 ) -> Record:
-    """What sensors see from rest on, without noise: one excitation for each drive, independent of each other.
+    """Sensor signals from rest without noise; the excitations at different drives are independent.
 
     Raises
     ------

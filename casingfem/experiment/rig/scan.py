@@ -40,7 +40,7 @@ class Tone(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Turning:
-    """What turns, and what it brings with it.
+    """Rotation of mirror and casing during a scan, and the signals that it adds.
 
     Parameters
     ----------

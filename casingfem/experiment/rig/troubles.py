@@ -1,4 +1,4 @@
-"""What a hammer test in a hall has and a virtual bench lacks: each trouble with its switch, and the truth behind it.
+"""Troubles of a real hammer test that a virtual bench lacks: each can be switched on, and its truth is kept.
 
 Each mode k of set-up s is a pole p = -zeta omega + j omega sqrt(1 - zeta^2) with residues A, so that
 
@@ -96,7 +96,7 @@ class Troubles:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TroubledTruth:
-    """What is behind a test: poles as each set-up has them, and which channels are spoilt.
+    """Truth of a simulated test: poles of each set-up, and the spoilt channels.
 
     `freq` [Hz] and `zeta` (setups, modes) are those of the responses, with what the window adds; `peak` (modes,) the
     rms of each mode's peak over that of the noise there; `left` (modes,) the part of its ringing (amplitude) at the end

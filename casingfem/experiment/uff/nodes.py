@@ -20,7 +20,7 @@ NODES_OF = {
 
 
 class Units(NamedTuple):
-    """What a file's numbers are divided by to get SI units, and its name for them.
+    """Divisors that convert a file's numbers to SI units, and the file's name for its units.
 
     >>> Units(code=9, name="mm (milli newton)", length=1000.0, force=1000.0).length
     1000.0

@@ -48,7 +48,7 @@ class Skipped(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UniversalFile:
-    """What a universal file contains. Points are in metres; shapes and functions in the units that the file names.
+    """Contents of a universal file. Points are in metres; shapes and functions in the units that the file names.
 
     >>> UniversalFile(path="test.uff").functions
     ()
@@ -69,7 +69,7 @@ class UniversalFile:
 
     @property
     def contents(self) -> str:
-        """What the file contains, in words."""
+        """A line that lists the contents of the file."""
         parts = [f"{len(self.nodes.labels)} nodes"] if self.nodes is not None else []
         parts += [f"{len(self.elements.labels)} elements"] if self.elements is not None else []
         for what, items in (("trace lines", self.lines), ("shapes", self.shapes), ("functions", self.functions)):
@@ -115,7 +115,7 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
 
 
 def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
-    """What is above the functions of a universal file, of those too whose numbers are cut short.
+    """Headers of the functions of a universal file, including functions whose numbers are truncated.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:
 
 @dataclass(slots=True)
 class _Found:
-    """What has been read so far, each with the set it came from."""
+    """Data read so far, each with the data set it came from."""
 
     header: tuple[str, ...] = ()
     units: Units | None = None

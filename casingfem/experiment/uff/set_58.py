@@ -40,7 +40,7 @@ class Channel(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """What an axis shows: kind of data (17 time, 18 frequency, ...), exponents of length, force, temperature.
+    """An axis: kind of data (17 time, 18 frequency, ...), exponents of length, force, temperature.
 
     >>> Axis(kind=18, label="Frequency", unit="Hz").exponents
     (0, 0, 0)
@@ -67,7 +67,7 @@ class Axes(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FunctionHead:
-    """What a function states of itself, in the units that its axes name.
+    """Header of a function, in the units that its axes name.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class Function(FunctionHead):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionHeader(FunctionHead):
-    """What is above the numbers of a function, whether these are all there or not.
+    """Header of a function, whether its numbers are complete or not.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ _BINARY_ENDS = (7, 13, 19, 31, 43)  # ends of the columns of the line "58b ..."
 
 
 class BinaryHeader(NamedTuple):
-    """What the first line of a binary function states: byte order ("<" or ">") and number of bytes."""
+    """First line of a binary function: byte order ("<" or ">") and number of bytes."""
 
     order: str
     size: int

@@ -69,7 +69,7 @@ class Influence:
         )
 
     def of_diameter(self, n: int, blades: int, omega: float) -> complex:
-        """What the air adds to the stiffness of a wave e^(2 pi i n j/N) at omega [rad/s], [N/m]."""
+        """Aerodynamic stiffness of a wave e^(2 pi i n j/N) at omega [rad/s], [N/m]."""
         values = self.stiffness + 1j * omega * self.damping
         return complex(np.sum(values * np.exp(2j * np.pi * n * self.offset / blades)))
 
@@ -176,7 +176,7 @@ class BladedWheel:
         return np.asarray(self.rows.T @ phase)
 
     def air(self, influence: Influence | None, omega: float) -> Array | float:
-        """What the air adds to K at omega [rad/s], (D, D)."""
+        """Aerodynamic addition to K at omega [rad/s], (D, D)."""
         if influence is None:
             return 0.0
         return np.asarray(self.rows.T @ influence.between(self.blades, omega) @ self.rows)

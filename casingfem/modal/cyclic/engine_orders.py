@@ -45,7 +45,7 @@ DRAWS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrderLoad:
-    """What a wheel is asked for: an engine order, its speeds, force and damping, and draws of mistuned blades.
+    """Load case of a wheel: engine order, speeds, force, damping, and number of mistuned draws.
 
     >>> OrderLoad(order=3, from_hz=20.0, to_hz=40.0, zeta=1e-3).speeds[[0, -1]].tolist()
     [20.0, 40.0]

@@ -73,7 +73,7 @@ class CyclicModes:
         return len(self.freq)
 
     def rows(self) -> ModeRows:
-        """What the columns of a table of modes read, one row for each mode of the wheel; pairs are perfect."""
+        """Columns of a table of modes, one row for each mode of the wheel; pairs are perfect."""
         count = np.array([self.sector.count(n) for n in self.nodal_diameters.tolist()], dtype=int)
         double = count == 2
         doublet, split = np.where(double, np.cumsum(double), -1), np.where(double, 0.0, np.nan)

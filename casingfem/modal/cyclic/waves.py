@@ -59,7 +59,7 @@ class Waves:
     gyroscopic: FloatArray
 
     def turned(self, table: FloatArray, j: int) -> FloatArray:
-        """What a table (..., D) of sector 0 is for sector j."""
+        """A table (..., D) of sector 0 rotated to sector j."""
         phase = 2.0 * np.pi * j * self.n / self.sectors
         own = self.partner == np.arange(len(self.n))
         sine = np.where(own, 0.0, self.sign * np.sin(phase))

@@ -271,7 +271,7 @@ def inner(left: Columns, form: Forms, right: Columns) -> Two:
 
 
 def answers_of(own: Expansion, waves: IntArray) -> Array:
-    """What answers some waves of an expansion by way of each k, its other waves too: (l, ways, points 15, waves)."""
+    """First-order responses to some waves of an expansion, through each k: (l, ways, points 15, waves)."""
     value = own.waves.value
     X = own.answers[..., waves].copy()
     for j in np.setdiff1d(np.arange(len(value)), waves):

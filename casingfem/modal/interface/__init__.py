@@ -1,1 +1,1 @@
-"""What does contact see of a structure? Rims, tips and nodes as rows over its displacements, and outputs."""
+"""Interface of a structure to contact: rims, tips and nodes as rows over its displacements, and outputs."""

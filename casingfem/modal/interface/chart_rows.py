@@ -69,7 +69,7 @@ def require_lines(chart: Chart, lines: Sequence[float]) -> None:
 
 
 def found_edges(chart: Chart) -> str:
-    """What a chart has in place of a closed casing's edge, in words."""
+    """Edges of a chart that is not a closed casing, in words."""
     return f"; this one has {', '.join(chart.edges)}" if chart.periodic else "; this chart is open"
 
 

@@ -94,11 +94,11 @@ class Strain:
 
 
 class Output(Protocol):
-    """What can be stored with a basis: a name, and a row over the nodal fields of the structure."""
+    """A quantity stored with a basis: a name, and a row over the nodal fields of the structure."""
 
     @property
     def name(self) -> str:
-        """What it is called in a run."""
+        """Its name in a run."""
 
     def row(self, system: Any) -> FloatArray:
         """Row over the nodal fields, (nodes, dofs of a node)."""

@@ -1,4 +1,4 @@
-"""What contact sees of a structure: the loads and channels of an interface, of a chart's shell or an imported part."""
+"""The loads and channels through which contact acts on a structure: a chart's shell or an imported part."""
 
 from dataclasses import dataclass, field
 from typing import Any

@@ -51,7 +51,7 @@ def mode_shape(modes: ModeSet, mode: int, surface: Surface) -> dict[str, Any]:
 
 
 def imperfections(shell: Shell, modes: Modes, surface: Surface) -> list[dict[str, Any]]:
-    """What sets a shell apart from a perfect one, field by field, with the stray points of its survey."""
+    """Differences of a shell from the perfect one, field by field, with the outliers of its survey."""
     a, b = modes.grid.nodes[:, surface.nodes]
     found = []
     for quantity, field in shell.defects.items():

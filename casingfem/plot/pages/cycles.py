@@ -139,7 +139,7 @@ def amplitude_words(name: str, points: Sequence[Any]) -> str:
 
 
 def further_words(found: Any, jumps: Sequence[Any]) -> str:
-    """What to do next."""
+    """Recommended next steps."""
     broken = [branch.end for branch in found.branches if branch.end]
     if broken:
         return f"A branch ended inside the range: {broken[0].rstrip('.')}."

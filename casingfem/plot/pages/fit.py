@@ -51,7 +51,7 @@ def update_section(fit: UpdateResult, reference: Modes | None, samples: FloatArr
 
 
 def comparison_caption(table: FrequencyTable, models: dict[str, Paired]) -> str:
-    """What the comparison shows."""
+    """Caption of the comparison."""
     kind = "Synthetic test data" if table.synthetic else "Measured"
     return (
         f"{kind} against the {', '.join(models)} model: frequencies by nodal diameters, relative split of each "
@@ -172,7 +172,7 @@ def misfit_words(fit: UpdateResult) -> str:
 
 
 def remedies(fit: UpdateResult) -> list[str]:
-    """What to do next, by what the fit is short of."""
+    """Recommended next steps, by what the fit lacks."""
     alike = fit.indistinct()
     bounds = [p.name for p, bound in zip(fit.parameters, fit.at_bound, strict=True) if bound]
     weak = [p.name for p, known in zip(fit.parameters, fit.prior_only, strict=True) if known]

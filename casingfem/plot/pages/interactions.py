@@ -86,7 +86,7 @@ def deflection_words(runs: Sequence[Any]) -> str:
 
 
 def row_words(row: Any) -> str:
-    """What grows at a row of the table, how fast, from its run or from closed contact."""
+    """Sentence on a row of the table: the motion that grows, how fast, from a run or from closed contact."""
     at = row.at
     wave = "" if row.n is None else f"n = {row.n} of "
     travels = {"with": ", travelling with the blades", "against": ", travelling against the blades"}.get(row.wave, "")

@@ -91,7 +91,7 @@ def scene_page(
 
 
 def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
-    """What became of a run: a sentence, then force, deflection, motion, speeds and wear, how sure, what to do next."""
+    """Summary of a run: outcome, force, deflection, motion, speeds and wear, confidence, next steps."""
     state, sentence = outcome(ran)
     facts = [("Force", force_words(ran))]
     if ran.rim is not None:
@@ -206,7 +206,7 @@ def wear_words(ran: Ran) -> str:
 
 
 def sure_words(ran: Ran) -> str:
-    """What the run's own checks state, and what they leave out."""
+    """Results of the run's own checks, and effects that the checks do not cover."""
     failed = [flag for flag in ran.flags if flag.failed]
     if failed:
         return str(failed[-1])
@@ -223,7 +223,7 @@ def sure_words(ran: Ran) -> str:
 
 
 def further_words(ran: Ran) -> str:
-    """What to do next."""
+    """Recommended next steps."""
     if any(flag.failed for flag in ran.flags):
         return "Correct what the message names, then run the scene again."
     if ran.divergence is not None or (ran.growth is not None and ran.growth.state == "grows"):
@@ -242,7 +242,7 @@ def contacts_table(ran: Ran) -> Table:
 
 
 def numbers_table(ran: Ran) -> Table:
-    """What was run and how it was checked."""
+    """Table of the settings of the run and its checks."""
     rows: tuple[tuple[Cell, ...], ...] = (
         ("speed", with_rpm(ran.speed_hz) if ran.speed_hz else None),
         ("time simulated [s]", float(f"{ran.span:.6g}")),

@@ -186,7 +186,7 @@ def modes_section(found: ModeSet, reference: Modes | None) -> Section:
 
 
 def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:
-    """What the frequency diagram shows."""
+    """Caption of the frequency diagram."""
     if found.rings is None:
         return "Frequencies in ascending order."
     words = "Frequencies by number of nodal diameters; a bar joins the two members of a pair, its length is the split."

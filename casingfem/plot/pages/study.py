@@ -75,7 +75,7 @@ def update_page(study: Study | MeshStudy, fit: UpdateResult, samples: FloatArray
 def fit_sections(
     fit: UpdateResult, compared: ShapeFit | None, samples: FloatArray | None = None, *, known: Modes | None = None
 ) -> list[Section]:
-    """What an update found, and its mode shapes where they were measured.
+    """Sections on an update, with its mode shapes if they were measured.
 
     `known` are the modes of the perfect shell at the start values, where the caller has them.
     """

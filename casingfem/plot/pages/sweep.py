@@ -181,7 +181,7 @@ def lost_words(rows: Rows) -> str:
 
 
 def sure_words(rows: Rows) -> str:
-    """What the runs' own checks state, and what they leave out."""
+    """Results of the runs' own checks, and effects that the checks do not cover."""
     left = [abs(float(row["unaccounted_rel"])) for row in rows if row.get("unaccounted_rel") is not None]
     if not left:
         return "No run has results."
@@ -192,7 +192,7 @@ def sure_words(rows: Rows) -> str:
 
 
 def further_words(rows: Rows) -> str:
-    """What to do next."""
+    """Recommended next steps."""
     if any(row["status"] in ("refused", "failed") for row in rows):
         return "Correct the runs that were refused or failed: the last column of the table gives the reason."
     if any(row.get("motion") == "grows" for row in rows):

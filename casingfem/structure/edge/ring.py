@@ -1,4 +1,4 @@
-"""What is on a casing beside its wall: rings under edges, ring stiffeners between them, point masses.
+"""Rings under the edges of a casing, ring stiffeners between them, and point masses.
 
 A ring is an eccentric curved beam along an edge, with a support of its own.
 """

@@ -37,7 +37,7 @@ class FieldValues(NamedTuple):
 
 @runtime_checkable
 class Field(Protocol):
-    """What a structure asks of a field; any object with these two methods will do.
+    """Interface of a field on a structure; any object with these two methods is accepted.
 
     >>> import casingfem as cf
     >>> lobes: Field = cf.field.FourierField.of({2: (1e-3, 0.0)})

@@ -181,7 +181,7 @@ def redrawn(field: Field, draw: int) -> Field:
 
 
 def drop_random(field: Field) -> Field | None:
-    """What of a field is not random; None if nothing is left."""
+    """The part of a field that is not random; None if nothing is left."""
     if not isinstance(field, SumField):
         return None if isinstance(field, RandomField) else field
     kept = tuple(term for term in field.fields if not isinstance(term, RandomField))

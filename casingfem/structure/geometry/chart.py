@@ -43,7 +43,7 @@ class Surface(NamedTuple):
 
 @runtime_checkable
 class Chart(Protocol):
-    """What a shell needs to know of its mid-surface.
+    """Interface of a mid-surface that a shell needs.
 
     >>> import casingfem as cf
     >>> tube: Chart = cf.Cylinder(radius=0.5, height=0.3)
@@ -76,7 +76,7 @@ class Chart(Protocol):
 
 
 def is_axisymmetric(chart: Chart) -> bool:
-    """What the chart states of itself; a chart without the statement is not axisymmetric.
+    """Whether the chart declares itself axisymmetric; a chart without the attribute is not.
 
     >>> is_axisymmetric(Cylinder(radius=1.0, height=2.0)), is_axisymmetric(Plate(length=1.0, width=0.5))
     (True, False)
@@ -137,7 +137,7 @@ def cylindrical_directions(z: Array, theta: Array) -> Array:
 
 
 class Closed:
-    """What closed charts share: edges base and top, springs along e_r, e_theta, e_z; not axisymmetric.
+    """Base of closed charts: edges base and top, springs along e_r, e_theta, e_z; not axisymmetric.
 
     >>> import casingfem as cf
     >>> tube = cf.Cylinder(radius=0.5, height=0.3)
@@ -168,7 +168,7 @@ class Closed:
 
 
 class ClosedOfRevolution(Closed):
-    """What closed charts of revolution about z share: as `Closed`, axisymmetric.
+    """Base of closed charts of revolution about z: as `Closed`, axisymmetric.
 
     >>> import casingfem as cf
     >>> tube = cf.Cylinder(radius=0.5, height=0.3)
@@ -185,7 +185,7 @@ class ClosedOfRevolution(Closed):
 
 
 class Open:
-    """What open charts share: edges root, tip, left and right; of a sector, springs along e_r, e_theta, e_z.
+    """Base of open charts: edges root, tip, left and right; on a sector, springs act along e_r, e_theta, e_z.
 
     >>> import casingfem as cf
     >>> plate = cf.Plate(length=0.2, width=0.1)

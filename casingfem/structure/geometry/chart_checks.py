@@ -1,4 +1,4 @@
-"""What a chart must keep to, examined on a few points: finite, smooth, not folded, closed and round where it claims so.
+"""Checks of a chart on a few points: finite, smooth, not folded, and closed and round where it claims so.
 
 A user's own chart is code; a wrong derivative in it gives frequencies that seem right. The derivatives are compared
 with differences of the surface itself.

@@ -1,4 +1,4 @@
-"""What imported solids and shells share: what a structure on a mesh has, and its assembled system.
+"""Common parts of imported solids and shells: the structure on a mesh, and its assembled system.
 
 Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations; on shells some of
 whose walls meet at an angle three, of which nodes of one wall use two (`mesh/joints.py`).
@@ -28,7 +28,7 @@ IDLE = 1e-9  # of the size of a force: its part along an idle motion that is rou
 
 
 class MeshStructure(Protocol):
-    """What everything beyond a chart asks of a structure: `Solid`, `MeshShell`, or one of your own.
+    """Interface of a structure on a mesh: `Solid`, `MeshShell`, or one of your own.
 
     Modes, statics, reduction, and what is built on them take whatever has these members.
 
@@ -134,7 +134,7 @@ class MeshSystem:
 
     @property
     def cells(self) -> IntArray:
-        """What to draw: VTK's number of the kind of cell and its nodes, (cells, 1 + nodes of a cell)."""
+        """Cells to draw: VTK's number of the kind of cell and its nodes, (cells, 1 + nodes of a cell)."""
         mesh = self.structure.mesh
         return np.insert(mesh.cells, 0, VTK[mesh.kind], axis=1)
 

@@ -1,4 +1,4 @@
-"""What can be wrong with an imported mesh: everything is scanned, the first few cells or nodes of each fault named.
+"""Checks of an imported mesh: all of it is scanned, and the first cells or nodes of each fault are named.
 
 Faults that would give wrong frequencies are refused, all of them in one error; of what may be meant a warning is given.
 """

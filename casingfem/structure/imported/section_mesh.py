@@ -25,7 +25,7 @@ DEGREE = 3
 
 
 class Sections(Protocol):
-    """What is meshed: both surfaces of each section, which of their edges are closed, the name of their source."""
+    """Sections to be meshed: both surfaces of each, which of their edges are closed, and the name of their source."""
 
     @property
     def surfaces(self) -> tuple[FloatArray, ...]:

@@ -231,7 +231,7 @@ def built(
 
 
 def problems(number: int, part: Sequence[FloatArray], lines: IntArray, source: str) -> list[InputError]:
-    """What is wrong with one section."""
+    """Faults of one section."""
     z, r, first, second = part
     where = f"section {number}"
 

@@ -147,7 +147,7 @@ class MeshShell(ShellCells):
         return system if self.rotation is None else spun(system, self.spin(system, self.rotation), self.rotation.omega)
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
-        """What rotation about an axis adds to its matrices at rest."""
+        """Terms that rotation about an axis adds to its matrices at rest."""
         return mesh_spin(self.turning(at_rest, rotation))
 
     def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:

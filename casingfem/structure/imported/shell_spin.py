@@ -53,7 +53,7 @@ def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
 
 
 def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
-    """What a static state (nodes, 5) adds to the stiffness of the cells."""
+    """Geometric stiffness of the cells in a static state (nodes, 5)."""
     mesh = shell.apart.mesh
     normals = directors(mesh)
     frames = tangent_frames(normals)

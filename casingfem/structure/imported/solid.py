@@ -81,7 +81,7 @@ class Solid(SolidCells):
         return system if self.rotation is None else spun(system, self.spin(system, self.rotation), self.rotation.omega)
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
-        """What rotation about an axis adds to its matrices at rest."""
+        """Terms that rotation about an axis adds to its matrices at rest."""
         from casingfem.structure.imported.solid_spin import solid_spin
 
         return solid_spin(at_rest, self, rotation)

@@ -45,7 +45,7 @@ STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last o
 
 
 def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> MeshSpin:
-    """What rotation adds to a solid assembled at rest.
+    """Terms that rotation adds to a solid assembled at rest.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def products(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def solid_stiffening(solid: SolidCells, fields: FloatArray) -> Stiffening:
-    """What a static state adds to the stiffness of the cells."""
+    """Geometric stiffness of the cells in a static state."""
     m = 3 * solid.mesh.cells.shape[1]
     first, second = np.zeros((2, len(solid.mesh.cells), m, m))
     bowed = strained = 0.0
@@ -155,7 +155,7 @@ def solid_stiffening(solid: SolidCells, fields: FloatArray) -> Stiffening:
 
 
 def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, start: FloatArray) -> csc_array:
-    """What the steady state at a speed adds to the stiffness at rest: the tangent there, spin softening included.
+    """Tangent stiffness of the steady state at a speed less the stiffness at rest, spin softening included.
 
     `start`: displacements to begin with, (nodes, 3).
 

@@ -55,7 +55,7 @@ class Stiffening(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MeshSpin(Spin):
-    """What rotation at 1 rad/s adds to the matrices of an imported part at rest, on its free dofs.
+    """Terms that rotation at 1 rad/s adds to the matrices of an imported part at rest, on its free dofs.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class MeshSpin(Spin):
     steady: Callable[[float], csc_array] | None = None
 
     def stiffness(self, omega: float) -> csc_array:
-        """What a speed [rad/s] adds to K at rest: of a solid in fast rotation that of its steady state."""
+        """Addition to K at rest at a speed [rad/s]; for a solid in fast rotation, that of its steady state."""
         if self.steady is not None and omega**2 * self.nonlinear > LARGE:
             return self.steady(omega)
         return super().stiffness(omega)
@@ -103,7 +103,7 @@ class MeshTurning:
 
     @cached_property
     def extra(self) -> AttachedSpin | None:
-        """What hangs on the part."""
+        """Terms of attachments on the part."""
         connected = self.system.connected
         return None if connected is None else attached_spin(connected.rows.motions, self.rotation)
 
@@ -169,7 +169,7 @@ class MeshTurning:
 
 
 def mesh_spin(turning: MeshTurning) -> MeshSpin:
-    """What rotation about an axis adds to a part assembled at rest.
+    """Terms that rotation about an axis adds to a part assembled at rest.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What structures know of their rotation: the protocol of parts that turn, and the rotation of any structure."""
+"""Rotation of structures: the protocol of parts that rotate, and the rotation of any structure."""
 
 from typing import Protocol, runtime_checkable
 

@@ -1,4 +1,4 @@
-"""What is on an edge - springs, a beam, masses - as one kind of quadratic form.
+"""Springs, beams and masses on an edge, as one kind of quadratic form.
 
     2 energy = sum_q (B_q x_q)^T D_q (B_q x_q),   x_q the dofs numbered dofs[q]
 

@@ -73,7 +73,7 @@ def lagrange(order: int, x: Array) -> tuple[Array, Array]:
 
 @cache
 def _from_legendre(order: int) -> tuple[FloatArray, FloatArray]:
-    """What makes Lagrange polynomials of Legendre's, and slopes of Legendre's, (order + 1, order + 1) each."""
+    """Matrices from Legendre to Lagrange polynomials, and of slopes, (order + 1, order + 1) each."""
     vandermonde = legendre.legvander(2.0 * lobatto(order)[0] - 1.0, order)
     slopes = [np.pad(legendre.legder(row), (0, 1)) for row in np.eye(order + 1)]
     return np.asarray(np.linalg.inv(vandermonde), np.float64), np.array(slopes, np.float64).T

@@ -139,7 +139,7 @@ def element_sum(
 
 
 def edge_elements(form: EdgeForm, frames: FloatArray, number: IntArray) -> Elements:
-    """What is on an edge as elements, one for all points on the same dofs; `number` is a dof's among the free."""
+    """Edge forms as elements, one for all points on the same dofs; `number` is a dof's index among the free ones."""
     dofs, of = np.unique(form.dofs, axis=0, return_inverse=True)
     B = form.B
     if np.any(frames != np.eye(DOFS)):

@@ -123,7 +123,7 @@ def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
 
 
 def on_free(forms: list[EdgeForm], frames: FloatArray, free: IntArray, own: int) -> csc_array:
-    """What is on the edges, on the free dofs and in the nodal frames."""
+    """Edge terms on the free dofs, in the nodal frames."""
     nodes = np.arange(len(frames) + 1)
     size = len(frames) * DOFS + own
     matrix = sum((form.matrix(size) for form in forms), start=csc_array((size, size)))
@@ -179,7 +179,7 @@ def assemble(shell: Shell) -> System:
 
 
 def spin(system: System, rotation: Rotation) -> Spin:
-    """What rotation at 1 rad/s adds to a shell assembled at rest."""
+    """Terms that rotation at 1 rad/s adds to a shell assembled at rest."""
     return spun(turning(system, rotation))
 
 

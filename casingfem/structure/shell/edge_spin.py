@@ -1,4 +1,4 @@
-"""What rotation adds to a shell through rings and point masses on its edges.
+"""Terms that rotation adds to a shell through rings and point masses on its edges.
 
 A ring is a geometrically exact beam (Simo & Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58, 1986, 79) on rigid arms. With
 centre line x, tangent t, displacement u and rotation vector phi its strains to second order are
@@ -97,7 +97,7 @@ class EdgeSpin:
         return np.asarray((at - np.asarray(self.rotation.centre)) @ self.rotation.plane)
 
     def moved(self, fields: FloatArray, own: FloatArray) -> Moved:
-        """What the static motions of the nodes (nodes, 5) and of the rings' own dofs (own,) add."""
+        """Terms due to static motions of the nodes (nodes, 5) and of the rings' own dofs (own,)."""
         motions, found = np.concatenate([fields.ravel(), own]), Moved([], [])
         for ring in self.rings:
             held = [
@@ -188,7 +188,7 @@ class TurningRing:
         return np.hstack([self.mass[:, None] * self.away, np.asarray(moment)])
 
     def moved(self, motions: FloatArray, held: list[tuple[EdgeForm, FloatArray]]) -> Moved:
-        """What the static motions of all dofs add; `held` masses on the centre line and their distances."""
+        """Terms due to static motions of all dofs; `held` are masses on the centre line and their distances."""
         cells, beam, z = self.cells, self.beam, motions[self.dofs]
         y = np.einsum("nij,nj->ni", self.arms, z)
         local = y[cells]

@@ -1,4 +1,4 @@
-"""What a shell has on its edges, as quadratic forms over its dofs: springs, masses, rings.
+"""Springs, masses and rings on the edges of a shell, as quadratic forms over its dofs.
 
 A ring has stiffness, mass and a support over the shell's dofs and one more a node.
 """
@@ -121,7 +121,7 @@ def harmonic_ring(shell: ShellParts, name: str, ring: Ring, n: int, z: Array, li
 
 
 class EdgeForms(NamedTuple):
-    """What is on the edges: forms of stiffness and mass, and how many dofs of its own it brings."""
+    """Forms of stiffness and mass on the edges, and the number of their own dofs."""
 
     stiffness: list[EdgeForm]
     mass: list[EdgeForm]

@@ -23,7 +23,7 @@ Vector: TypeAlias = tuple[float, float, float]
 
 
 class Load(Protocol):
-    """What a static solution needs to know of a load.
+    """Interface of a load for a static solution.
 
     >>> import casingfem as cf
     >>> class Wind:

@@ -1,4 +1,4 @@
-"""What a shell is made of, as given: chart, wall, material, supports and imperfection fields."""
+"""Parts of a shell as given: chart, wall, material, supports and imperfection fields."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

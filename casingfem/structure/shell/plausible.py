@@ -118,7 +118,7 @@ def material_warnings(shell: ShellParts) -> Iterator[Concern]:
 
 
 def warnings_of(material: Material) -> Iterator[Concern]:
-    """What is odd about one material."""
+    """Warnings about one material."""
     E, nu, rho = (float(np.real(x)) for x in (material.E, material.nu, material.rho))
     speed = float(np.sqrt(E / rho))
     if E == rho == 1.0:  # a problem without units

@@ -1,4 +1,4 @@
-"""What rotation adds to a shell: stiffness K(Omega) = K + Omega^2 K1 + Omega^4 K2, and the gyroscopic matrix Omega G.
+"""Rotation of a shell: stiffness K(Omega) = K + Omega^2 K1 + Omega^4 K2, and the gyroscopic matrix Omega G.
 
 In the rotating frame, with strains quadratic in the displacements and the director a3 + w - |w|^2 a3/2 (it keeps its
 length to second order), small motions v about the steady shape u0 = Omega^2 u1 see
@@ -49,7 +49,7 @@ LINEAR = 0.3  # quadratic strains of the steady state above this part of the lin
 
 @dataclass(frozen=True, eq=False)
 class Spin:
-    """What rotation at 1 rad/s adds to the matrices of a shell at rest, on its free dofs.
+    """Terms that rotation at 1 rad/s adds to the matrices of a shell at rest, on its free dofs.
 
     Attributes
     ----------

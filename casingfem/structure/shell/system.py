@@ -68,7 +68,7 @@ class System:
 
     @property
     def cells(self) -> IntArray:
-        """What to draw: VTK's number of a quadrilateral and its nodes, (cells, 5)."""
+        """Cells to draw: VTK's number of a quadrilateral and its nodes, (cells, 5)."""
         return np.insert(quads(self.grid), 0, QUAD, axis=1)
 
     @property

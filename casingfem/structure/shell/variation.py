@@ -1,4 +1,4 @@
-"""What varies around a shell, the mesh that it takes where none is given, and what a mesh does to bolts.
+"""Circumferential variation of a shell, its default mesh, and the effect of a mesh on bolts.
 
 Elements around that do not follow bolts see some stiffer than others. Equal bolts at N places split n nodal diameters
 only if N divides 2n. On another number of elements each bolt lies elsewhere in its element and is resolved differently

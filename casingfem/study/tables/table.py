@@ -1,4 +1,4 @@
-"""What all tables of a study file share: strict values, and numbers with the ranges that physics leaves them."""
+"""Base of all tables of a study file: strict values, and numbers with physical limits."""
 
 from typing import Annotated, Literal
 

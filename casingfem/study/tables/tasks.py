@@ -49,7 +49,7 @@ class ModesTable(Table):
 
     @property
     def wanted(self) -> Wanted:
-        """What `modes` is asked for: count or band."""
+        """Arguments for `modes`: count or band."""
         return {"count": self.count} if self.band_hz is None else {"band": (self.band_hz[0], self.band_hz[1])}
 
 

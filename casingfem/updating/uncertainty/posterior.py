@@ -165,7 +165,7 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
 
 
 def varied_names(names: Sequence[str], log: Sequence[bool]) -> list[str]:
-    """What the numbers of a posterior are of: a parameter, or its decimal logarithm.
+    """Names of the numbers of a posterior: a parameter, or its decimal logarithm.
 
     >>> varied_names(["shell.thickness", "support.root.k_face"], [False, True])
     ['shell.thickness', 'log10 support.root.k_face']

@@ -82,7 +82,7 @@ def read_channels(path: str | os.PathLike[str]) -> ChannelTable:
 def _wrong(
     csv: StrictCsv, row: int, name: str, direction: int | None, factor: float, above: Mapping[str, RecordChannel]
 ) -> list[InputError]:
-    """What is wrong in a row."""
+    """The faults of a row."""
     found = list[InputError]()
     if name in above or not name:
         found.append(csv.refuse(row=row, column="channel", found=repr(name), expected="each channel once"))

@@ -1,4 +1,4 @@
-"""What an estimate of frequency responses gives: responses, coherence, hits with reasons, notes."""
+"""Result of an estimate of frequency responses: responses, coherence, accepted and rejected hits, notes."""
 
 from __future__ import annotations
 

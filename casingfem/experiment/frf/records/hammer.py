@@ -140,7 +140,7 @@ def _negative(hits: list[Hit]) -> Iterator[str]:
 
 
 def _ringing(left: float, seconds: float, tau: float | None) -> Iterator[str]:
-    """What the end of the records shows, and what an exponential window does."""
+    """Notes on the end of the records and on the damping that an exponential window adds."""
     if left * (1.0 if tau is None else np.exp(-seconds / tau)) >= ENDED:
         duration, window = longer(left, seconds)
         yield (

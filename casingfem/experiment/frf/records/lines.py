@@ -1,4 +1,4 @@
-"""What hammer and shaker tests share: lines that are kept, channels that agree, notes on signs and units."""
+"""Steps common to hammer and shaker tests: selected lines, consistent channels, notes on signs and units."""
 
 from __future__ import annotations
 

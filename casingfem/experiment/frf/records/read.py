@@ -26,7 +26,7 @@ KINDS = ", ".join((*UNIVERSAL, ".wav", ".mat", ".npz", ".csv"))
 
 
 class RecordFile(NamedTuple):
-    """What a file of records contains: takes, and the geometry of a universal file."""
+    """Contents of a file of time records, with the geometry if it is a universal file."""
 
     takes: tuple[Take, ...]
     nodes: Nodes | None = None

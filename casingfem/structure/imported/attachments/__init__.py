@@ -1,1 +1,1 @@
-"""What do attachments do to a mesh? Rigid and mean connections, ties and equations as motions of its nodes."""
+"""Attachments of a mesh: rigid and mean connections, ties and equations, as motions of its nodes."""

@@ -180,7 +180,7 @@ def projected(kind: str, nodes: FloatArray, x: FloatArray) -> tuple[FloatArray, 
 
 
 def tiny(gram: FloatArray) -> FloatArray:
-    """What keeps a flat facet's matrix regular, far below its round-off."""
+    """A small term that keeps a flat facet's matrix regular, far below its round-off."""
     trace = np.einsum("pdd->p", gram)[:, None, None]
     return np.asarray(np.eye(gram.shape[1]) * np.maximum(1e-15 * trace, np.finfo(float).tiny))
 

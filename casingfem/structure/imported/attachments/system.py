@@ -21,7 +21,7 @@ LOOSE = 1e-12  # least stiffness and mass of a node's six motions, each scaled t
 
 
 class Attached(NamedTuple):
-    """What a mesh with attachments becomes.
+    """System of a mesh with attachments.
 
     K, M on the unknowns, not yet made symmetric; `lift` of the dofs of nodes by unknowns; `unknowns` among dofs of
     nodes and the turns behind them; rigid motions left; `idle` motions of the nodes without stiffness and mass;
@@ -158,7 +158,7 @@ def enlarged(A: csc_array, size: int) -> csc_array:
 
 
 def spring_rows(motions: Motions) -> csr_array:
-    """What each spring feels of the dofs, (springs, dofs)."""
+    """Rows that give the deformation of each spring from the dofs, (springs, dofs)."""
     springs = motions.mesh.attachments.springs
     return as_rows([motions.combined(spring.terms, spring.where) for spring in springs], motions.size)
 

@@ -92,7 +92,7 @@ class Motions:
         return {dof: value for dof, value in total.items() if value}
 
     def fault(self, where: str, node: int, found: str) -> ModelError:
-        """What cannot be attached, and at which node."""
+        """Fault of a node that cannot be attached."""
         source, number = self.mesh.source, self.mesh.node_numbers[node]
         return ModelError("mesh-attachment", f"{source}: {where}: node {number}: found {found}")
 

@@ -1,4 +1,4 @@
-"""What rotation about an axis adds to a part through what hangs on it: masses on arms, forces in rigid connections.
+"""Effect of rotation on attachments of a part: masses on arms, forces in rigid connections.
 
 A point that a node moves on an arm r is at u + theta x r + theta x (theta x r)/2, to second order. A mass m there
 has, at 1 rad/s and with A v = u + theta x r,
@@ -27,7 +27,7 @@ Entries = list[tuple[list[dict[int, float]], FloatArray]]  # rows over the motio
 
 
 class AttachedSpin(NamedTuple):
-    """What masses add at 1 rad/s, on all motions: mass, softening, gyroscopic, stiffness of their forces, and force."""
+    """Terms of attached masses at 1 rad/s: mass, softening, gyroscopic, stiffness of forces, and force."""
 
     mass: csc_array
     softening: csc_array

@@ -1,1 +1,1 @@
-"""What does one cell of an imported mesh strain, what do its matrices contain? Solids and shells."""
+"""Strains and matrices of one cell of an imported mesh, for solids and shells."""

@@ -1,4 +1,4 @@
-"""What groups of an imported mesh have of their own: supports, materials, thicknesses.
+"""Properties of groups of an imported mesh: supports, materials, thicknesses.
 
 A support fixes directions; `Clamped` and `ElasticEdge(k_face=...)` serve there too.
 """

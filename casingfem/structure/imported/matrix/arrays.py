@@ -141,7 +141,7 @@ def read_from_hdf5(path: Path) -> dict[str, Any]:
 
 
 def of_child(path: Path, form: str, reader: str) -> dict[str, Any]:
-    """What a child reads by one of the readers here."""
+    """Arrays that a child process reads with one of these readers."""
     try:
         return put_together(path, dict(arrays_of(path, __name__, reader)))
     except UnreadableError as error:

@@ -23,7 +23,7 @@ READ = {"GRID", "GRDSET", "EXTRN", "DMIG", "PARAM", *KINDS_OF_SYSTEMS, *BY_GRIDS
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Bulk:
-    """What bulk data state of a part: `rows` (n, 2) of EXTRN or None, positions and own axes of grids, PARAM G."""
+    """Bulk data of a part: `rows` (n, 2) of EXTRN or None, positions and own axes of grids, PARAM G."""
 
     source: str
     dmig: Dmig

@@ -1,1 +1,1 @@
-"""What is a mesh from a file: its nodes, cells and groups, the kinds of cells, and what hangs on it."""
+"""A mesh from a file: nodes, cells, groups, kinds of cells, and attachments."""

@@ -196,7 +196,7 @@ class Attachments:
 
     @property
     def ties(self) -> tuple[Rigid | Mean | Equation | Tie, ...]:
-        """What makes motions depend on others."""
+        """Attachments that make motions depend on others."""
         return (*self.rigids, *self.means, *self.equations, *self.glued)
 
     @property

@@ -33,7 +33,7 @@ FLAT: Mapping[str, str] = {"quad": "triangle", "quad8": "triangle6", "quad9": "t
 
 @cache
 def forms(kind: str) -> tuple[tuple[str, tuple[int, ...], IntArray], ...]:
-    """What cells of a kind can be: kind, first corner that each corner repeats, and the places of the kind's own nodes.
+    """Shapes of cells of a kind: kind, first corner that each corner repeats, places of the kind's own nodes.
 
     Linear solids stay bricks, whose shape functions are those of what they collapse to.
     """

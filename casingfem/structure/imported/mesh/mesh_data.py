@@ -18,7 +18,7 @@ NATIVE = ("hexahedron20", "quad8", "quad9")  # kinds of which collapsed cells ar
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Group:
-    """What a name represents: nodes always; cells or facets where the file gives them.
+    """A named group: always nodes; cells or facets where the file gives them.
 
     `facets` are pairs (cell, local facet), (m, 2); None where the group contains nodes only.
 

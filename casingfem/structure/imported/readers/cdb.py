@@ -39,7 +39,7 @@ INTEGERS = re.compile(r"(\d*)i(\d+)", re.IGNORECASE)
 
 @dataclass(slots=True)
 class Archive:
-    """What the blocks of a file contain."""
+    """Contents of the blocks of a file."""
 
     source: str
     lines: list[str]

@@ -42,7 +42,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Draft:
-    """What a reader found.
+    """Contents of a mesh file before checks.
 
     `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners);
     `attachments` are in the file's units; `gluings` name sets; `metre` is the unit of length that the file states [m].

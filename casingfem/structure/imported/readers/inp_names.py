@@ -50,7 +50,7 @@ NONE = np.zeros(0, dtype=np.int64)
 
 
 class Names:
-    """What the names of a file represent so far, and how its lines are refused."""
+    """Names defined in a file so far, and errors for its lines."""
 
     def __init__(self, source: str) -> None:
         self.source = source

@@ -23,7 +23,7 @@ LEFT_OUT = re.compile(
 
 
 class NastranAttachments(NastranCards):
-    """What the cards of a file attach, once all of it is read."""
+    """Attachments from the cards of a file, once the whole file is read."""
 
     def attachments(
         self, points: FloatArray, index: Callable[[IntArray], IntArray], turned: Mapping[int, int]

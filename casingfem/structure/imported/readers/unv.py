@@ -59,7 +59,7 @@ class DataSet(NamedTuple):
 
 @dataclass(slots=True)
 class Universal:
-    """What the sets of a file contain, by labels."""
+    """Contents of the data sets of a file, by label."""
 
     source: str
     lines: list[str]
@@ -117,7 +117,7 @@ class Universal:
             at = end + 1
 
     def take(self, one: DataSet) -> None:
-        """What a set contains."""
+        """Read the contents of a data set."""
         if one.number in NODES:
             self.take_nodes(one)
         elif one.number in ELEMENTS:
