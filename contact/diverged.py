@@ -73,7 +73,7 @@ def _limit_words(name: str, reached: float, allowed: float) -> str:
 
 
 def _fed_words(energy: EnergyBudget) -> str:
-    """Who put energy in, the largest part first."""
+    """Sources of the energy, the largest first."""
     contact = -energy.lost_in_contact
     parts = {
         "friction": energy.friction, "the turning rim": energy.rotation, "gravity and whirl": energy.body_force,

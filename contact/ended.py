@@ -1,4 +1,4 @@
-"""How a run ends: its energies, limits and flags, its growth, the result or the error that has it."""
+"""End of a run: energies, limits and flags, growth, and the result or an error that contains it."""
 
 from __future__ import annotations
 

@@ -175,7 +175,7 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
 
 
 def frames(rub: Rub, result: Result, count: int) -> tuple[Places, Places]:
-    """Which of the stored states a film shows, and where its stretches begin."""
+    """Stored states that a film shows, and the starts of its stretches."""
     stored = len(result.state_time)
     own = slice(0, rub.flexible)  # without the modes of a rotor and its angle, which grows
     power = np.mean(result.state_of("casing")[:, own] ** 2, axis=0)

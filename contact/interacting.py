@@ -52,7 +52,7 @@ class DangerousSpeed:
 
     @property
     def wave(self) -> str:
-        """How it travels around the casing; by the pole where the states of the run do not show it."""
+        """Travel of the wave around the casing; from the pole if the states of the run do not show it."""
         peak, run = self.peak, self.at
         if peak is None or (run.verdict != "safe" and (run.wave or run.n != peak.n)):
             return run.wave
@@ -136,7 +136,7 @@ class Interactions(Reported):
 
     @property
     def words(self) -> str:
-        """What was run, and what follows, in sentences."""
+        """Sentences on the runs and the conclusions."""
         low, high = (float(hz) for hz in self.peaks.map.speed_hz[[0, -1]])
         span = f"{low:.4g} to {high:.4g} Hz ({60.0 * low:,.0f} to {60.0 * high:,.0f} rpm)"
         pairs = "Pairs of the casing are split: the poles are those of their mean." if self.peaks.averaged else ""
@@ -293,7 +293,7 @@ def _merged(rows: Sequence[DangerousSpeed]) -> list[DangerousSpeed]:
 
 
 def _badness(run: SpeedRun) -> float:
-    """How bad a run is among those of its verdict."""
+    """Rank of a run among those with the same verdict, the worst highest."""
     if run.verdict == "unstable":
         return run.growth if math.isfinite(run.growth) else math.inf
     return run.amplitude_m if run.verdict == "resonance" else run.closed

@@ -1,4 +1,4 @@
-"""What a finished run is to be trusted with: its energy, its penetration, its solves, held against one table."""
+"""Reliability of a finished run: energy, penetration and solver residuals against one table of limits."""
 
 from __future__ import annotations
 

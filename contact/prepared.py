@@ -26,7 +26,7 @@ OnLimit = Literal["stop", "flag"]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Scene:
-    """What to run and how, as a scene file states it; every setting may be left out or overridden in `run`.
+    """A scene ready to run; every setting may be left out or overridden in `run`.
 
     `on_limit` "stop": a run whose rim moves beyond half its wall, or whose numbers are no solution (a flag that
     `failed`), is an error that keeps the result so far. "flag": it goes on to a tenth of the radius, and ends without

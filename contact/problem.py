@@ -1,4 +1,4 @@
-"""What is to run, in the form that schemes take, and the scheme that runs it where none is named."""
+"""A problem in the form that schemes take, and its default scheme."""
 
 from __future__ import annotations
 

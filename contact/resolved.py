@@ -95,7 +95,7 @@ def _late(change: Change, t_end: float) -> Flag:
 
 
 def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
-    """What to state of loads given as functions that vary between the steps, and whether that is refused."""
+    """Findings on loads given as functions that vary within a step, and whether the run is refused."""
     for j, forcing in enumerate(stepper.system.body.forcing if isinstance(stepper, LinearStepper) else ()):
         left = between(forcing.amplitude, stepper.dt, t_end)
         if left > BETWEEN:
@@ -105,7 +105,7 @@ def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
 
 
 def between(amplitude: Callable[[Array], Any], dt: float, t_end: float) -> float:
-    """How far a load lies off straight lines between the steps, at half steps: r.m.s. over its own r.m.s.
+    """Deviation of a load from straight lines between the steps, at half steps: r.m.s. over its own r.m.s.
 
     1 - cos(pi/N) of a harmonic of N steps a period.
 

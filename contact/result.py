@@ -1,4 +1,4 @@
-"""What a run returns: forces, intervals, impulses, energy budget, and how far the law was violated."""
+"""Result of a run: forces, intervals, impulses, energy budget, and the largest penetration."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class Result(Reported):
 
     @property
     def wear(self) -> Wear | None:
-        """What an abradable coating lost, all tracks together; None without one."""
+        """Wear of an abradable coating, all tracks together; None without a coating."""
         return joined(self.tracks)
 
     @property

@@ -82,7 +82,7 @@ class ForceMap:
 
 
 def force_over_angle(what: What, result: Result, *, bars: int = 180, rows: int = 160) -> ForceMap | None:
-    """Where on the casing the tips press, and when; None of what does not turn.
+    """Tip forces over the angle of the casing and over time; None for a casing that does not rotate.
 
     A row is a whole number of turns; the last may be longer.
 

@@ -1,4 +1,4 @@
-"""Which input matters: Sobol indices of groups of inputs.
+"""Sobol indices of groups of inputs: the share of each group in the variance of a result.
 
 The first-order index of a group is the share of a result's variance that the group causes alone, its total index the
 share that would be left if all others were known (A. Saltelli et al., Comput. Phys. Comm. 181, 2010, 259).

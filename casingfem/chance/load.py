@@ -61,7 +61,7 @@ class ChanceScene:
 
     @property
     def groups(self) -> int:
-        """How many inputs are random: fields by their quantity, and numbers."""
+        """Number of random inputs: fields by their quantity, and numbers."""
         return len(RandomSeries.of(self.study.shell).groups) + len(self.laws)
 
     @property
@@ -192,7 +192,7 @@ def faults_of_laws(file: Path, head: Any, table: ChanceTable) -> list[str]:
 
 
 def faults_of_both(file: Path, scene: Scene, study: Study) -> list[str]:
-    """Where the scene's casing is not that of the study."""
+    """Differences between the scene's casing and that of the study."""
     what = scene.what
     if not isinstance(what, RotatingRim | Rub) or study.file.reduce is None or not isinstance(study.interface, Rim):
         return []

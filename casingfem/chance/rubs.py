@@ -119,7 +119,7 @@ def unstable(rows: list[Row]) -> Estimate:
 
 
 def words_of_runs(rows: list[Row]) -> str:
-    """How many runs grow, in a sentence; empty without runs."""
+    """Number of runs that grow, in a sentence; empty without runs."""
     if not rows:
         return ""
     names = ("unstable", "resonance", "safe", "not decided")

@@ -63,7 +63,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
 
 
 def words(found: "SweepResult", seconds: float) -> str:
-    """How many runs, what became of them, the largest growth."""
+    """Lines on the number of runs, their outcomes, and the largest growth."""
     from contact.sweep.sweep import counted
 
     plan, rows = found.plan, found.rows
@@ -86,7 +86,7 @@ def words(found: "SweepResult", seconds: float) -> str:
 def motion_words(
     keys: "Sequence[str]", rows: "Sequence[Mapping[str, Any]]", values: "Sequence[Sequence[object]]"
 ) -> list[str]:
-    """How many motions grow, are bounded, decay; the fastest growth with its interval, its wave and its source."""
+    """Lines on the motions that grow, are bounded, decay; the fastest growth with its interval, wave and source."""
     count = Counter(str(row["motion"]) for row in rows if row.get("motion"))
     if not count:
         return []
@@ -163,7 +163,7 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
 
 
 def words_of_draws(run: "MistuneRun") -> str:
-    """How sure the frequencies are, and what was there already."""
+    """Lines on the accuracy of the frequencies, and on draws that were stored before."""
     lines = []
     if run.estimate is not None:
         near = run.found.draws - len(run.in_full)

@@ -1,4 +1,4 @@
-"""Which rows of a frequency table are the two members of one doublet."""
+"""Find the rows of a frequency table that are the two members of one doublet."""
 
 from dataclasses import dataclass
 from typing import TypeAlias

@@ -1,4 +1,4 @@
-"""Who goes with whom at the least cost in all: scipy's solution, loaded where it is asked for."""
+"""Assignment with the least total cost: scipy's solution, imported on first use."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -39,7 +39,7 @@ class Graph:
 
     @property
     def first(self) -> IntArray:
-        """Where the edges of each vertex start, and the end of all, (vertices + 1,)."""
+        """Start of the edges of each vertex, and the end of all, (vertices + 1,)."""
         return np.asarray(np.searchsorted(self.tail, np.arange(self.size + 1)))
 
 

@@ -70,7 +70,7 @@ def solve(K: Symmetric, mass: Mass, wanted: int | Band, shift: float, direct: Di
 
 
 def gaps(eigenvalues: FloatArray, count: int, floor: float, clear: float) -> IntArray:
-    """Which eigenvalues from number `count` on are followed by a clear gap, counted from there.
+    """Eigenvalues from number `count` on that a clear gap follows, counted from there.
 
     Eigenvalues below `floor` are zero but for round-off: what parts them counts against the floor.
     """

@@ -212,7 +212,7 @@ def diagonalised(M: csc_array) -> tuple[FloatArray, csc_array]:
 
 
 def round_off(K: Symmetric | FloatArray, vectors: Array) -> FloatArray:
-    """How far round-off in the entries of K moves the eigenvalues of mass-normalised vectors (n, k): (k,).
+    """Change of the eigenvalues of mass-normalised vectors (n, k) by round-off in the entries of K: (k,).
 
     >>> float(round_off(np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[0.5], [0.5]]))[0]) / UNIT
     1.0

@@ -58,7 +58,7 @@ class Counter:
     direct: Direct
 
     def width(self, place: float, clear: float = CLEAR) -> float:
-        """How far from a place an eigenvalue still is on it."""
+        """Distance from a place within which an eigenvalue counts as on it."""
         return clear * max(abs(place), self.floor)
 
     def counted(self, place: float, way: float) -> End:

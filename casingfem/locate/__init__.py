@@ -1,1 +1,1 @@
-"""Where is a bolt loose or a mass lost: the few changes that explain frequencies and shapes."""
+"""Search for loose bolts or added masses: the smallest set of changes that explains frequencies and shapes."""

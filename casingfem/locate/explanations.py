@@ -88,7 +88,7 @@ def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles:
 
 
 def images(active: list[int], angles: FloatArray) -> Iterator[list[int]]:
-    """Where the active places come by half turns of some, then by turns of all and their mirror images, in order.
+    """Images of the active places by half turns of some, then by turns of all and their mirror images, in order.
 
     Half turns of some change no frequency and no orientation. Turns and mirror images of all change no frequency where
     the casing is the same all around; orientations distinguish them, as may a survey or supports: chi^2 is asked.
@@ -153,7 +153,7 @@ def significant_masses(misfit: Misfit, edge: str, masses: Masses) -> Masses:
 
 
 def half_turns(count: int) -> list[tuple[bool, ...]]:
-    """Which of so many places are turned by half a turn: all choices, none of them first; none for too many."""
+    """Choices of places that are turned by half a turn, the empty one first; none for too many places."""
     return list(product((False, True), repeat=count)) if count <= TWINS else []
 
 

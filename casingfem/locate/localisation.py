@@ -1,4 +1,4 @@
-"""Which bolts are loose, or where mass was added: from the splits and shifts of many pairs at once.
+"""Locate loose bolts or added masses from the splits and shifts of many pairs at once.
 
 One loose bolt at theta adds to the split vector of a pair a part along (cos 2 n theta, sin 2 n theta): several n
 distinguish places that one n does not. No frequency and no orientation can distinguish theta from theta + pi: turned by

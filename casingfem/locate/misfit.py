@@ -1,4 +1,4 @@
-"""How far a changed casing is from a frequency table, with derivatives by every possible change.
+"""Difference of a changed casing from a frequency table, with derivatives by every possible change.
 
 Residuals are those of an update (`targets.py`): means and split vectors. The uncertainty of a measured orientation
 widens the split vector across itself: its covariance is sigma^2 I + (2 n |d| sigma_psi)^2 t t^T, t across d.
@@ -134,7 +134,7 @@ def widest(found: AffineModes, pairs: Sequence[tuple[int, ...]], G: FloatArray) 
 
 
 def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
-    """How the phase 2 n psi of a doublet's lower member turns through all computed modes but its partner, (changes,).
+    """Rotation of the phase 2 n psi of a doublet's lower member by all modes except its partner, (changes,).
 
     Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2). A mode of the same frequency is left out: the two
     lie anywhere, and no rate is theirs.

@@ -1,4 +1,4 @@
-"""Which of several explanations the measured shapes favour, where no frequency and no orientation can decide.
+"""Choose between explanations by measured shapes, where frequencies and orientations cannot decide.
 
 Half a turn leaves a table as it is, but not the shapes: a loose bolt mixes other n into a mode, and of those an odd
 number of nodal diameters away the sign changes with the half turn.

@@ -38,7 +38,7 @@ class Bounds:
 
     @property
     def span(self) -> FloatArray:
-        """How far a change can go."""
+        """Range of each change."""
         return self.upper - self.lower
 
 

@@ -1,4 +1,4 @@
-"""How linear readings of mode shapes change: their adjoints, for all modes from one Krylov space.
+"""Derivatives of linear readings of mode shapes: their adjoints, for all modes from one Krylov space.
 
 A reading b^T phi_i of mode i changes with a parameter by z^T (K' - lambda_i M') phi_i, plus what its own plane does,
 

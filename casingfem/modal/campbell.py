@@ -89,7 +89,7 @@ class Campbell(Reported):
         return self.omega / (2.0 * np.pi)
 
     def crossings(self, order: int) -> list[tuple[int, float]]:
-        """Where an engine order meets a mode: (mode, speed [Hz]) with f = order * speed, linear between speeds.
+        """Crossings of an engine order with modes: (mode, speed [Hz]) with f = order * speed, linear between speeds.
 
         >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
         ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
@@ -150,7 +150,7 @@ class Campbell(Reported):
 
 
 def zero_crossings(speed: FloatArray, gap: FloatArray) -> list[tuple[int, float]]:
-    """Where columns of `gap` (speeds, modes) change sign or are zero: (mode, speed), linear between speeds.
+    """Zeros and changes of sign in columns of `gap` (speeds, modes): (mode, speed), linear between speeds.
 
     >>> zero_crossings(np.array([0.0, 1.0, 2.0]), np.array([[-1.0, 3.0], [3.0, 0.0], [5.0, -1.0]]))
     [(0, 0.25), (1, 1.0)]

@@ -107,7 +107,7 @@ def orientation(profile: Array, n: int) -> float:
 
 
 def quadrature(a: Array, b: Array) -> float:
-    """How well b is a turned by a quarter wave: 1 for the members of a perfect pair."""
+    """Agreement of b with a turned by a quarter wave: 1 for the members of a perfect pair."""
     return float(abs(np.real(np.vdot(1j * a, b))) / (np.linalg.norm(a) * np.linalg.norm(b)))
 
 

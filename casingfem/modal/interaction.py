@@ -1,4 +1,4 @@
-"""Where casing and blade can drive each other: f_c + f_b = n f and its difference forms, over the speed range.
+"""Speeds at which casing and blade can excite each other: f_c + f_b = n f and its difference forms.
 
 A wave of n nodal diameters and frequency f_c is met by a blade that moves past it at f turns a second with the
 frequency |f_c -+ n f|. Sum: f_b = n f - f_c, both grow while they touch, even without friction. Difference:

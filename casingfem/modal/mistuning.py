@@ -152,7 +152,7 @@ class Difference(NamedTuple):
 
 
 def difference(shell: Shell, found: ModeSet, count: int, draw: int) -> Difference:
-    """How far a draw's modes are from its full solution."""
+    """Difference between a draw's modes and its full solution."""
     full = modes(redrawn_shell(shell, draw), count, method="shell")
     freq = float(np.abs(found.freq[full.rigid :] / full.freq[full.rigid :] - 1.0).max(initial=0.0))
     if found.doublets != full.doublets or not full.doublets:

@@ -167,7 +167,7 @@ def count_or_band(count: int | None, band: Band | None) -> int | Band:
 
 
 def plate_count(shell: Shell, wanted: int | Band) -> float:
-    """How many modes are wanted: those of a band by the modal density of a plate, sqrt(3) area/(c t) a hertz."""
+    """Number of modes of a band, from the modal density of a plate, sqrt(3) area/(c t) per hertz."""
     if isinstance(wanted, int):
         return float(wanted)
     size, steel = extent(shell), shell.material

@@ -180,7 +180,7 @@ def rub_film(film: Any, run: _Run) -> Picture:
 
 
 def exaggeration(film: Any) -> float:
-    """How many times deviations are drawn: a round number, so that the largest of rim and tips is well seen."""
+    """Magnification of drawn deviations: a round number that makes the largest of rim and tips visible."""
     rim = float(np.abs(film.profile).max(initial=0.0) + np.sqrt(film.cos**2 + film.sin**2).sum(axis=1).max(initial=0.0))
     most = max(rim, float(np.abs(film.gap).max(initial=0.0)), 1e-12)
     wanted = DRAWN * film.radius / most

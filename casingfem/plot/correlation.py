@@ -96,7 +96,7 @@ def figure_comac(found: Correlation) -> Figure:
 
 
 def sensor_places(found: Correlation) -> tuple[tuple[FloatArray, str], tuple[FloatArray, str]]:
-    """Where the sensors are drawn, across and up, with the names of the axes."""
+    """Positions of the sensors in the picture, across and up, with the names of the axes."""
     if isinstance(found.modes, MeshModes):
         wide = np.sort(np.argsort(np.ptp(found.measured.points, axis=0))[1:])
         across, up = ((found.measured.points[:, axis], f"{'xyz'[axis]} [m]") for axis in wide.tolist())

@@ -157,7 +157,7 @@ def _whole(axes: Any, points: Array) -> None:
 
 @styled
 def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str, Array]) -> Figure:
-    """Where energy came from and went to over a run [J], and strain energy of each body over time.
+    """Sources and sinks of energy over a run [J], and strain energy of each body over time.
 
     Sources below SMALL of the largest are left out.
     """

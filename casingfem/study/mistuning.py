@@ -186,7 +186,7 @@ class WorkerState:
 
     @property
     def count(self) -> int:
-        """How many modes are wanted."""
+        """Number of modes."""
         return self.study.file.modes.count
 
 

@@ -26,7 +26,7 @@ NOISE, SCAN, DAMPING = 1, 2, 3  # added to the seed: what is random is so by its
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
-    """Which probes are drives, sensors and the scan's circle."""
+    """Roles of the probes: drives, sensors and the scan's circle."""
 
     drives: range
     sensors: range

@@ -122,7 +122,7 @@ def require_angle(chart: Chart | None, edge: str, key: str) -> None:
 
 
 def build_around(table: kinds.ElasticTable) -> Field | dict[str, Field] | None:
-    """How the springs of an elastic edge vary: all alike, or each by its own harmonics; None where they are even."""
+    """Variation of the springs of an elastic edge: all alike, or each by its own harmonics; None if uniform."""
     if isinstance(table.around, list):
         return series(table.around, "around", least=1) if table.around else None
     lists = {name: getattr(table.around, name) for name in ElasticEdge.stiffness_names}

@@ -1,4 +1,4 @@
-"""Which mode is which from one step of an update to the next: by its shape, never by its place.
+"""Track each mode from one step of an update to the next by its shape, not by its number.
 
 Modes of neighbouring structures are the same where their shapes span the same space: the modes that go with a row of
 the table are those with the largest share in the plane of the modes that went with it before,
@@ -108,5 +108,5 @@ def moved(match: Match, modes: list[int], whole: bool, new: ModeSet, table: Freq
 
 
 def paired_rows(pairing: Pairing) -> tuple[tuple[int, ...], ...]:
-    """Which rows of the table pair, and how they are grouped."""
+    """Rows of the table that pair with modes, and their groups."""
     return tuple(sorted(match.rows for match in pairing.matches))

@@ -24,7 +24,7 @@ NAMED = 0.3  # a parameter's share from which it is named in a direction
 
 
 def widths(vary: Sequence[Parameter]) -> FloatArray:
-    """How widely each parameter was known before, in the solver's units, (parameters,)."""
+    """Width of each parameter's prior, in the solver's units, (parameters,)."""
     return np.array(
         [p.sigma if p.sigma is not None else (p.to_internal(p.upper) - p.to_internal(p.lower)) / 12**0.5 for p in vary]
     )

@@ -70,7 +70,7 @@ class FieldHarmonic:
 
 @dataclass(frozen=True, slots=True)
 class SpringHarmonic:
-    """How one spring of an elastic edge, or all of them together ("around"), vary along it: cos or sin p theta."""
+    """One harmonic of the variation of one spring, or of all together ("around"), along an elastic edge."""
 
     edge: str
     spring: str

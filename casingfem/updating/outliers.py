@@ -1,4 +1,4 @@
-"""Which rows of a table contradict all the others: the mean-shift outlier model on the linearised fit.
+"""Find rows of a table that contradict all others: the mean-shift outlier model on the linearised fit.
 
 A wrong row r shifts the residuals along u_r, their derivative by what was measured there: a frequency, the split of a
 pair, its orientation. For a set S of shifts delta (Cook & Weisberg, Residuals and Influence in Regression, 1982, 2.2.2)

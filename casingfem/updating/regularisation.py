@@ -1,4 +1,4 @@
-"""How strongly ill-posed parameters are regularised towards their start, chosen by the data.
+"""Regularisation of ill-posed parameters towards their start; the data determine its weight.
 
     min |r(x)|^2 + w^2 |(x - x0)/D|^2 over the parameters that are regularised, D their widths
 

@@ -33,7 +33,7 @@ UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data s
 
 
 def weak_priors(vary: Sequence[Parameter], jacobian: FloatArray) -> tuple[bool, ...]:
-    """Which parameters with a prior the data alone determine worse than the prior does."""
+    """Parameters with a prior that the data alone determine worse than the prior does."""
     information = np.sum(jacobian**2, axis=0)
     return tuple(
         p.sigma is not None and info < (1.0 / p.sigma**2) * (1.0 / UNINFORMED**2 - 1.0)

@@ -1,4 +1,4 @@
-"""How the shapes of an update compare before and after: MAC of each, of planes where the model has pairs, by sensor."""
+"""Comparison of the shapes before and after an update: MAC of each, of planes of pairs, by sensor."""
 
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple

@@ -1,4 +1,4 @@
-"""Which measured shape belongs to which row of a frequency table: by frequency, and by n where both sides state it.
+"""Assign measured shapes to rows of a frequency table: by frequency, and by n where both sides state it.
 
 Shapes go to rows at the least sum of |log f_shape/f_row|, none further apart than `reach`. If another choice costs less
 than twice as much, the choice is uncertain and is refused; but the two rows of a doublet share one plane of shapes.

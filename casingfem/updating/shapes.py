@@ -229,7 +229,7 @@ def shape_jacobian(
 
 
 def redundant(modes: Modes, measured: SensorShapes | None, matches: Sequence[Match]) -> int:
-    """How many of the shape residuals are no information: the dimension of each plane, for each shape."""
+    """Number of shape residuals without information: the dimension of each plane, for each shape."""
     if measured is None:
         return 0
     readings = np.zeros((len(measured.a), len(modes)))

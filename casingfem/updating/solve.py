@@ -171,7 +171,7 @@ def solve(
 
 
 def stepped(problem: Problem, x: FloatArray, step: FloatArray) -> FloatArray:
-    """Where a step ends, halved until there is a structure that can be solved: not all within the bounds is one.
+    """End of a step, halved until the structure there can be solved: not every point within the bounds has one.
 
     Where even its eighth is too long, x itself.
     """

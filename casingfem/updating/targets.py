@@ -86,7 +86,7 @@ def phase_loads(modes: Modes, matches: Sequence[Match]) -> FloatArray:
 
 
 def partner_turn(modes: ModeSet, low: int, high: int, n: int) -> float:
-    """How 2 n psi of the lower member changes by a unit share of its partner [rad]."""
+    """Change of 2 n psi of the lower member by a unit share of its partner [rad]."""
     c, partner = radial_amplitudes(modes, low, n), radial_amplitudes(modes, high, n)
     return float(-2.0 * np.imag(np.sum(c * partner) / np.sum(c**2)))
 

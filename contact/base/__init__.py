@@ -1,1 +1,1 @@
-"""What everything is on: errors, arrays that are read only, files of arrays of one format."""
+"""Base of both packages: errors, read-only arrays, files of arrays in one format."""

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """What was given cannot be run: the message names the field, what was found and what is expected.
+    """The input cannot be run: the message names the field, what was found and what is expected.
 
     >>> import contact as ct
     >>> try:

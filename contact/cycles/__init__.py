@@ -1,4 +1,4 @@
-"""Which periodic motions are there, how large, and are they kept? Orbits by shooting, branches by continuation."""
+"""Periodic motions, their amplitude and stability: orbits by shooting, branches by continuation."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Which motion is reached from where: runs from random starts at one value of the parameter."""
+"""Basins of attraction: runs from random starts at one value of the parameter."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def _settled(motion: Motion, x: Array, period: float, settle: int, longest: int)
 
 
 def _number(found: list[tuple[Array, Array]], states: Array, amplitude: Array) -> int:
-    """Which of the motions found it is; a new one is added."""
+    """Number of the motion in the list of found motions; a new one is added."""
     for number, (known, _) in enumerate(found):
         apart = np.linalg.norm(known - states[0], axis=1).min()
         if len(known) == len(states) and apart <= SAME * np.linalg.norm(states[0]):

@@ -38,7 +38,7 @@ class Tangent(NamedTuple):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Course:
-    """What a branch is continued with: `span` is the range of the parameter, `size` the least size of a state."""
+    """Settings of a continuation: `span` is the range of the parameter, `size` the least size of a state."""
 
     family: Family
     low: float
@@ -65,7 +65,7 @@ class Course:
         return sense * DIFFERENCE * max(abs(value), 1e-3 * self.span)
 
     def slope(self, at: Orbit) -> Array:
-        """How the state after a period changes with the parameter (n,)."""
+        """Derivative of the state after a period by the parameter (n,)."""
         change = self.difference(at.value)
         moved = map_of(self.family, at.value + change, at.start, at.periods)(at.x, tangent=False)
         return (moved.x - at.x) / change
@@ -107,7 +107,7 @@ class Course:
 
 
 class Signs(NamedTuple):
-    """What changes at special points: the way of the parameter, how many multipliers are beyond 1, -1, in pairs.
+    """Signs that change at special points: direction of the parameter, number of multipliers beyond 1, -1, in pairs.
 
     And how often each contact closes; where hits end at rest, how often they do: their number in a series has no
     meaning.
@@ -132,7 +132,7 @@ def signs(at: Orbit, along: Tangent) -> Signs:
 
 
 def kinds(left: Signs, right: Signs) -> list[str]:
-    """What lies between two neighbours."""
+    """Kinds of special points between two neighbours."""
     found = []
     if left.forward != right.forward:
         found.append("fold")
@@ -239,7 +239,7 @@ def merged(course: Course, last: Orbit, new: Orbit) -> bool:
 
 
 def _why(course: Course, at: Orbit, along: Tangent, error: str) -> str:
-    """What stops a branch: other closings within a step are grazing, where the map of a rigid contact has no slope."""
+    """Reason why a branch stops: grazing within a step, where the map of a rigid contact has no slope."""
     for length in (0.01, -0.01):
         value = at.value + length * along.value
         try:

@@ -35,7 +35,7 @@ class Family(Protocol):
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """What is shown: displacements [m] whose amplitude is given."""
+        """Displacements [m] whose amplitude is reported."""
         ...
 
     @property
@@ -100,7 +100,7 @@ class DrivenBody:
             raise InputError("normal: found rigid contacts that are not independent, expected a stiffness for each")
 
     def pushes(self) -> Array:
-        """What a unit force at each contact is, normal and along the slide, on the patch's rows: (k dimensions, k)."""
+        """Forces on the patch's rows by unit forces at each contact, normal and along the slide: (k dimensions, k)."""
         patch = self.patch
         found = np.zeros((patch.contacts * patch.dimensions, patch.contacts))
         found[:: patch.dimensions] = np.eye(patch.contacts)

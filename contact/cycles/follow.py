@@ -27,7 +27,7 @@ Go = Callable[[Course, Orbit, Tangent], Branch]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Found:
-    """What was asked for, as a digest, the branches that are done, and the one under way."""
+    """State of a continuation: a digest of its input, finished branches, and the current branch."""
 
     asked: str
     done: tuple[Branch, ...] = ()
@@ -41,7 +41,7 @@ class Found:
 
 
 def digest(family: Family, between: tuple[float, float], first: Orbit | None, *how: float) -> str:
-    """What is asked for, in 64 letters: the range, its motion at both ends, the first orbit and how to continue."""
+    """Digest of the input in 64 letters: range, its motion at both ends, first orbit, settings of the continuation."""
     text = hashlib.sha256(repr((family.name, between, how)).encode())
     for value in between:
         motion, period = family.at(value)

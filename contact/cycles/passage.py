@@ -45,7 +45,7 @@ After = tuple[Array, Array | None, Closed, Event]  # state, derivative and close
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Passage:
-    """Where a period ends: state, derivative (n, n) if asked for, events, contacts closed at `first` and at the end.
+    """End of a period: state, derivative (n, n) if requested, events, contacts closed at `first` and at the end.
 
     Over the period: least gap and largest force of each contact (k,), `amplitude` max |u| of what is shown (o,).
     """

@@ -1,4 +1,4 @@
-"""What a continuation found: branches of orbits, special points, as a table, JSON and npz."""
+"""Result of a continuation: branches of orbits and special points, as a table, JSON and npz."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Branch:
 
     @property
     def stable(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Which points are kept."""
+        """Whether each point is stable."""
         return np.array([point.stable for point in self.points])
 
     @property

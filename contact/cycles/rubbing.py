@@ -80,7 +80,7 @@ class RimFamily:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """What is shown."""
+        """Displacements whose amplitude is reported."""
         tips = len(self.rub.tips)
         return SHOWN if tips == 1 else tuple(f"{name}_{j + 1}" for j in range(tips) for name in SHOWN)
 
@@ -203,7 +203,7 @@ def _shown(rub: Rub, contact: ClosedContact, sense: float) -> tuple[Array, Array
 
 
 def _waves(rub: Rub, sense: float) -> dict[int, Complex]:
-    """What passes the tips, by order: sum of Re z e^{i order |Omega| t} over out-of-roundness and whirl, (tips,)."""
+    """Excitation at the tips, by order: sum of Re z e^{i order |Omega| t} over out-of-roundness and whirl, (tips,)."""
     angle = np.radians([tip.angle_deg for tip in rub.tips])
     terms = [(p, (cos + 1j * sin) * np.exp(-1j * p * angle)) for p, cos, sin in rub.profile.terms]
     terms += [

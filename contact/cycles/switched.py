@@ -51,7 +51,7 @@ class Forcing(NamedTuple):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plant:
-    """What does not change along a branch: A (n, n), B (n, k), C (k, n), S (k, k), what is shown: D (o, n), E (o, k).
+    """Quantities constant along a branch: A (n, n), B (n, k), C (k, n), S (k, k), outputs D (o, n), E (o, k).
 
     `rate` [rad/s] is a typical one, for closed rigid contacts; `restitution` (k,). The last `hidden` of what is shown
     are for this program alone: `slips` names contacts with the row of their slip, which has to stay positive while they
@@ -97,7 +97,7 @@ class Plant:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Drive:
-    """What does change: the base frequency w [rad/s], the harmonics, forcing of x, of the gaps and of what is shown."""
+    """Quantities that change along a branch: base frequency w [rad/s], harmonics, forcing of x, gaps and outputs."""
 
     w: float
     harmonics: Array
@@ -206,7 +206,7 @@ def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
 
 
 def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) -> Forcing:
-    """What represents c(t) in the equation of each closed contact."""
+    """Fourier terms of c(t) in the equation of each closed contact."""
     rest, wave = drive.c.rest[chosen].copy(), drive.c.wave[chosen].copy()
     p, r = (pull * plant.rate for pull in PULLS)
     for row, i in enumerate(chosen):

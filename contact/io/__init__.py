@@ -1,4 +1,4 @@
-"""How are files written whole, read strictly, names kept? What has every result? Nothing here knows physics."""
+"""Strict reading, safe writing, checks of names, and the base of results; nothing here knows physics."""
 
 import lazy_loader
 

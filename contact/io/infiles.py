@@ -167,7 +167,7 @@ def _opened(name: str) -> int:
 
 
 def _missing(name: str) -> str:
-    """What is where no file is."""
+    """Description of a path where there is no file."""
     if os.path.islink(name):
         return f"found a link to {os.readlink(name)!r}, which is not there, expected a file"
     folder = os.path.dirname(name) or "."
@@ -194,7 +194,7 @@ def _too_large(found: str, name: str, most: float) -> OSError:
 
 
 def _content(descriptor: int, status: os.stat_result, name: str, most: float) -> bytes:
-    """What a pipe gives, or a file that states no size, such as those of /proc."""
+    """Contents of a pipe, or of a file that states no size, such as those of /proc."""
     read, which = _read_pipes.get(), (status.st_dev, status.st_ino)
     if read is None or not stat.S_ISFIFO(status.st_mode):
         return _to_the_end(descriptor, stat.S_ISFIFO(status.st_mode), name, most)

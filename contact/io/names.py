@@ -5,7 +5,7 @@ from difflib import get_close_matches
 
 
 def names_fault(names: Iterable[str]) -> str:
-    r"""What is wrong with the first name that is empty, does not print as it is, or is there twice; else nothing.
+    r"""Fault of the first name that is empty, has characters without a shape, or occurs twice; else nothing.
 
     Line ends, direction marks and other characters without a shape of their own would break a table, or let a name
     resemble another.

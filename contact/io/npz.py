@@ -131,7 +131,7 @@ def whole(arrays: Mapping[str, NDArray[Any]], name: str) -> int:
 
 
 def compliance_fault(S: NDArray[Any]) -> str:
-    """What is wrong with a static compliance matrix, which is symmetric and has no negative eigenvalue; else nothing.
+    """Fault of a static compliance matrix, which must be symmetric without negative eigenvalues; else nothing.
 
     >>> compliance_fault(np.diag([1e-8, 0.0])), compliance_fault(np.array([[1e-8, 0.0], [1e-8, 0.0]]))
     ('', 'asymmetry 1.00e+00 of its scale, expected a symmetric matrix')

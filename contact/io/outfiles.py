@@ -123,7 +123,7 @@ def _check(target: Path, files: Mapping[str, Content]) -> None:
 
 
 def in_the_way(folder: Path) -> str | None:
-    """What is where a folder is to be made, or where one of those that it lies in is; None where nothing does."""
+    """The path that prevents a folder or one of its parents from being made; None if there is none."""
     place = next((at for at in (folder, *folder.parents) if at.exists() or at.is_symlink()), None)
     if place is None or place.is_dir():
         return None
@@ -179,7 +179,7 @@ def write_checked(path: str | os.PathLike[str], name: str, value: Any, **head: A
 
 
 def read_checked(path: str | os.PathLike[str], name: str, **head: Any) -> Any:
-    """What `write_checked` wrote with the same head; None where there is none, or none that is whole."""
+    """Data that `write_checked` wrote with the same head; None if the file is missing or damaged."""
     try:
         content = json.loads(read_bytes(path))
         value = content[name]

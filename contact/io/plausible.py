@@ -32,7 +32,7 @@ class Slip(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """What a quantity can be: from `lower` to `upper` [unit], for a `reason`; a slip is named if it leads to `usual`.
+    """Range of a quantity: from `lower` to `upper` [unit], for a `reason`; a slip is named if it leads to `usual`.
 
     >>> CHECKS["E"].fault(210.0)
     'found 210 Pa, expected 1e+06 to 1.3e+12 Pa (rubber to diamond); in GPa? 210 GPa are 2.1e+11 Pa'
@@ -49,7 +49,7 @@ class Check:
     slips: tuple[Slip, ...] = ()
 
     def fault(self, value: float) -> str | None:
-        """What is wrong with a value, and the slip that would explain it; None if it can be."""
+        """Fault of a value, and the slip that would explain it; None if the value is plausible."""
         if self.lower <= value <= self.upper:
             return None
         unit = f" {self.unit}" if self.unit else ""
@@ -180,7 +180,7 @@ class Implausible(NamedTuple):
 
 
 def advice(name: CheckName) -> str:
-    """What to write where a value is meant."""
+    """What to write if the value is intended."""
     return f'if it is meant, write {ALLOW} = ["{name}"]'
 
 
@@ -250,7 +250,7 @@ def question(infos: Sequence[FieldInfo], value: object) -> str:
 
 
 def speed_fault(hz: float, radius: float, check: Check) -> str | None:
-    """What is wrong with a speed [turns/s] of a rim of this radius [m]; a radius of 0 is not known.
+    """Fault of a speed [turns/s] of a rim of this radius [m]; a radius of 0 means unknown.
 
     >>> speed_fault(4800.0, 0.545, CHECKS["speed"])[:64]
     'found 4800 turns/s = 288,000 rpm, a surface speed of 16,437 m/s,'

@@ -1,4 +1,4 @@
-"""How far a long computation is: it reports to any listener, and does not know which.
+"""Progress of a long computation, reported to any listener.
 
 A computation calls `tell("3 of 12 groups", 0.25)`, or runs over its parts by `each`; what it repeats inside is not
 heard where it does so `quietly`. A command listens with `listening`; without a listener nothing happens.

@@ -1,4 +1,4 @@
-"""What every result of both packages can do: become a table, a picture, a cell of a notebook, a file, a copy."""
+"""Outputs of every result of both packages: a table, a picture, a notebook cell, a file, a copy."""
 
 from __future__ import annotations
 

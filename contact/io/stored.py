@@ -183,7 +183,7 @@ class Unpacking:
         self._met: dict[int, Any] = {}
 
     def unpacked(self, part: Any) -> Any:
-        """What a JSON part represents; KeyError, TypeError or ValueError where it represents nothing."""
+        """The value of a JSON part; KeyError, TypeError or ValueError if it has none."""
         if not isinstance(part, dict):
             return part
         if "same" in part:

@@ -168,13 +168,13 @@ def resolved(loc: Sequence[str | int], kind: str, data: Any) -> tuple[str | int,
 
 
 def unknown(name: str, models: Sequence[Model]) -> str:
-    """What is expected where a table has no such key, with the nearest that it has."""
+    """Expected keys of a table that has no such key; the nearest one is named."""
     known = list(dict.fromkeys(key for m in models for key in keys(m)))
     return f"expected one of {', '.join(known)}{hint(name, known)}"
 
 
 def type_words(info: FieldInfo) -> str:
-    """What a key may contain, in words and bounds.
+    """Types and bounds of a key's values, in words.
 
     >>> from pydantic import Field
     >>> class Wall(BaseModel):
@@ -189,7 +189,7 @@ def type_words(info: FieldInfo) -> str:
 
 
 def length(metadata: Sequence[Any]) -> list[str]:
-    """How many a list or a text may have, in words; empty where nothing is stated."""
+    """Allowed length of a list or a text, in words; empty if it has no limit."""
     least, most = (
         next((found for m in metadata if (found := getattr(m, name, None)) is not None), None)
         for name in ("min_length", "max_length")

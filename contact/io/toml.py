@@ -74,7 +74,7 @@ def spelling(error: str, text: str) -> str:
 
 
 def entries(value: object) -> Mapping[Any, Any]:
-    """What a value of a file contains: of a table by key, of a list by number from 0; nothing in a plain value.
+    """Entries of a value of a file: a table by key, a list by number from 0; none for a plain value.
 
     >>> entries({"hz": 5.0}), entries([2, 3]), entries(5.0)
     ({'hz': 5.0}, {0: 2, 1: 3}, {})
@@ -85,7 +85,7 @@ def entries(value: object) -> Mapping[Any, Any]:
 
 
 def written(path: Iterable[str | int]) -> str:
-    """Where a value is, as text: entries of lists counted from 1.
+    """Path of a value as text: entries of lists counted from 1.
 
     >>> written(("imperfection", 0, "harmonics", 2, "p"))
     'imperfection[1].harmonics[3].p'

@@ -1,4 +1,4 @@
-"""What can be wrong with a run that went to its end, or stopped: one table of codes, and the flag that a result has.
+"""Codes of problems with a run that ended or stopped, and the flags of a result.
 
 A flag with `failed` means that the numbers are no solution of the model: `run` raises, commands end with exit code 3.
 Any other flag is a warning: the numbers solve the model, but the model or the step may not describe the machine.
@@ -18,7 +18,7 @@ LEFT, MUCH_LEFT = 1e-6, 1e-2  # of a contact's free motion: the rest of a solve 
 
 
 class Trouble(NamedTuple):
-    """What a code means, from where it is raised and why there, and what helps."""
+    """Meaning of a code, where it is raised and why there, and the remedy."""
 
     meaning: str
     threshold: str

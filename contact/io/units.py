@@ -19,12 +19,12 @@ class Units(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """What makes a stiffness N/m: mass over time squared, for force and length hang together."""
+        """Factor that converts a stiffness to N/m, from mass and time: force and length are not independent."""
         return self.mass / self.time**2
 
     @property
     def damping(self) -> float:
-        """What makes a damping N s/m."""
+        """Factor that converts a damping to N s/m."""
         return self.mass / self.time
 
 

@@ -65,7 +65,7 @@ class BundleType(Type):  # type: ignore[misc]
 
     @property
     def literal_type(self) -> BundleType:
-        """What numba asks of an argument to leave out what stands under `is None`, which would be compiled too."""
+        """Literal type of an argument: numba leaves out the branch under `is None`."""
         return self
 
 
@@ -102,7 +102,7 @@ def array_type(array: Any) -> Any:
 
 
 def address_of(array: Any) -> int:
-    """Where the first entry of an array is."""
+    """Address of the first entry of an array."""
     address: int = array.__array_interface__["data"][0]
     return address
 
@@ -177,7 +177,7 @@ def _field(context: Any, builder: Any, kind: Any, table: Any, field: str) -> Any
 
 
 def _loaded(kind: Any, context: Any, builder: Any, word: Any) -> Any:
-    """What a field of this type is in compiled code; `word` loads a word of its table by number."""
+    """Value of a field of this type in compiled code; `word` loads a word of its table by number."""
     if isinstance(kind, BundleType):
         return word(0, WORD.as_pointer())
     if isinstance(kind, types.Array):

@@ -120,7 +120,7 @@ class SealedPipeline(CompilerBase):
     library: type[JITCodeLibrary] = SealedLibrary
 
     def define_pipelines(self) -> list[PassManager]:
-        """What is done one after the other."""
+        """List the passes of the compiler in their order."""
         manager = Manager("step loops")
         for each in PASSES:
             manager.add_pass(each, each.__name__)
@@ -245,11 +245,11 @@ class ByAddress(protocol):  # type: ignore[misc]
         self.used = used
 
     def __wrapper_address__(self) -> int:
-        """Where the function is; 0 where the run never calls it."""
+        """Address of the function; 0 if the run never calls it."""
         return address_of(self.function, self.kind) if self.used else 0
 
     def signature(self) -> Any:
-        """What it takes and returns."""
+        """Argument types and return type."""
         return self.kind
 
 

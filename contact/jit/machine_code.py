@@ -109,7 +109,7 @@ def kept_in(directory: Path) -> int:
 
 
 class MachineCode:
-    """What numba asks of a cache, for one function. Only functions of `SOURCES` are kept: the digest covers them."""
+    """Numba's cache interface for one function. Only functions of `SOURCES` are kept: the digest covers them."""
 
     def __init__(self, function: Callable[..., object]) -> None:
         file = Path(function.__code__.co_filename)
@@ -157,7 +157,7 @@ class MachineCode:
 
 
 def whole(file: Path, key: tuple[Any, ...]) -> Any:
-    """What a file holds for this key; None where there is no such file, it is damaged, or its key is another."""
+    """Contents of a file for this key; None if the file is missing, is damaged, or has another key."""
     try:
         read = file.read_bytes()
     except OSError:

@@ -32,7 +32,7 @@ VECTOR = VectorType()
 
 
 class VectorModel(models.PrimitiveModel):
-    """How the compiler holds them: one vector register, or as many as it takes."""
+    """Representation in the compiler: one vector register, or as many as it takes."""
 
     def __init__(self, manager: Any, kind: Any) -> None:
         prepare: Any = super().__init__

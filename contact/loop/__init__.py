@@ -1,1 +1,1 @@
-"""What numba compiles: step loops, the sums they keep."""
+"""Step loops and their sums, compiled by numba."""

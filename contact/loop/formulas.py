@@ -17,7 +17,7 @@ def free_step(al: float, be: float, last: float, q: float) -> float:
 
 @jit_inside
 def damped(weight: float, before: float, step: float) -> float:
-    """What modal damping takes over a step, (1 - al) D_n (D_n + D_{n+1})/(2 c)."""
+    """Energy that modal damping dissipates over a step, (1 - al) D_n (D_n + D_{n+1})/(2 c)."""
     return weight * before * (before + step)
 
 

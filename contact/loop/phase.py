@@ -105,7 +105,7 @@ def watched_at(p: PhaseArrays, y: Array, row: int, t: float, tau: float) -> tupl
 
 @jit
 def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
-    """Where the value, positive after `low`, is zero before `high`, where it is negative."""
+    """Time of the zero of a value that is positive after `low` and negative at `high`."""
     first = low
     low += 0.5 * (high - low)
     for _ in range(HALVINGS):  # the value at the start may be the zero of the event that began the phase
@@ -135,7 +135,7 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
 
 @jit
 def turn(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float, sense: float) -> float:
-    """Where in between a value is smallest (sense 1) or largest (-1), by the secant of its slope (Illinois)."""
+    """Time at which a value is smallest (sense 1) or largest (-1), by the secant of its slope (Illinois)."""
     _value, below = watched_at(p, y, row, t, low)
     _value, above = watched_at(p, y, row, t, high)
     below, above = sense * below, sense * above
@@ -228,7 +228,7 @@ def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
 
 @jit
 def turned(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
-    """Where a value turns between two times by its slopes at both, at the ends of a phase; inf where it does not."""
+    """Time of an extreme between two times by the slopes at both, at the ends of a phase; inf if there is none."""
     _value, first = watched_at(p, y, row, t, low)
     _value, last = watched_at(p, y, row, t, high)
     if first * last >= 0.0:
@@ -249,7 +249,7 @@ def edge_extremes(p: PhaseArrays, w: PhaseWork, t: float, low: float, high: floa
 
 @jit
 def end_values(p: PhaseArrays, w: PhaseWork, t: float, tau: float) -> None:
-    """What is watched at the event counts too."""
+    """Evaluate the watched quantities at the event too."""
     for row in range(w.now.size):
         value, _slope = watched_at(p, w.y, row, t, tau)
         w.most[row], w.least[row] = max(w.most[row], value), min(w.least[row], value)

@@ -127,7 +127,7 @@ def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array)
 
 
 class Sticking(NamedTuple):
-    """What the last steps leave: slips (2, d k), the later first; holding force over the cone's radius; instants."""
+    """Memory of the last steps: slips (2, d k), the later first; holding force over the cone's radius; instants."""
 
     slip: Array
     hold: Array  # (k,)

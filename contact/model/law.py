@@ -27,7 +27,7 @@ def pressure(force: Array) -> Array:
 
 
 class Law(Protocol):
-    """What schemes read of a law: one of a user's own states all of these, zero or None where it has no such part.
+    """Interface of a contact law for schemes; your own law sets a part that it does not have to zero or None.
 
     `stiffness` [N/m] of a spring in the contact, 0 for a rigid one; `updates` of multipliers in a step, to a
     `tolerance` [m]; `mu` of friction; `coating` that wears; `response` of a contact that gives way.
@@ -47,7 +47,7 @@ class Law(Protocol):
 
     @property
     def tolerance(self) -> float:
-        """Where updates end [m]."""
+        """Tolerance at which updates end [m]."""
 
     @property
     def mu(self) -> float:
@@ -55,7 +55,7 @@ class Law(Protocol):
 
     @property
     def coating(self) -> Abradable | None:
-        """What wears, or None."""
+        """The abradable coating, or None."""
 
     @property
     def response(self) -> Response | None:

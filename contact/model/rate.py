@@ -1,4 +1,4 @@
-"""What varies in a run, and how fast: named rates that a problem lists, to be held against the step and the end."""
+"""Quantities that vary in a run, with their rates, which are compared with the time step and the end time."""
 
 from __future__ import annotations
 

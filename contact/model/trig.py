@@ -130,7 +130,7 @@ class Terms:
 
     @property
     def owner(self) -> Indices:
-        """Which sum each term belongs to."""
+        """The sum each term belongs to."""
         return np.repeat(np.arange(self.sums), np.diff(self.start))
 
     def equals(self, other: Terms) -> bool:

@@ -1,4 +1,4 @@
-"""What a run stores: samples, sums, the ledger of its energy, what a coating lost."""
+"""Stored data of a run: samples, sums, the energy ledger, coating wear."""
 
 import lazy_loader
 

@@ -75,7 +75,7 @@ class EnergyBudget:
 
     @property
     def explained(self) -> float:
-        """What contact may seem to add without an error of the scheme [J]."""
+        """Energy that contact may seem to add without an error of the scheme [J]."""
         return self.load_step + self.overlap
 
     @property
@@ -101,7 +101,7 @@ class EnergyBudget:
         return sum(map(abs, parts))
 
     def since(self, earlier: EnergyBudget) -> EnergyBudget:
-        """What changed since an earlier budget of the same run."""
+        """Change since an earlier budget of the same run."""
         works = ("contact", "rotation", "friction", "damping", "external", "body_force", "algorithmic")
         since = {name: getattr(self, name) - getattr(earlier, name) for name in works}
         return replace(self, start=earlier.end, **since)
@@ -127,7 +127,7 @@ class EnergyBudget:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergence:
-    """Which limit a run passed after `step` steps, at `time` [s], and how it got there.
+    """The limit that a run passed after `step` steps, at `time` [s], and the motion that led to it.
 
     `limit`: "wall" half of its thickness, "radius" a tenth of it, "gap" of contacts on the ground, "energy", or
     "overflow". `reached` and `allowed` in metres, of the energy in joules, nan of an overflow. `growth` [1/s] of the

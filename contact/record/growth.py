@@ -48,7 +48,7 @@ class Cause:
 
     @property
     def source_words(self) -> str:
-        """What feeds the motion, through which kind of contact."""
+        """Source of energy of the motion, and the kind of contact that transmits it."""
         if not self.source:
             return ""
         share = "all the time" if self.closed > 0.99 else f"{100.0 * self.closed:.2g} % of the time"
@@ -132,7 +132,7 @@ class RunGrowth:
 
     @property
     def check(self) -> Check:
-        """What half the step says of the growth, in a word; "" where it was not run."""
+        """Result of the check at half the step, in a word; "" if it was not run."""
         if self.converged is None:
             return ""
         if self.converged:
@@ -158,7 +158,7 @@ class RunGrowth:
 
     @property
     def verdict(self) -> str:
-        """What the motion does, how fast, and what most of it is.
+        """State of the motion, its growth rate, and its main component.
 
         >>> RunGrowth(rate=0.0, low=-0.1, high=0.1, state="bounded", amplitude=4e-5, steady=0.05, since=0.1,
         ...           time_to_half_wall=math.inf, cause=None).verdict
@@ -178,7 +178,7 @@ class RunGrowth:
         return f"The run is too short to tell whether the motion grows: {between}. Lengthen t_end."
 
     def _periodic(self) -> str:
-        """Where the Floquet multipliers of a steady motion are to be had."""
+        """Whether the Floquet multipliers of a steady motion can be computed."""
         if not (self.state == "bounded" and self.steady < STEADY):
             return ""
         return "It may be periodic: `casingfem cycles` computes periodic motions and their growth (Floquet)."

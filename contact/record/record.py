@@ -1,4 +1,4 @@
-"""What a run stores: how often or when, which combinations of coordinates, and the buffers one chunk fills."""
+"""Storage of a run: how often or when, which combinations of coordinates, and the buffers one chunk fills."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the energy and the angular momentum of a rotor go, whose speed follows from its torques."""
+"""Balance of energy and angular momentum of a rotor whose speed follows from its torques."""
 
 from __future__ import annotations
 

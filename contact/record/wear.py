@@ -1,4 +1,4 @@
-"""What coatings have lost: worn depth by angle, and its history."""
+"""Wear of coatings: worn depth by angle, and its history."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ class DriveTable(Table):
 
     @property
     def parameter(self) -> Parameter:
-        """What is varied."""
+        """The varied parameter."""
         return "freq_hz" if self.from_hz is not None else "amplitude"
 
     @property
@@ -123,7 +123,7 @@ class CyclesFile(CheckedFile):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class CyclesScene:
-    """What is followed, from where to where, and how; where random starts are asked for."""
+    """A continuation: the periodic motion, its range and its settings; random starts if requested."""
 
     family: ForcedFamily | RimFamily
     between: tuple[float, float]
@@ -139,7 +139,7 @@ class CyclesScene:
         )  # fmt: skip
 
     def reached(self, found: Cycles, progress: Callable[[int], None] | None = None) -> Basins | None:
-        """What random starts reach, if asked for; starts are as large as the states of the orbits about there."""
+        """Motions that random starts reach, if requested; starts are as large as the states of nearby orbits."""
         ask = self.ask
         if ask is None:
             return None

@@ -1,4 +1,4 @@
-"""What scene files of several kinds share: basis files, [record], how a rub is built."""
+"""Common parts of scene files: basis files, [record], and the construction of a rub."""
 
 from __future__ import annotations
 

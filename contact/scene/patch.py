@@ -88,7 +88,7 @@ class PatchBodyTable(Table):
         return load
 
     def pressed(self, body: ModalBody, channels: list[str]) -> Array:
-        """What the load moves channels by through the residual compliance, (channels,) [m]."""
+        """Static displacement of the channels by the load through the residual compliance, (channels,) [m]."""
         at = [body.channel(name) for name in channels]
         return np.asarray(sum((f * body.S[at, body.channel(c)] for c, f in self.load.items()), np.zeros(len(at))))
 
@@ -147,7 +147,7 @@ class PatchFile(SceneFile):
         return [] if self.body.basis is None else [self.body.basis]
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The scene that the file describes; raises SceneError."""
         with problems.at("body"):
             patch = self.patch(folder)
         problems.check()

@@ -1,4 +1,4 @@
-"""What a scene file's numbers can be: the checks that its keys declare, and those that need more than one key."""
+"""Plausibility checks of a scene's numbers: checks that keys declare, and checks that need more than one key."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def refusals(table: CheckedFile, file: Path) -> list[str]:
-    """What a file's numbers cannot be and the file does not allow, a line each: file: key: found X, expected Y."""
+    """Implausible numbers that the file does not allow, a line each: file: key: found X, expected Y."""
     from contact.scene.tables import RodsFile
 
     found = list(implausible(table, radius=table.radius(file.parent)))

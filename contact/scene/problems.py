@@ -1,4 +1,4 @@
-"""What is wrong with a scene file, all of it at once: file, key, what was found, what is expected."""
+"""Problems in a scene file, all reported together: file, key, what was found, what is expected."""
 
 from __future__ import annotations
 

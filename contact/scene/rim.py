@@ -113,7 +113,7 @@ class RimFile(SceneFile):
         return radius_of(folder / self.casing.basis)
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The scene that the file describes; raises SceneError."""
         with problems.at("casing.basis"):
             casing = self.casing.body(folder)
         with problems.at("blade.basis"):
@@ -210,7 +210,7 @@ class DiskFile(SceneFile):
         return self.casing.radius(folder)
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The scene that the file describes; raises SceneError."""
         rub = partial(self.rub, folder)
         return rub_built(rub, self.law, self.coating, self.contact.friction, self.scheme, problems)
 

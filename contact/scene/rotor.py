@@ -287,7 +287,7 @@ class RotorFile(SceneFile):
         return [name for name in names if name]
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The scene that the file describes; raises SceneError."""
         with problems.at("speed"):
             speed = self.speed.law()
         problems.check()

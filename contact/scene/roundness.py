@@ -91,7 +91,7 @@ class RandomRoundness(Table):
 
 
 class Roundness(Table):
-    """What [contact] of every rim states of its shape: `out_of_roundness`, and `draw` of the random one added to it.
+    """Shape of a rim in [contact]: `out_of_roundness`, and `draw`, the random shape added to it.
 
     `out_of_roundness` lists harmonics {p, cos, sin} [m], or is "basis": what the casing was surveyed to have.
     """

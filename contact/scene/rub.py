@@ -206,7 +206,7 @@ class RubWhirl(Table):
     )
 
     def law(self) -> Whirl:
-        """What the gap sees."""
+        """The contact law."""
         return value_of(self, Whirl, hz=self.hz)
 
 
@@ -253,7 +253,7 @@ class RubFile(SceneFile):
         return radius_of(folder / self.casing.basis)
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The scene that the file describes; raises SceneError."""
         rub = partial(self.rub, folder)
         return rub_built(rub, self.law, self.coating, self.contact.friction, self.scheme, problems)
 

@@ -33,7 +33,7 @@ AROUND, STEPS = 2.0, 200  # times the scene's speed, in so many steps, where not
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class StabilityScene:
-    """What stays in contact, and the speeds [Hz] to examine; `mu` is a rim's friction."""
+    """A problem in permanent contact, and the speeds [Hz] to examine; `mu` is a rim's friction."""
 
     what: HandPair | RotatingRim
     speed_hz: Array

@@ -92,7 +92,7 @@ class BeamFile(SceneFile):
         return [] if self.ring is None or self.ring.basis is None else [self.ring.basis]
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The object that the table describes; raises SceneError."""
         circle = self.circle
         with problems.at("beam"):
             beam = value_of(self.beam, HingedBeam)
@@ -148,7 +148,7 @@ class CantileverFile(SceneFile):
         return self
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The object that the table describes; raises SceneError."""
         given = self.beam
         with problems.at():
             beam = Cantilever(**given.model_dump(exclude={"load", "velocity"}))
@@ -201,7 +201,7 @@ class RodsFile(SceneFile):
     record: RecordTable | None = Field(default=None, description="what is stored; every step if left out")
 
     def built(self, folder: Path, problems: Problems) -> Built:
-        """What the file describes; raises SceneError."""
+        """The object that the table describes; raises SceneError."""
         bodies: list[Body] = []
         with problems.at():
             bodies += [value_of(mass, PointMass) for mass in self.mass]

@@ -93,7 +93,7 @@ class TurningHead(Table):
 
 
 class TurningFile(CheckedFile):
-    """What scenes of a turning rim have in common: the range, the coating, how branches are followed."""
+    """Common tables of scenes with a rotating rim: the range, the coating, settings of the continuation."""
 
     scene: TurningHead = Field(description="what this scene is")
     coating: CoatingTable | None = Field(default=None, description="a coating of the rim, which gives way, not worn")

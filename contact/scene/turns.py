@@ -1,4 +1,4 @@
-"""Which side of a rim or rub turns: the key [speed] turning, and warnings of what a scene leaves out."""
+"""The side of a rim or rub that rotates: the key [speed] turning, and warnings about omitted effects."""
 
 from __future__ import annotations
 

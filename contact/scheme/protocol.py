@@ -1,4 +1,4 @@
-"""What a scheme is, to `run`: numbered contract, two small protocols.
+"""Interface between `run` and a scheme: a numbered contract and two small protocols.
 
 1. `Scheme.prepare` takes the physics and the law, checks its limits and refuses with numbers (LimitError) or
    an InputError when law or scene are not its own; it returns a Stepper at t = 0.
@@ -39,7 +39,7 @@ from contact.record.wear import Wear
 
 
 class Modal(Protocol):
-    """What the exact-modal scheme needs of a gap of a user's own."""
+    """Interface of your own gap for the exact-modal scheme."""
 
     def modal_form(self, modes: int) -> ModalSystem:
         """Modes and rows of one contact; `modes` of a continuous body."""
@@ -75,7 +75,7 @@ class Motion:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Notes:
-    """What a run shows beside its forces.
+    """Notes of a run beside its forces.
 
     `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
     (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them. `orbit` with
@@ -150,17 +150,17 @@ class Stepper(Protocol):
 
     @property
     def overlap(self) -> float:
-        """How far bodies overlap at t = 0 [m]."""
+        """Overlap of the bodies at t = 0 [m]."""
 
     @property
     def limits(self) -> Array | None:
         """Those of `motion_limits`: `advance` stops after the step that passed one; None without limits."""
 
     def notes(self) -> Notes:
-        """What the run so far shows beside its forces."""
+        """Notes on the run so far, beside its forces."""
 
     def wear(self) -> tuple[Wear, ...]:
-        """What each track of a coating has lost so far."""
+        """Wear of each track of a coating so far."""
 
 
 class PlainStepper(ABC):

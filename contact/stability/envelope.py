@@ -161,7 +161,7 @@ def growth_of(time: Array, energy: Array) -> Fit | None:
 
 
 def _last_piece(t: Array, y: Array) -> int:
-    """Where the last of up to three straight pieces begins."""
+    """Start of the last of up to three straight pieces."""
     m = t.size
     rss = _residuals(t, y)
     best, last = rss[0], [0]  # least sum of so many pieces over the first windows, and where the last of all begins
@@ -176,7 +176,7 @@ def _last_piece(t: Array, y: Array) -> int:
 
 
 def _even(t: Array, y: Array, first: int) -> int:
-    """Where a piece begins after which its halves have one slope, to within their intervals."""
+    """Start after which the halves of a piece have one slope, to within their intervals."""
     while t.size - first >= 2 * LEAST:
         middle = (first + t.size) // 2
         (a, a_low, _), (b, b_low, _) = slope_of(t[first:middle], y[first:middle]), slope_of(t[middle:], y[middle:])
@@ -237,7 +237,7 @@ def slope_of(t: Array, y: Array) -> tuple[float, float, float]:
 
 
 def _independent(left: Array) -> float:
-    """How many independent windows have the information of these, by the autocorrelation of what is left over."""
+    """Number of independent windows with the same information, by the autocorrelation of the residuals."""
     k, square = left.size, float(left @ left)
     r = float(left[1:] @ left[:-1]) / square if square > 0.0 else 0.0
     r = min(max(r + (1.0 + 4.0 * r) / k, 0.0), AUTO)

@@ -91,7 +91,7 @@ def _rate(growth: float, speed_hz: float) -> str:
 
 
 def _motions(contact: ClosedContact, found: StabilityMap) -> list[str]:
-    """What grows at each peak, the highest first."""
+    """Growing motions at each peak, the highest first."""
     if not found.diverges:
         return []
     rows = sorted(peaks_of(contact, found), key=lambda peak: -peak.growth)
@@ -99,7 +99,7 @@ def _motions(contact: ClosedContact, found: StabilityMap) -> list[str]:
 
 
 def _motion(peak: Peak) -> list[str]:
-    """What grows at one peak: the motion, its energy and its frequencies."""
+    """The growing motion at one peak: shape, energy and frequencies."""
     travels = "stands" if peak.wave == "standing" else f"travels {peak.wave} the direction of the blade"
     grows = f"n = {peak.n} grows by {_rate(peak.growth, peak.speed_hz)} and {travels}."
     share = f"The casing has {100.0 * peak.casing_share:.0f} % of the energy."
@@ -116,7 +116,7 @@ def _motion(peak: Peak) -> list[str]:
 
 
 def _without_friction(contact: ClosedContact, found: StabilityMap) -> list[str]:
-    """What the same contact does without friction, where something grows with it."""
+    """The same contact without friction, if a motion grows with friction."""
     if not found.diverges or not contact.mu > 0.0:
         return []
     calm = growth_map(replace(contact, mu=0.0), found.speed_hz)

@@ -32,7 +32,7 @@ CLOSE = 0.05  # of a mode's frequency: by how much contact may shift it
 
 
 class Ran(Protocol):
-    """What is read of a result."""
+    """Data read from a result."""
 
     @property
     def state_time(self) -> Array:
@@ -90,7 +90,7 @@ class Parts(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is read of a problem: its casing and modes, the first tip's rim line, the speed [rad/s], the wall [m]."""
+    """Data read from a problem: casing and modes, the first tip's rim line, speed [rad/s], wall [m]."""
 
     casing: ModalBody
     parts: Parts
@@ -132,7 +132,7 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
 
 
 def _seen(what: object, end: float) -> Seen | None:
-    """What is read of a problem whose run ended at `end` [s]; None of what is no rim and no rub."""
+    """Data of a problem whose run ended at `end` [s]; None for a problem that is neither a rim nor a rub."""
     if isinstance(what, RotatingRim):
         parts = _parts((what.casing, what.blade), ONE, what.casing.omega.size)
         return Seen(what.casing, parts, 0, what.speed, what.casing.line_wall(0) or math.inf)
@@ -144,7 +144,7 @@ def _seen(what: object, end: float) -> Seen | None:
 
 @remembered
 def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], flexible: int) -> Parts:
-    """What runs of the same bodies have in common; modes of the first from `flexible` on are those of a rotor."""
+    """Common part of runs of the same bodies; modes of the first from `flexible` on are those of a rotor."""
     return Parts(readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips, flexible))
 
 
@@ -173,7 +173,7 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
 
 
 def _state(fit: Fit, span: float, beyond: bool) -> Ending:
-    """What the last stretch of `span` seconds does, by its mean growth, which is sure to `scatter`.
+    """State of the motion in the last stretch of `span` seconds, by its mean growth, which is known to `scatter`.
 
     A motion grows only where the whole interval is above 0: an envelope that bends as much as it rises may be part of
     a slow beat. It must also end `beyond` all that it was before the stretch, or rise by e^GREAT: the level of an
@@ -288,7 +288,7 @@ def _source(energy: EnergyBudget) -> tuple[str, float]:
 
 
 def _travel(seen: Seen, result: Ran, q: Array, modes: Indices, n: int | None, late: Some) -> float:
-    """How much of a casing's wave runs with the blades, from 1 to -1; nan where its states are too far apart.
+    """Share of a casing's wave that runs with the blades, from 1 to -1; nan if its states are too far apart.
 
     With z = a + i b of the rim's a cos n theta + b sin n theta, a wave that runs towards +theta turns z by omega D from
     one state to the next, one that runs against it by -omega D: two amplitudes by least squares over pairs of states.

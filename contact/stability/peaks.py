@@ -157,7 +157,7 @@ def _refined(contact: ClosedContact, found: StabilityMap, floor: float) -> tuple
 
 
 def _vertex(x: Array, y: Array) -> Array:
-    """Where the parabolas through three points each, (3, peaks), are highest; halfway where they have no vertex."""
+    """Highest points of parabolas through three points each, (3, peaks); the middle if one has no vertex."""
     left, right = x[1] - x[0], x[2] - x[1]
     with np.errstate(divide="ignore", invalid="ignore"):
         first, second = (y[1] - y[0]) / left, (y[2] - y[1]) / right
@@ -215,7 +215,7 @@ def _peak(waves: Waves, speed_hz: float, pole: complex) -> tuple[Peak, Vector]:
 
 
 def _sense(n: int, positive: float, freq: float, omega: float) -> tuple[str, bool]:
-    """How the motion of n diameters travels around the casing, and whether the blade overtakes its wave.
+    """Direction in which the motion of n diameters travels around the casing, and whether the blade overtakes its wave.
 
     `positive` is the share of its energy that k = n has, the rest is in k = -n; `freq` [rad/s] at least 0. The wave
     ahead of the blade travels with it, the other one too where n |Omega| > freq.

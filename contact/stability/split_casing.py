@@ -122,7 +122,7 @@ def _mean_square(X: Array, order: Indices) -> Array:
 
 
 def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedContact, bool]:
-    """What stays of a rim or rub with every contact closed, and whether its pairs had to be averaged for that."""
+    """Rim or rub with every contact closed, time-averaged; and whether its pairs had to be averaged for that."""
     try:
         return rub_contact(rub, mu=mu), False
     except SplitError:

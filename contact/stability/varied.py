@@ -33,7 +33,7 @@ SEEN = 1e-14  # of the largest residue: below, contact does not see a pole
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Cases:
-    """What is varied: `casing` (cases, modes) and `blade` (cases,) ratios of frequencies, `mu` (cases,) friction.
+    """Varied quantities: `casing` (cases, modes) and `blade` (cases,) ratios of frequencies, `mu` (cases,) friction.
 
     >>> Cases(casing=np.ones((2, 4)), blade=np.ones(2), mu=np.array([0.1, 0.2]))
     Cases(2 of 4 modes)

@@ -50,7 +50,7 @@ class FreePoles(NamedTuple):
 
     @property
     def residues(self) -> Complex:
-        """What one contact sees of each pole, seen pushed, (speeds, 2 m)."""
+        """Residues of each pole at one contact, (speeds, 2 m)."""
         return np.asarray(self.seen[:, 0] * self.pushed[:, :, 0])
 
 

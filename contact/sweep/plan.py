@@ -1,4 +1,4 @@
-"""What a sweep consists of: [sweep] of a scene file, spread out into runs with their hashes, before any is computed."""
+"""Runs of a sweep: [sweep] of a scene file expanded into runs with their hashes, before any is computed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a sweep keeps of a run: one row of numbers, what went wrong; one file a run, named by the hash that defines it.
+"""Stored result of a run of a sweep: one row of numbers or an error, in a file named by the hash of its input.
 
 A file has its own checksum, is written under a temporary name and moved into place: whoever is killed leaves whole
 files only. Nothing is flushed to the disk itself: after a power cut a file may be torn, which its checksum shows, and

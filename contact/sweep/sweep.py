@@ -212,7 +212,7 @@ def columns(plan: SweepPlan) -> tuple[str, ...]:
 
 
 def ending(unit: str) -> str:
-    """How a unit ends the name of a column; nothing for the units that the name of a key has itself.
+    """Ending of a column's name for a unit; empty for the unit that the name of a key contains.
 
     >>> ending("kg/m^3"), ending("turns/s"), ending("")
     ('_kg_m3', '', '')
@@ -238,7 +238,7 @@ def table(result: SweepResult) -> str:
 
 
 def counted(runs: int) -> str:
-    """How many runs, in words.
+    """A number of runs, in words.
 
     >>> counted(1), counted(2)
     ('1 run', '2 runs')

@@ -78,7 +78,7 @@ class Circle:
         return max(self.orders, default=-1)
 
     def label(self, shape: FloatArray, covariance: FloatArray) -> Label:
-        """Which n a shape (sensors,) with this covariance (sensors, sensors) has, and where its antinode lies.
+        """The n of a shape (sensors,) with this covariance (sensors, sensors), and the angle of its antinode.
 
         The n whose sine and cosine take most energy is the label. All other n up to 64 are random, each of a size that
         the shape itself shows. They turn the antinode, and so enter its uncertainty (`spread_of_others`). This is so
@@ -138,7 +138,7 @@ def antinode(parts: FloatArray, covariance: FloatArray, n: int) -> tuple[float, 
 
 
 def quadrature(first: float, second: float, n: int) -> float:
-    """How far two antinodes [rad] are apart, 1 for a quarter wave, 0 for the same place."""
+    """Distance of two antinodes [rad], 1 for a quarter wave, 0 for the same place."""
     return float(abs(np.sin(n * (first - second))))
 
 

@@ -57,7 +57,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class Correlation(Reported):
-    """How measured shapes and computed modes go together.
+    """Correlation of measured shapes with computed modes.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How alike mode shapes are: assurance criteria of vectors, of planes of doublets, and channel by channel."""
+"""Assurance criteria of mode shapes: of vectors, of planes of doublets, and channel by channel."""
 
 from __future__ import annotations
 

@@ -288,7 +288,7 @@ def identified_shapes(found: Identified, path: str = "identified") -> MeasuredSh
 
 
 def unit_vectors(sensors: SensorGrid, path: str) -> FloatArray:
-    """Where the sensors measure along, (sensors, 3)."""
+    """Directions in which the sensors measure, (sensors, 3)."""
     codes = sensors.directions
     wrong = np.flatnonzero(~np.isin(np.abs(codes), (1, 2, 3)))
     if wrong.size:

@@ -1,4 +1,4 @@
-"""Which computed mode is which measured one: pairing that treats a doublet as one thing.
+"""Pairing of measured and computed modes; a doublet is paired as a whole.
 
 Both sides are sequences in ascending frequency: groups of one row or of a doublet's two, slots of one mode or of a
 doublet's two. A group goes to a slot, or is left out; the order is kept. It is the optimal assignment on a line, except

@@ -1,4 +1,4 @@
-"""Where on a shell its sensors are: the nearest points of the surface, and the model's shapes there."""
+"""Positions of sensors on a shell: the nearest points of the surface, and the model's shapes there."""
 
 from dataclasses import dataclass
 

@@ -26,7 +26,7 @@ def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> list[Mo
 
 
 def circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
-    """Where the sensors do not resolve n, or a mode has the largest that they resolve."""
+    """Notes on modes whose n the sensors do not resolve, or only just resolve."""
     if circle is None or not modes:
         return ()
     if not circle.orders:

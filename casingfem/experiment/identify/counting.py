@@ -1,4 +1,4 @@
-"""How many poles a window has: those that noise explains leave, those that the residual asks for come.
+"""Number of poles in a window: poles that noise explains are removed, poles that the residual needs are added.
 
 A pole of C channels has 2 C + 2 real parameters. It is justified when the fall of the sum of squares, over the
 variance of the noise about it, is above the chi-squared value that chance exceeds once in a million; noise that is
@@ -167,7 +167,7 @@ def _justified(fit: PoleFit, rules: Thresholds) -> bool:
 
 
 def _starts(fit: PoleFit) -> list[Array]:
-    """Where one more pole may be: at the largest residual, and beside the pole with the largest residual about it."""
+    """Starts for one more pole: at the largest residual, and beside the pole with the largest residual about it."""
     power = np.sum(np.abs(fit.rest) ** 2, axis=1)
     smooth = np.convolve(power, np.ones(3) / 3.0, mode="same")
     inner = smooth[1:-1]

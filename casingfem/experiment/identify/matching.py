@@ -1,4 +1,4 @@
-"""Which modes of several set-ups are one: a joint assignment by frequency, damping and shape.
+"""Match the modes of several set-ups: a joint assignment by frequency, damping and shape.
 
 Mode k of set-up s has ln f = mu_k + c_s + e. The shift c_s, a straight line over ln f, is common to the modes of the
 set-up (a mass, the temperature); e scatters from mode to mode. The negative log-likelihood of the members of one mode

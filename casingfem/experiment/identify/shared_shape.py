@@ -1,4 +1,4 @@
-"""How far the residues of one mode, measured in several set-ups, are from one shape.
+"""Distance of the residues of one mode, measured in several set-ups, from one shape.
 
 Residues over sensors o and references r are phi_o psi_r. Round a circle phi = a cos n theta + b sin n theta, with the n
 that fits best; elsewhere phi is free, and set-ups compare where they share sensors, or references of which there are

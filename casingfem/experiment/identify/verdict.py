@@ -1,4 +1,4 @@
-"""How sure a mode is: sure, or doubtful with the reasons in plain words and what to do about them."""
+"""Verdict on each mode: sure, or doubtful with the reasons in plain words and the remedies."""
 
 from __future__ import annotations
 

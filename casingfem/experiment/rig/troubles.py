@@ -36,7 +36,7 @@ HIT_DELAY = 0.023  # s, from the first to the second hit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Troubles:
-    """Which troubles a test has; what is left out is none.
+    """Troubles of a simulated test; a trouble that is left out is absent.
 
     Parameters
     ----------

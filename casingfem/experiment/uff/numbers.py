@@ -23,7 +23,7 @@ _EXPONENTS = np.frombuffer(b"EeDd", np.uint8)
 
 
 class Columns(NamedTuple):
-    """Where a run of equal fields is on a line: first column (from 0), width of a field, number of fields."""
+    """Position of equal fields on a line: first column (from 0), width of a field, number of fields."""
 
     start: int
     width: int

@@ -28,7 +28,7 @@ REAL, REAL_DOUBLE, COMPLEX, COMPLEX_DOUBLE = 2, 4, 5, 6
 
 
 class Channel(NamedTuple):
-    """Where something was measured: name, node, direction (1, 2, 3 = x, y, z; 4, 5, 6 turns; 0 scalar; signed).
+    """A measured channel: name, node, direction (1, 2, 3 = x, y, z; 4, 5, 6 rotations; 0 scalar; signed).
 
     >>> Channel(name="rim", node=7, direction=-3).direction  # against z
     -3

@@ -90,7 +90,7 @@ def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
 
 
 def _forms(layout: Layout, order: str) -> list[np.dtype[Any]]:
-    """How the bytes of one point may be: an uneven abscissa beside doubles has 4 bytes or 8."""
+    """Possible byte layouts of one point: an uneven abscissa beside doubles has 4 bytes or 8."""
     wide = f"{order}f{8 if layout.double else 4}"
     ordinate = [("y", wide, (layout.ordinates,))]
     abscissas = [] if layout.even else dict.fromkeys((f"{order}f4", wide))

@@ -1,1 +1,1 @@
-"""How does a wheel of equal or mistuned sectors move, what does contact see of it? From the mesh of one sector."""
+"""Wheels of equal or mistuned sectors: motion, and interface to contact, from the mesh of one sector."""

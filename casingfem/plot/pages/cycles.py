@@ -53,7 +53,7 @@ def cycles_page(
 
 
 def cycles_verdict(found: Any) -> Verdict:
-    """Where the machine jumps; stable and unstable ranges, amplitude, force; how sure, what next."""
+    """Summary of a continuation: jumps, stable and unstable ranges, amplitude, force, confidence, next steps."""
     points = [point for branch in found.branches for point in branch.points]
     jumps = [one for branch in found.branches for one in branch.specials if one.kind != ORDINARY]
     state, sentence = outcome(found.name, points, jumps)

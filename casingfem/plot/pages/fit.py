@@ -94,7 +94,7 @@ def unsure(fit: UpdateResult) -> list[tuple[str, str]]:
 
 
 def update_verdict(fit: UpdateResult, shapes: ShapeFit | None = None) -> Verdict:
-    """How good the updated model is, which parameters are sure, what would make it surer."""
+    """Summary of an update: quality of the model, sure and unsure parameters, measurements that would help."""
     converged = fit.stopped.startswith("converged")
     poor = not converged or fit.inflation > 1.0
     sentence = (
@@ -150,13 +150,13 @@ def capital(words: str) -> str:
 
 
 def used_words(fit: UpdateResult) -> str:
-    """How many rows of the measured table took part, and how many were set aside."""
+    """Number of rows of the measured table that were used, and that were excluded."""
     rows, aside = sum(len(match.rows) for match in fit.pairing.matches), len(fit.set_aside)
     return f"{rows} of {len(fit.measured)} measured rows" + (f" ({aside} set aside)" if aside else "")
 
 
 def misfit_words(fit: UpdateResult) -> str:
-    """How the residuals compare with the stated uncertainty."""
+    """Comparison of the residuals with the stated uncertainty."""
     times = written(fit.misfit, 2)
     if fit.overstated:
         return (

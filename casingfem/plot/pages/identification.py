@@ -98,7 +98,7 @@ def _alike(found: Identified) -> tuple[Section, ...]:
 
 
 def identification_verdict(found: Identified) -> Verdict:
-    """How many modes, how good the fit, what to do about the rest."""
+    """Summary of an identification: number of modes, quality of the fit, next steps."""
     doubtful = int(np.sum(~found.sure))
     first = f"{len(found)} modes from {found.freq[0]:.2f} to {found.freq[-1]:.2f} Hz" if len(found) else "No mode"
     pairs = f", {len(found.doublets)} pairs among them" if found.doublets else ""

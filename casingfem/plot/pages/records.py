@@ -33,7 +33,7 @@ def records_page(name: str, found: Estimate, source: Mapping[str, Any], drawn: M
 
 
 def records_verdict(found: Estimate) -> Verdict:
-    """How many responses of how many averages, how coherent, what to do next."""
+    """Summary of responses: number, averages, coherence, next steps."""
     low, high = found.frfs.x[[0, -1]].tolist()
     step = float(found.frfs.x[1] - found.frfs.x[0]) if len(found.frfs.x) > 1 else low
     count = len(found.frfs)

@@ -153,7 +153,7 @@ def duration(time: float) -> str:
 
 
 def touch_words(ran: Ran) -> str:
-    """How the contact that touches most touches."""
+    """Sentence on the contact that is closed most."""
     share = 100.0 * ran.closed / ran.span if ran.span else 0.0
     return "the contact just touches" if share < SLIDES else f"the contact is closed {share:.3g} % of the time"
 
@@ -168,7 +168,7 @@ def counted(number: int, name: str) -> str:
 
 
 def times(number: int) -> str:
-    """How often.
+    """A count in words: once, twice, n times.
 
     >>> times(1), times(1200)
     ('once', '1,200 times')

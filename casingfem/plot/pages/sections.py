@@ -87,7 +87,7 @@ def mesh_rows(structure: Solid | MeshShell) -> tuple[tuple[Cell, ...], ...]:
 
 
 def support_rows(supports: Mapping[str, object], what: str = "edge") -> list[tuple[str, str]]:
-    """How each edge or group is fixed; a ring with its section and support of the ring."""
+    """Rows on the support of each edge or group; a ring with its section and its own support."""
     rows = []
     for name, one in supports.items():
         rows.append((f"{what} {name}", f"{spaced(one).lower()} {support_words(one)}".strip()))

@@ -144,7 +144,7 @@ def study_verdict(
 
 
 def lead(found: ModeSet) -> str:
-    """How many modes, and the first elastic one."""
+    """Number of modes, and the first elastic one."""
     elastic = found.rigid
     if elastic >= len(found):
         return f"{len(found)} rigid motions; ask for more modes to see elastic ones."

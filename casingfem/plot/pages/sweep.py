@@ -41,7 +41,7 @@ def sweep_page(
 
 
 def sweep_verdict(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> Verdict:
-    """Which runs are unsafe; largest force and amplitude, safe and unsafe values, warnings; what to do next."""
+    """Summary of a sweep: unsafe runs, largest force and amplitude, safe and unsafe values, warnings, next steps."""
     state, sentence = outcome(rows)
     facts = [
         ("Force", largest_words(labels, keys, rows, "peak_force_N", "N")),
@@ -172,7 +172,7 @@ def warning_words(rows: Rows) -> str:
 
 
 def lost_words(rows: Rows) -> str:
-    """How many runs were refused or failed, and the reason of the first."""
+    """Number of runs that were refused or failed, and the reason of the first."""
     parts = []
     for status in ("refused", "failed"):
         reasons = [str(row.get("why") or "") for row in rows if row["status"] == status]

@@ -131,7 +131,7 @@ class Bolts:
 
     @property
     def period(self) -> int:
-        """How often the pattern repeats around: the count for equal bolts all the way around, 1 for none alike.
+        """Number of repetitions of the pattern around: the count for equal bolts all the way around, 1 for none alike.
 
         >>> Bolts(count=24, k=2e8, loose={3: 0.3, 15: 0.3}).period
         2

@@ -129,7 +129,7 @@ class ElasticEdge:
         return PointSprings(nodes, values, blocks * length[:, None, None], rotation * length, coupling)
 
     def pattern(self, spring: str) -> Field | None:
-        """How one spring varies along the edge, relative; None where it is even."""
+        """Relative variation of one spring along the edge; None if it is uniform."""
         return self.around.get(spring) if isinstance(self.around, Mapping) else self.around
 
     @property

@@ -1,4 +1,4 @@
-"""How radius, thickness and stiffness vary: Fourier series, random fields, surveys."""
+"""Variation of radius, thickness and stiffness: Fourier series, random fields, surveys."""
 
 import lazy_loader
 

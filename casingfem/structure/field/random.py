@@ -22,7 +22,7 @@ RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over med
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectrum:
-    """How large the harmonics of a random field are: the median amplitude of each, and the 90th percentile.
+    """Spectrum of a random field: the median amplitude of each harmonic, and the 90th percentile.
 
     Amplitudes are lognormal, independent, with uniform phases. A Rayleigh amplitude (two equal Gaussian coefficients)
     would tie the 90th percentile to 1.82 medians; the example spectrum has 2.6 to 3.5, which the lognormal

@@ -1,4 +1,4 @@
-"""Where the mid-surface is: charts, meridians, twisted plates, blades, tapers, axes of rotation."""
+"""Geometry of the mid-surface: charts, meridians, twisted plates, blades, tapers, axes of rotation."""
 
 import lazy_loader
 

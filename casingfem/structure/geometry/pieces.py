@@ -67,7 +67,7 @@ class Bend(NamedTuple):
 
     @property
     def end(self) -> FloatArray:
-        """Where it ends, (2,)."""
+        """End point, (2,)."""
         at = self.at(np.array(self.length))
         return np.array([at.r, at.z], dtype=float)
 
@@ -148,7 +148,7 @@ class PiecewiseMeridian:
 
     @property
     def length(self) -> float:
-        """Where s ends [m]."""
+        """End of s [m]."""
         return float(self.lines[-1])
 
     def at(self, s: Array) -> MeridianPoints:

@@ -46,7 +46,7 @@ class Meridian(Protocol):
 
     @property
     def length(self) -> float:
-        """Where s ends; it starts at 0 [m]."""
+        """End of s, which starts at 0 [m]."""
 
     def at(self, s: Array) -> MeridianPoints:
         """Radius, height and their derivatives at s."""

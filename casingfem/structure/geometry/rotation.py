@@ -1,4 +1,4 @@
-"""How a body moves as one: steady rotation about a fixed axis, and rigid motions that its supports leave free."""
+"""Rigid motion of a body: steady rotation about a fixed axis, and rigid motions that its supports leave free."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -154,6 +154,6 @@ def unfelt(reactions: Iterable[FloatArray]) -> FloatArray:
 
 
 def rigid_left(motions: FloatArray, held: IntArray, springs: Iterable[csc_array]) -> int:
-    """How many combinations of rigid motions (dofs, 6) neither move a fixed dof nor strain a spring."""
+    """Number of combinations of rigid motions (dofs, 6) that neither move a fixed dof nor strain a spring."""
     moved = motions[held]
     return int(unfelt([moved.T @ moved, *(motions.T @ (spring @ motions) for spring in springs)]).shape[1])

@@ -72,7 +72,7 @@ class SmoothMeridian:
 
     @property
     def length(self) -> float:
-        """Where s ends [m]."""
+        """End of s [m]."""
         return float(self.chords[-1])
 
     def at(self, s: Array) -> MeridianPoints:

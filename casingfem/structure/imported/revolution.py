@@ -62,7 +62,7 @@ def round_about_z(mesh: MeshData) -> bool:
 
 
 def elements_around(mesh: MeshData) -> int:
-    """How many of its widest cells go round the axis."""
+    """Number of its widest cells that fit around the axis."""
     theta = np.arctan2(mesh.points[mesh.cells, 1], mesh.points[mesh.cells, 0])
     span = np.ptp((theta - theta[:, :1] + np.pi) % (2.0 * np.pi), axis=1)
     off_axis = np.linalg.norm(mesh.points[mesh.cells, :2], axis=2).min(axis=1) > 1e-6 * mesh.size

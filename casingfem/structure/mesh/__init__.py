@@ -1,1 +1,1 @@
-"""How a surface is divided: p-elements, their numbering, strains and places on it."""
+"""Division of a surface: p-elements, their numbering, strains and places on it."""

@@ -127,7 +127,7 @@ def spring_form(springs: PointSprings) -> EdgeForm:
 
 
 def places_of(nodes: IntArray, numbers: IntArray) -> IntArray:
-    """Where node numbers are in the list of an edge's nodes.
+    """Positions of node numbers in the list of an edge's nodes.
 
     >>> places_of(np.array([7, 3, 9]), np.array([[9, 7]])).tolist()
     [[2, 0]]

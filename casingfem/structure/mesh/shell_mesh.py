@@ -21,7 +21,7 @@ LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShellMesh:
-    """How a shell is divided: polynomial order, rows along the first parameter, elements along the second.
+    """Mesh of a shell: polynomial order, rows along the first parameter, elements along the second.
 
     `rows` is a number of equal rows, or the break points from 0 to 1 (graded towards edges, for example).
     Around a casing take more elements than the largest nodal diameter of interest divided by p/4, an odd

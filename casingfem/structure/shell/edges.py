@@ -37,7 +37,7 @@ PHASE = np.array([1.0, 1j, 1.0, 1.0, 1j, 1j])  # hoop motions and the turn about
 
 
 def outward(shell: ShellParts, name: str) -> int:
-    """Which way an edge faces along its shell: -1 at a base, 1 at a top, 0 between."""
+    """Direction in which an edge faces along its shell: -1 at a base, 1 at a top, 0 between."""
     return 0 if name in shell.stations else 1 if shell.chart.edges[name][1] else -1
 
 

@@ -1,4 +1,4 @@
-"""How large, how curved and how thick a shell is: walls that no surface can have, models that are probably not meant.
+"""Plausibility of a shell's size, curvature and thickness: impossible walls, and models probably not intended.
 
 The first are refused; of the others, units mixed up, walls too thick or too thin, a warning is given. Each has its code
 in `casingfem.faults` and a threshold with its reason beside it.
@@ -23,7 +23,7 @@ FOLDED = 2.0  # wall times curvature: the inner face of a bend has no radius lef
 
 
 class Extent(NamedTuple):
-    """How large a shell is [m]: diagonal, the lengths of its lines along both parameters, largest curvature [1/m]."""
+    """Size of a shell [m]: diagonal, lengths of its lines along both parameters, largest curvature [1/m]."""
 
     diagonal: float
     sides: FloatArray

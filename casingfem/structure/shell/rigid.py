@@ -62,7 +62,7 @@ def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
 
 
 def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -> int:
-    """How many of the first modes (nodes, 5, modes) are rigid motions that the supports leave free.
+    """Number of the first modes (nodes, 5, modes) that are rigid motions which the supports leave free.
 
     `own` are the motions of the rings' own dofs, (own, modes). Translations are exact on every mesh, rotations are
     interpolated: on a mesh too coarse for a thin wall a body does not turn as a whole before it bends, and a warning

@@ -122,7 +122,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
 
 
 def lines_of(shell: ShellParts) -> list[float]:
-    """Where element lines must be, from 0 to 1: ends of strips and of a meridian's stretches, stiffeners."""
+    """Required element lines, from 0 to 1: ends of strips and of a meridian's stretches, stiffeners."""
     return breaks_between(shell.strips, shell.chart.bounds[0], [*chart_lines(shell.chart), *shell.stations.values()])
 
 

@@ -1,1 +1,1 @@
-"""Which keys has a table of study.toml, of which type and range? All SI."""
+"""Tables of study.toml: keys, types and ranges, all in SI."""

@@ -1,1 +1,1 @@
-"""How sure is a fit beyond J^T J? Laplace's approximation, samples of the posterior, rows that were left out."""
+"""Uncertainty of a fit beyond J^T J: Laplace's approximation, posterior samples, left-out rows."""

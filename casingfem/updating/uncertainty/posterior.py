@@ -1,4 +1,4 @@
-"""How Gaussian the answer is: the posterior beyond (J^T J)^-1.
+"""Deviation of the posterior from the Gaussian of covariance (J^T J)^-1.
 
 Close to the solution every weighted residual is a parabola,
 

@@ -1,4 +1,4 @@
-"""How a set of files replaces another: complete beside it, then announced by a manifest, then moved into place.
+"""Replace a set of files: written beside the old one, announced by a manifest, then moved into place.
 
 A writer fills a staging folder, of a name that nobody can guess, in the folder of the set. It states the names, sizes
 and checksums of all files in a manifest, and announces it under one fixed name (`MANIFEST`), which only one writer can

@@ -47,19 +47,19 @@ class Publication:
 
     @property
     def manifest(self) -> Path:
-        """Where it is announced."""
+        """Path of the manifest."""
         return self.folder / MANIFEST
 
     def new(self, entry: Entry) -> Path:
-        """Where a new file is before it is in its place."""
+        """Path of a new file before it is moved into place."""
         return self.folder / self.staging / "new" / entry.name
 
     def old(self, entry: Entry) -> Path:
-        """Where the file that it replaces is kept until all are in their places."""
+        """Path of the replaced file until all files are in place."""
         return self.folder / self.staging / "old" / entry.name
 
     def place(self, entry: Entry) -> Path:
-        """Where it belongs."""
+        """Final path of the file."""
         return self.folder / entry.name
 
     def text(self) -> str:
@@ -68,7 +68,7 @@ class Publication:
         return json.dumps({**document, "sha256": digest_of(document)}, indent=1) + "\n"
 
     def state(self, entry: Entry) -> State:
-        """Where a file is, by its checksum; "changed" where another lies in a place that the set has not taken."""
+        """State of a file, by its checksum; "changed" if another file is in a place that the set has not taken."""
         place = self.place(entry)
         if is_as_stated(self.new(entry), entry):
             moved_away = os.path.lexists(self.old(entry))
@@ -130,7 +130,7 @@ def require_no_links(folder: Path, name: str) -> None:
 
 
 def document_of(path: Path) -> Any:
-    """What a manifest contains; None where there is none that can be read: no link is followed, no pipe waited for."""
+    """Contents of a manifest; None if it cannot be read. Links are not followed, and pipes are not read."""
     flags = os.O_RDONLY | sum(getattr(os, flag, 0) for flag in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"))
     try:
         if path.is_symlink():

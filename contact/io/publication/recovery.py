@@ -17,7 +17,7 @@ from contact.io.publication.staging import clear_parts, is_written
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recovery:
-    """What became of a set that was not finished: "finished", "put back" or "nothing", and of which files."""
+    """Outcome for an unfinished set: "finished", "put back" or "nothing", and its files."""
 
     action: Literal["finished", "put back", "nothing"]
     files: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""What eight rims at once work on, (m, 8) and (8,) arrays; waves and rows at their angles; skips over free flight."""
+"""Arrays of eight rims at once, (m, 8) and (8,); waves and rows at their angles; skips over free flight."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class BatchFreeFlight(NamedTuple):
 
 
 class BatchSamples(NamedTuple):
-    """What slots store: samples (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
+    """Stored samples of all slots (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
 
     time: Array
     force: Array

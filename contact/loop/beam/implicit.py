@@ -186,7 +186,7 @@ def solve_step(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
 
 @jit
 def numerical_work(s: ImplicitBeam, w: ImplicitWork, h: float) -> float:
-    """What Newmark adds or takes in one step: the exact remainder of its energy identity, and of the trapezoid rule."""
+    """Energy that Newmark adds or removes in a step: the remainder of its identity, and of the trapezoid rule."""
     half, shift = s.gamma - 0.5, s.beta - 0.5 * s.gamma
     x, a, inner, inner_old = w.x, w.a, w.inner, w.start
     energy = strain_energy_and_forces(x, s.rest, s.EA, s.EI, inner)

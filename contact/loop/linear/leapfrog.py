@@ -44,7 +44,7 @@ def free_increment(p: Parts, s: State, h: float, amplitudes: Array, d: Array, wo
 
 @jit
 def law_gap(rule: int, e: float, now: float, was: float, will: float) -> float:
-    """What the rule keeps from becoming negative, in metres; `was`, `will`: the gap's last and next increments."""
+    """Quantity [m] that the rule keeps from becoming negative; `was`, `will`: last and next increments of the gap."""
     if rule == FORWARD:
         return now + will
     if rule == AVERAGED:

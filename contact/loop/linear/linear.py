@@ -1,4 +1,4 @@
-"""What every compiled loop over a linear problem shares: banded products and solves, gaps, loads, scratch."""
+"""Common parts of compiled loops over linear problems: banded products and solves, gaps, loads, scratch."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solve
 @jit_inside
 def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
               width: int) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """What the casing yields at t_{n+1} along the normal, and at t_n along the tangent, to forces; and its slip."""
+    """Response of the casing to forces: along the normal at t_{n+1}, along the tangent at t_n; and its slip."""
     nn, nt, tn, tt, slip = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0)
     for i in range(0, width, WIDTH):
         row, along, c = load(normal, i), load(tangent, i), load(s.c, i)

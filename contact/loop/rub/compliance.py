@@ -40,7 +40,7 @@ def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
 
 @jit
 def fill_soft(S: RowBlocks, rows: RubRows, w: Work, j: int, slot: int, dim: int, waves: Array) -> None:
-    """What unit forces of tip j strain of the casing, by waves; `waves` are those at its place."""
+    """Static response of the casing, by waves, to unit forces of tip j; `waves` are those at the tip."""
     for i in range(dim):
         block = (rows.line[j] * dim + i) * (w.strained.size // WIDTH)
         fill_some(S, waves, block, w.soft[slot * dim + i])
@@ -115,7 +115,7 @@ def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) ->
 
 @jit
 def strain_waves(rows: RubRows, w: Work) -> None:
-    """What the forces by waves strain of the casing, by waves."""
+    """Static response of the casing, by waves, to forces by waves."""
     for k in range(0, w.strained.size, WIDTH):
         put(w.strained, k, same(0.0))
     for b in range(w.pressed.shape[0]):

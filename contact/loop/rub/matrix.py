@@ -23,7 +23,7 @@ FEWER = 3  # tips over those chosen: of fewer, products take less time
 @jit
 def fill_factors(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, slot: int, dim: int,
                  share: float, waves: Array, ahead: Array) -> None:  # fmt: skip
-    """What `casing_yields` multiplies, of the place of tip j; `waves` at t_n, `ahead` the normal row at t_{n+1}."""
+    """Factors of `casing_yields` at the place of tip j; `waves` at t_n, `ahead` the normal row at t_{n+1}."""
     for i in range(dim):
         row, test = w.rows[slot * dim + i], w.tests[slot * dim + i]
         law(s.c, row if i > 0 else ahead, 1.0 if i > 0 else share, test)

@@ -67,7 +67,7 @@ def press_waves(s: RubState, rows: RubRows, w: Work, count: int, dim: int, when:
 
 @jit
 def push_waves(rows: RubRows, w: Work, dim: int) -> None:
-    """What the forces by waves push on the modes."""
+    """Modal forces of the forces by waves."""
     for k in range(0, w.pushed.size, WIDTH):
         put(w.pushed, k, same(0.0))
     for line in range(rows.reach.shape[0]):

@@ -36,7 +36,7 @@ SPARE = 0.25  # of the bound of a casing's deflection: room for forces of this s
 
 @jit
 def slope_at(speed: Array, t: float) -> float:
-    """What the speed gains in a second."""
+    """Acceleration [rad/s^2] of the speed."""
     segment = speed.shape[0] - 1
     while segment > 0 and t < speed[segment, 0]:
         segment -= 1
@@ -91,7 +91,7 @@ def propagate(s: RubState, laws: RubLaws, angles: Array, t: float, omega: float,
 
 @jit
 def find_disk(s: RubState, swing: Swing, w: Work) -> None:
-    """Where the disk of a rotor is at t_{n+1} without forces, along x and y."""
+    """Position of the disk of a rotor at t_{n+1} without forces, along x and y."""
     x, y = 0.0, 0.0
     for i in range(swing.plane.shape[1]):
         k = swing.first + i
@@ -102,7 +102,7 @@ def find_disk(s: RubState, swing: Swing, w: Work) -> None:
 
 @jit
 def nearer(swing: Swing, rows: RubRows, w: Work, j: int) -> float:
-    """How much nearer to the casing the disk brings tip j: x cos phi + y sin phi, and a share of the casing's bound.
+    """Approach of tip j to the casing by the disk: x cos phi + y sin phi, and a share of the casing's bound.
 
     Forces of other tips in this step move a tip too; the share leaves room for that.
     """

@@ -59,7 +59,7 @@ class Spin(NamedTuple):
 
 
 class RubLaws(NamedTuple):
-    """What is known beforehand: rows of the tables in `model.rub_laws`."""
+    """Laws known before the run: rows of the tables in `model.rub_laws`."""
 
     speed: Array  # (segments, 4): from, angle, omega, slope
     closing: Array  # (points, 2): time, reduction

@@ -102,7 +102,7 @@ def advance_modes(s: RubState, sums: Tally) -> None:
 
 @jit
 def pace(s: RubState, y: Yielding, h: float) -> None:
-    """How fast near tips get deeper in this step; of those that were far, by their gaps of the last two steps."""
+    """Rate of depth of near tips in this step; of those that were far, by their gaps of the last two steps."""
     for j in range(s.mu.size):
         if s.inside[j] > 0:
             if s.known[j] == 0:

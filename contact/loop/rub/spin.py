@@ -65,7 +65,7 @@ def add_unbalance(swing: Swing, t: float, h: float, angles: Array, out: Array) -
 
 @jit
 def shared(s: RubState, swing: Swing, t: float, h: float, angles: Array) -> tuple[float, float]:
-    """What C gains by the motion of the disk, twice the work taken from the spin, and by a change of U [J]."""
+    """Increase of C by the disk's motion, twice the work taken from the spin, and by a change of U [J]."""
     before_x, before_y, more_x, more_y = 0.0, 0.0, 0.0, 0.0
     for i in range(swing.plane.shape[1]):
         old, new = s.old[swing.first + i], s.d[swing.first + i]

@@ -22,7 +22,7 @@ JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; f
 
 
 class ModalBlocks(NamedTuple):
-    """What couples modes, as rows by blocks of eight, w places of all modes or `width` of the casing's.
+    """Coupling of modes, as rows by blocks of eight, w places of all modes or `width` of the casing's.
 
     Where modes are coupled, `al`, `be`, `c` and `weight` of the state are zero.
     """
@@ -138,7 +138,7 @@ class Work(NamedTuple):
 
 
 class Solver(NamedTuple):
-    """What solves for the forces of several tips. Loops without one have a single tip, whose force has a formula."""
+    """Solver for the forces of several tips. A loop without it has a single tip, whose force has a formula."""
 
     all_sliding: AllSliding
     room: Room  # of the friction solver
@@ -146,7 +146,7 @@ class Solver(NamedTuple):
 
 @jit_inside
 def tips(s: RubState, solver: Solver | None) -> int:
-    """How many there are: known to the compiler where it is one."""
+    """Number of tips: known to the compiler if it is one."""
     if solver is None:
         return 1
     return s.mu.size

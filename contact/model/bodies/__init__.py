@@ -1,4 +1,4 @@
-"""What touches: rods, masses, beams, bodies by their modes or matrices."""
+"""Bodies in contact: rods, masses, beams, bodies by their modes or matrices."""
 
 import lazy_loader
 

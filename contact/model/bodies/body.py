@@ -37,7 +37,7 @@ class Nodes:
 
 
 class Body(Protocol):
-    """What a chain needs of a body between `x` and `end` [m], moving at `velocity` [m/s].
+    """A body of a chain between `x` and `end` [m], moving at `velocity` [m/s].
 
     `force` [N] varies at its first node, with `force_hz` and `force_deg`. `moves` is false for what is rigid and held.
     """
@@ -69,7 +69,7 @@ class Body(Protocol):
         """Frequency of the force [Hz]."""
 
     def rates(self, key: str) -> tuple[Rate, ...]:
-        """What varies on it, under names that begin with its key."""
+        """Loads that vary on the body, under names that begin with its key."""
 
     @property
     def force_deg(self) -> float:
@@ -205,7 +205,7 @@ class PointMass:
 
     @property
     def end(self) -> float:
-        """Where it is [m]."""
+        """Position [m]."""
         return self.x
 
     def rates(self, key: str) -> tuple[Rate, ...]:
@@ -246,7 +246,7 @@ class Wall:
 
     @property
     def end(self) -> float:
-        """Where it is [m]."""
+        """Position [m]."""
         return self.x
 
     def rates(self, key: str) -> tuple[Rate, ...]:

@@ -64,7 +64,7 @@ class LinearSystem:
 
 
 class Linear(Protocol):
-    """What schemes on M u'' + C u' + K u = f + Q^T force need of a problem; a user's own satisfies it as well."""
+    """Interface of a problem M u'' + C u' + K u = f + Q^T force for schemes; your own class may implement it."""
 
     @property
     def crossing_time(self) -> float:

@@ -1,4 +1,4 @@
-"""What a matrix given by someone must be: finite, of the right size, symmetric or skew; in which precision it is."""
+"""Checks of a given matrix: finite, right size, symmetric or skew, and its precision."""
 
 from __future__ import annotations
 

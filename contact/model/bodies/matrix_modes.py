@@ -152,7 +152,7 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
 
 
 def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
-    """How many of the modes X (n, m), mass-normalised, are rigid; `level` is the lowest elastic omega^2.
+    """Number of rigid modes among X (n, m), mass-normalised; `level` is the lowest elastic omega^2.
 
     Raises InputError where omega^2 is more negative than the precision of K explains, or rigid modes are not separate.
     """
@@ -180,7 +180,7 @@ def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
 
 
 def strain(matrices: Matrices, X: Array) -> Array:
-    """What is left of mass-normalised modes beside the rigid motions of all nodes, 0 to 1, (m,)."""
+    """Share of mass-normalised modes beside the rigid motions of all nodes, 0 to 1, (m,)."""
     known = np.array([matrices.points[node] for node, _ in matrices.dofs if node in matrices.points])
     R = matrices.rigid_motions(known.mean(axis=0) if len(known) else None)
     R = R / np.maximum(np.sqrt(np.einsum("ij,ij->j", R, matrices.M @ R)), np.finfo(float).tiny)

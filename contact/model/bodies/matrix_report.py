@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MatrixReport:
-    """What to know of matrices before anything is done with them.
+    """Properties of matrices: mass, centre, inertia, rigid modes, precision.
 
     `mass` [kg] along x, y, z (equal for a whole body without scalar dofs left out); `centre` [m] and `inertia` [kg m^2]
     about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to the entries in the

@@ -1,4 +1,4 @@
-"""What the arrays of a modal body must fit: shapes, names of channels, frequencies, a skew gyroscopic matrix."""
+"""Checks of the arrays of a modal body: shapes, names of channels, frequencies, a skew gyroscopic matrix."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class Rows(NamedTuple):
 
 
 def rigid_findings(matrices: Matrices, null: Array, rate: float) -> str:
-    """What the test found, in a sentence; `null` (n, r) are the rigid modes, `rate` the median K_ii / M_ii.
+    """Findings of the rigid-body test, in a sentence; `null` (n, r) are the rigid modes, `rate` the median K_ii / M_ii.
 
     Raises InputError for a free part in which K R is not zero, or whose mass is not one in all directions.
     """
@@ -107,7 +107,7 @@ def rows_of_nodes(matrices: Matrices) -> Rows | None:
 
 
 def components(given: Rows) -> Array:
-    """Which part each row belongs to: nodes that K connects."""
+    """The part each row belongs to: nodes that K connects."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -119,7 +119,7 @@ def components(given: Rows) -> Array:
 
 
 def residuals(given: Rows, matrices: Matrices, rate: float) -> tuple[Array, Array]:
-    """What translations and rotations leave of each row's terms; NaN where a rotation needs positions not known."""
+    """Residuals of each row under translations and rotations; NaN where a rotation needs unknown positions."""
     from scipy.sparse import coo_array
 
     K = coo_array(given.K)

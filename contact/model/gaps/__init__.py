@@ -1,4 +1,4 @@
-"""How bodies meet: point gaps, rims, rubs, disks, what turns them and pulls at them."""
+"""Gaps between bodies: point gaps, rims, rubs, disks, their rotation and the loads on them."""
 
 import lazy_loader
 

@@ -61,7 +61,7 @@ class BodyForce:
 
     @staticmethod
     def of_whirl(whirl: Whirl, on: Literal["casing", "blades"], *, turning: str = "blades") -> BodyForce:
-        """What a body feels that runs on the circle of this whirl: the casing outwards, the blades on its other side.
+        """Modal forces of a whirl: on the casing outwards, on the blades at its other side.
 
         >>> BodyForce.of_whirl(Whirl(amplitude=1e-3, hz=10.0), "blades").radius
         -0.001

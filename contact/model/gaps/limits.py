@@ -1,4 +1,4 @@
-"""How far a rim and the tips before it may move: beyond, a linear model has no meaning, and most often it diverges."""
+"""Limits on the motion of a rim and its tips: beyond them a linear model is invalid, and usually it diverges."""
 
 from __future__ import annotations
 

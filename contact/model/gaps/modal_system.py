@@ -159,7 +159,7 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
 
 @remembered
 def _still_rim(casing: ModalBody, blade: ModalBody, lean_deg: float) -> ModalSystem:
-    """What runs of the same bodies have in common: the rim at rest, round, without clearance."""
+    """Common part of runs of the same bodies: the rim at rest, round, without clearance."""
     N = casing.n_max
     size = 2 * N + 1
     a = math.radians(lean_deg)

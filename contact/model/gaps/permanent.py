@@ -331,7 +331,7 @@ def _block_diagonal(blocks: list[Array]) -> Array:
 
 
 def _varies(part: Array, G: Array) -> float:
-    """How far a matrix of the casing's modes depends on the angle, relative: |G X - X G| over |G X|."""
+    """Relative dependence of a matrix of the casing's modes on the angle: |G X - X G| over |G X|."""
     size = float(np.linalg.norm(G @ part))
     return float(np.linalg.norm(G @ part - part @ G)) / size if size else 0.0
 

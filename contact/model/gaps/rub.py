@@ -249,7 +249,7 @@ class Rub:
 
     @property
     def flexible(self) -> int:
-        """How many modes of `casing` are the casing's own; those of a rotor follow."""
+        """Number of modes of `casing` that are the casing's own; those of a rotor follow."""
         others = 0 if self.rotor is None else self.rotor.body.omega.size + (0 if self.spin is None else 1)
         return int(self.casing.omega.size) - others
 

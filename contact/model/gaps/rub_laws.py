@@ -1,4 +1,4 @@
-"""What changes during a rub, known beforehand: the speed, the closing of the gap, whirl, the rim's measured profile."""
+"""Given histories of a rub: speed, closing of the gap, whirl, and the rim's measured profile."""
 
 from __future__ import annotations
 

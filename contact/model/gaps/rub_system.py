@@ -230,7 +230,7 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
 def _still_rub(
     casing: ModalBody, blades: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], dimensions: int
 ) -> RubSystem:
-    """What runs of the same bodies have in common: at rest, round, without clearance but the tips' own."""
+    """Common part of runs of the same bodies: at rest, round, without clearance but the tips' own."""
     bodies = (casing, *blades)
     sizes = [body.omega.size for body in bodies]
     first = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)

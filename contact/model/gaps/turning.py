@@ -1,4 +1,4 @@
-"""Which side of a rub turns: the casing, or the blades."""
+"""The side of a rub that rotates: the casing, or the blades."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def table(depth: float, rate: float, values: Array) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Response:
-    """What a contact does at a depth: `response(depth, rate)` is (force [N], slope [N/m]).
+    """Force of a contact at a depth: `response(depth, rate)` is (force [N], slope [N/m]).
 
     `depth` > 0 [m]: how far the bodies are inside each other; `rate` [m/s]: how fast that grows; slope: d force /
     d depth. A force below zero counts as none. `function(depth, rate, values)` takes numbers and the array `values`
@@ -79,7 +79,7 @@ class Response:
 
 
 class _GivesWay:
-    """What laws have in common whose force is that of a response."""
+    """Base of laws whose force is that of a response."""
 
     __slots__ = ()
     stiffness: ClassVar[float] = 0.0

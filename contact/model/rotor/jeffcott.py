@@ -52,7 +52,7 @@ class Jeffcott:
         )  # fmt: skip
 
     def internal(self) -> Array | None:
-        """What internal damping adds to the stiffness per speed, (2, 2) [1/s]; None without it."""
+        """Stiffness from internal damping per speed, (2, 2) [1/s]; None without it."""
         if self.zeta_internal == 0.0:
             return None
         return 2.0 * self.zeta_internal * self.omega * np.array([[0.0, 1.0], [-1.0, 0.0]])

@@ -25,7 +25,7 @@ from contact.model.rotor.shaft import Shaft
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Release:
-    """What the rotor loses at an instant: the unbalance that is there from then on, beside the one from the start.
+    """Loss of mass at an instant: the additional unbalance from then on.
 
     `angle_deg` counts from the x axis of the rotor in the sense of rotation. The lost mass itself stays in the model.
 

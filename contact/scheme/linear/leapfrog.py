@@ -1,4 +1,4 @@
-"""What explicit schemes on linear problems share: one leapfrog loop with four rules of contact."""
+"""Explicit schemes on linear problems: one leapfrog loop with four rules of contact."""
 
 from __future__ import annotations
 

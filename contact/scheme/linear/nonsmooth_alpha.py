@@ -58,7 +58,7 @@ class MoreauJean:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImpactAlpha:
-    """What generalised-alpha schemes with impacts take: the spectral radius rho_inf in [0, 1], and restitution e."""
+    """Parameters of generalised-alpha schemes with impacts: spectral radius rho_inf in [0, 1], restitution e."""
 
     rho_inf: float = 0.8
     restitution: float = 0.0

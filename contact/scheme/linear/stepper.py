@@ -235,7 +235,7 @@ def leave_out_half_step(stepper: LinearStepper) -> float:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Setup:
-    """What every scheme on a linear problem begins with: the packed system, the law's numbers, step and omega_max."""
+    """Set-up common to schemes on a linear problem: the packed system, the law's numbers, step and omega_max."""
 
     name: str
     system: LinearSystem

@@ -65,7 +65,7 @@ class AtSpeeds:
         return float(self.weights(omega) @ energy)
 
     def push(self, omega: float, force: Array) -> Array:
-        """What a step at a speed answers to forces on all modes."""
+        """Response of a step at a speed to forces on all modes."""
         first = self.parts[0].coupled
         assert first is not None
         found = self.parts[0].c * force

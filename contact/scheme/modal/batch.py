@@ -72,7 +72,7 @@ def shape_of(run: RubStepper) -> Shape | None:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Layout:
-    """Where the terms that any of some runs has are in the blocks of `BatchTerms`; keys show sum and wave."""
+    """Places, in the blocks of `BatchTerms`, of the terms that occur in any of some runs; keys show sum and wave."""
 
     top: int  # waves
     keys: Indices
@@ -194,7 +194,7 @@ class Batch:
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
 
     def _load_rim(self, k: int, rim: RimRows) -> None:
-        """What the deflection of the rim in slot k is computed from."""
+        """Load the arrays that give the deflection of the rim in slot k."""
         slots, (_, size, m), d = self.slots, rim.rows.shape, rim.soft.shape[1]
         own, place = min(k, len(slots.rim.rows) - 1), _waves(size, slots.rim.z.size)
         slots.soft[:, k], slots.rim.rows[own] = 0.0, 0.0

@@ -99,7 +99,7 @@ def matrix_blocks(matrices: Array) -> tuple[tuple[Indices, Indices, Array, Indic
 
 
 def _alike(used: NDArray[np.bool_]) -> Indices:
-    """Which blocks of (rows, blocks, waves) begin four with nearly the same waves, which get the same in `used`."""
+    """Find blocks of (rows, blocks, waves) that begin four with nearly the same waves, which get the same in `used`."""
     rows, blocks, waves = used.shape
     found = np.zeros((rows, blocks), dtype=np.int64)
     whole_four = blocks - blocks % FOUR

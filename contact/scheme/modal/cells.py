@@ -40,7 +40,7 @@ def cell(rub: Rub, system: RubSystem, parts: Propagator, share: float, nodes: in
 
 
 def _form(system: RubSystem, parts: Propagator, share: float, turn: float) -> Array:
-    """What the casing's modes and its residual compliance yield between waves at t_n, (lines d, 2 N + 1) twice.
+    """Response of the casing's modes and residual compliance between waves at t_n, (lines d, 2 N + 1) twice.
 
     Normal rows are those at t_{n+1}, `turn` further.
     """

@@ -1,4 +1,4 @@
-"""What skipping over contact-free time needs of a rub: maps over many steps, amplitudes by wave, least clearances."""
+"""Data for skipping contact-free time of a rub: maps over many steps, amplitudes by wave, least clearances."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ POINTS = 8  # where the clearance is examined in each cell
 
 
 def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -> FreeFlight:
-    """What skipping needs; no powers unless `skip`, or where the gap is not one of free modes and one angle.
+    """Data for skipping; no powers unless `skip`, or where the gap is not one of free modes and one angle.
 
     It is that of one tip without whirl, closing, gravity, loads and stiffening by speed, at constant speed, of modes
     that are not coupled. A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q,
@@ -43,7 +43,7 @@ def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -
 
 
 def no_flight(parts: Propagator) -> FreeFlight:
-    """What a run takes that skips nothing."""
+    """Data of a run that skips nothing."""
     from contact.loop.rub.free_flight import FreeFlight
 
     none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)

@@ -60,7 +60,7 @@ def stored_by(law: Law, y: Yielding | None) -> float:
 
 
 def memory_of(y: Yielding | None) -> tuple[Any, ...]:
-    """What a resumed run needs."""
+    """State that a resumed run needs."""
     return () if y is None else (y.past, y.depth, y.steepest)
 
 

@@ -88,7 +88,7 @@ class PatchStepper(ExactRun):
 
     @property
     def overlap(self) -> float:
-        """How far a load presses bodies into each other beside their modes at t = 0, at most [m]."""
+        """Largest overlap [m] at t = 0 of bodies that a load presses into each other, beside their modes."""
         opening = self.problem.opening + self.problem.rows()[:: self.problem.dimensions] @ np.asarray(
             self.problem.displacement
         )
@@ -96,7 +96,7 @@ class PatchStepper(ExactRun):
 
     @property
     def limits(self) -> Array:
-        """How far the gaps may open or close [m], as those of `motion_limits`."""
+        """Limits of the gaps [m], as those of `motion_limits`."""
         return self.state.limits
 
     def why(self) -> Flag:
@@ -115,7 +115,7 @@ class PatchStepper(ExactRun):
         return Flag(fault, "unconverged", failed=True)
 
     def notes(self) -> Notes:
-        """What friction left of the motion, where double precision does no better."""
+        """Notes on the residual motion of friction at the limit of double precision."""
         long = too_long(self.y, self.stiffest, self.dt)
         return Notes(flags=(*inexact(float(self.solver.room.left[0])), *long))
 
@@ -249,7 +249,7 @@ def _delassus(rows: Array, S: Array, parts: Propagator, mean: int) -> Array:
 
 
 def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -> Steady:
-    """How contacts are solved for that do not need Newton's method on the forces, and what their events need."""
+    """Solver data of contacts that do not need Newton's method on the forces, and data for their events."""
     from contact.loop.rub.steady import Steady
     from contact.loop.tally import Sticking
     from contact.solver.unilateral.active_set import active_space
@@ -270,7 +270,7 @@ def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -
 
 
 def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
-    """How far start and load could move a gap [m]: of modes that vibrate, and of rigid ones over STEPS steps."""
+    """Largest motion of the gaps [m] by start and load: of modes that vibrate, and of rigid ones over STEPS steps."""
     elastic, time = parts.omega > 0.0, STEPS * parts.h
     omega = np.where(elastic, parts.omega, 1.0)
     speed, load = (np.abs(np.asarray(part)) for part in (problem.velocity, problem.load))

@@ -129,7 +129,7 @@ class Propagator:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ExactRun(PlainStepper):
-    """What exact-modal runs with several contacts share."""
+    """Base of exact-modal runs with several contacts."""
 
     parts: Propagator
     sums: Tally

@@ -35,7 +35,7 @@ NO_CELL = 0.0, readonly(np.zeros((0, 1, 0, 1)))
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LoopArrays:
-    """What the compiled loop takes beside the state."""
+    """Arrays of the compiled loop beside the state."""
 
     laws: RubLaws
     rows: RubRows
@@ -189,7 +189,7 @@ def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
 
 
 def joined(system: RubSystem) -> int:
-    """How many modes the rows of the casing take: of a single tip, its blade's with them."""
+    """Number of modes in the rows of the casing: of a single tip, its blade's with them."""
     return system.omega.size if system.contacts == 1 else int(system.first[1])
 
 

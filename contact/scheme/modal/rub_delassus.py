@@ -1,4 +1,4 @@
-"""What the tips of a rub yield to forces within a step: Delassus numbers, and where a tip would jam."""
+"""Response of the tips of a rub to forces within a step: Delassus numbers, and jammed tips."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STEADY = 1e-13  # of its largest entry
 
 
 def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
-    """What the blades' modes yield to unit forces within a step, between all directions of all tips, (K d, K d)."""
+    """Response of the blades' modes to unit forces within a step, between all directions of all tips, (K d, K d)."""
     return _of_blades(system.blade_rows, system.own, parts)
 
 

@@ -187,7 +187,7 @@ class RubStepper(ExactRun):
         return self.speeds.at(self.omega(int(self.stretch[0]))) if self.speeds.vary else self.parts
 
     def wear(self) -> tuple[Wear, ...]:
-        """What each track of a coating has lost so far; none without one."""
+        """Wear of each track of a coating so far; empty without a coating."""
         return () if self.worn is None else self.worn[0].wear()
 
     @property
@@ -208,7 +208,7 @@ class RubStepper(ExactRun):
 
     @property
     def overlap(self) -> float:
-        """How far a tip is inside the rim at t = 0 at most [m]."""
+        """Largest overlap of a tip with the rim at t = 0 [m]."""
         rub, system, q = self.rub, self.system, self.system.displacement
         gap = system.clearance - rub.closing.at(0.0) + [rub.profile(float(phi)) for phi in system.angle]
         for w in rub.whirl:

@@ -1,4 +1,4 @@
-"""What one of eight slots takes of a run of one tip: its rows as sums of waves, and how it starts."""
+"""Arrays that one of eight slots needs from a run with one tip: its rows as sums of waves, and its start."""
 
 from __future__ import annotations
 

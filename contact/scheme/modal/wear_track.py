@@ -67,7 +67,7 @@ class Track:
         return float(self.memory[list(self.tips), what].sum())
 
     def wear(self, times: Array, depths: Array) -> Wear:
-        """What was lost so far, with maps on the way: `times` (m,) [s], worn `depths` (m, bars) [m]."""
+        """Wear so far, with intermediate maps: `times` (m,) [s], worn `depths` (m, bars) [m]."""
         worn, law = self.coating.worn, self.law
         cut = np.maximum(self.coating.round - self.made, 0.0)
         return Wear(
@@ -100,7 +100,7 @@ class Tracks:
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """What a run changes of it."""
+        """State that a run changes."""
         return self.pace, self.times, self.depths, *((track.coating.worn, track.memory) for track in self.tracks)
 
     @property
@@ -134,7 +134,7 @@ class Tracks:
         self.pace[0] = count
 
     def wear(self) -> tuple[Wear, ...]:
-        """What each track has lost so far."""
+        """Wear of each track so far."""
         count, ends = int(self.pace[0]), np.cumsum([track.coating.worn.size for track in self.tracks])
         maps = np.split(self.depths[:count], ends[:-1], axis=1)
         return tuple(track.wear(self.times[:count], part) for track, part in zip(self.tracks, maps, strict=True))

@@ -97,7 +97,7 @@ def begin(mu: Array, count: int, force: Array, u: Array, added: Array, state: In
 
 @jit
 def condition(mu: Array, force: Array, u: Array, state: Indices, side: Array, number: int) -> float:
-    """What must not be negative: each contact has two, an open one the second for nothing."""
+    """Quantities that must not be negative: two of each contact; the second of an open one is unused."""
     k, second = number // 2, number % 2 == 1
     i = 2 * k
     if state[k] == OPEN:

@@ -1,4 +1,4 @@
-"""What is said of friction forces that double precision leaves inexact; beside the solver, which compiles."""
+"""Note on friction forces that double precision leaves inexact; a separate module, since the solver compiles."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ ROUGHLY = 1e-3  # how closely each contact is solved: a start is wanted
 
 
 class Otherwise(protocol):  # type: ignore[misc]
-    """What compiled loops call where Newton's method fails, through Python, because it hardly ever does.
+    """Fallback of compiled loops where Newton's method fails; it runs through Python, because it is rarely needed.
 
     So many Gauss-Seidel sweeps, or pivoting where their number is 0. The problem stands in W, b, mu and force, which is
     improved; returns its residual, after sweeps 0. Compiled copies in every loop took half of the time to compile it.
@@ -65,7 +65,7 @@ class Otherwise(protocol):  # type: ignore[misc]
             raise self.interrupted.pop()
 
     def __wrapper_address__(self) -> int | None:
-        """Where the function is."""
+        """Address of the function."""
         return ctypes.cast(self.call, ctypes.c_void_p).value
 
     def signature(self) -> Any:

@@ -69,7 +69,7 @@ def yielding(law: ByDepth, values: Array, now: Array, before: Array) -> Yielding
 
 @jit
 def paced(y: Yielding, k: int, h: float) -> None:
-    """How fast contact k gets deeper in this step, (3 depth - 4 depth_{n-1} + depth_{n-2})/(2 h) (Gear's, order 2)."""
+    """Rate of the depth of contact k in this step, (3 depth - 4 depth_{n-1} + depth_{n-2})/(2 h) (Gear's, order 2)."""
     y.rate[k, 0] = (0.5 * y.past[k, 1] - 2.0 * y.past[k, 0]) / h
     y.rate[k, 1] = 1.5 / h
 

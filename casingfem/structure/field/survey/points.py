@@ -29,7 +29,7 @@ _RING_POINTS = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SurveyPoints:
-    """Where a surface was measured and what was found; arrays (points,) in rad and m.
+    """Measured points of a surface and their values; arrays (points,) in rad and m.
 
     Raises
     ------

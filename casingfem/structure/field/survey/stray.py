@@ -87,7 +87,7 @@ FEW = 12  # places measured twice, below which nothing is stated
 
 
 def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
-    """Which points contradict all others beyond chance, (points,), by the design and the residuals of a plain fit."""
+    """Find outliers (points,), which contradict the others beyond chance, from the residuals of a plain fit."""
     if len(residual) > SEARCHED:
         return beyond(design, residual, robust_weights(design, residual) > 0.0)
     stray = shifted_points(design, residual)
@@ -99,7 +99,7 @@ def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
 
 
 def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArray:
-    """Which points lie off the fit of those kept, (points,), by more than chance puts one of all points.
+    """Find points (points,) whose distance from the fit of the kept points is beyond chance for any one point.
 
     For scans: with many points to an unknown none bends the fit towards itself. Student's t of a point that took no
     part, t = r/(s sqrt(1 + x^T (X^T X)^-1 x)).
@@ -116,7 +116,7 @@ def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArr
 
 
 def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
-    """Which points a shift of their own explains beyond chance, (points,); the plain fit stays as it is.
+    """Find points (points,) that a shift of their own explains beyond chance; the plain fit is not repeated.
 
     Point i alone off by delta leaves the residual P_ii delta of itself, P = 1 - Q Q^T of the design, and moves all
     others. The largest (P r)_i^2/P_ii is taken first, then the largest of what that leaves, up to SHARE of the points
@@ -179,7 +179,7 @@ def significant(design: FloatArray, residual: FloatArray, candidates: BoolArray)
 
 
 def passes_words(points: SurveyPoints) -> str:
-    """How the second measurements of places differ from the first beyond chance; empty where they do not.
+    """Sentence on repeated measurements that differ from the first beyond chance; empty if they do not.
 
     White noise has no mean, and differences of neighbours in theta whose mean square is twice their variance (J. von
     Neumann, Ann. Math. Stat. 12, 1941, 367); an offset shows in the one, a turn or another shape in the other.

@@ -266,7 +266,7 @@ def largest_change(plain: FourierField, without: FourierField) -> str:
 
 
 def stray_words(stray: Sequence[tuple[float, float, float]], points: int, what: str = "set aside") -> str:
-    """How many points were set aside, and where the worst of them are."""
+    """Number of outliers that were excluded, and the places of the worst."""
     worst = sorted(stray, key=lambda point: -abs(point[2]))[:5]
     places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {r:+.2e}" for theta, z, r in worst)
     more = f"; and {len(stray) - len(worst)} more" if len(stray) > len(worst) else ""

@@ -105,7 +105,7 @@ def attached(
 
 
 def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
-    """Which unknowns to keep, and idle motions (unknowns, motions) of those without mass (`bare`).
+    """Unknowns to keep, and idle motions (unknowns, motions) of those without mass (`bare`).
 
     Nodes between springs follow statically. Of springs that support fewer directions than a node has, the motions that
     no spring feels are idle: as many unknowns are fixed as there are such motions, which changes nothing else.
@@ -196,7 +196,7 @@ def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArra
 def rigid_left(
     rows: Rows, R: csr_array, springs: csr_array, held: IntArray, fields: FloatArray, reactions: Sequence[FloatArray]
 ) -> int:
-    """How many rigid motions neither a support nor a spring nor an equation feels."""
+    """Number of rigid motions that no support, spring or equation restrains."""
     motions, mesh = rows.motions, rows.motions.mesh
     reach = np.abs(mesh.points - mesh.points.mean(axis=0)).max()
     turns = np.hstack([np.zeros((3, 3)), np.eye(3) / reach])

@@ -31,7 +31,7 @@ DIRECTIONS = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Motions:
-    """How nodes of a mesh with attachments move.
+    """Motions of the nodes of a mesh with attachments.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Motions:
         return {self.dofs * node + 3 + a: float(axis[component - 3]) for a, axis in self.turns(node)}
 
     def turns(self, node: int) -> list[tuple[int, FloatArray]]:
-        """Which dofs of a shell's node are turns, counted from its displacements, and about which axes (3,)."""
+        """Rotational dofs of a shell's node, counted from its displacements, and their axes (3,)."""
         axes = np.zeros((0, 3)) if self.joints is None else self.joints.axes[node]
         return [(a, axis) for a, axis in enumerate(axes) if axis.any()]
 
@@ -98,7 +98,7 @@ class Motions:
 
 
 def motions_of(mesh: MeshData, dofs: int, joints: Joints | None = None) -> Motions:
-    """How nodes move; of shells with the joints of their walls."""
+    """Motions of the nodes; for shells, with the joints of their walls."""
     given = mesh.attachments
     alone = np.setdiff1d(given.nodes, mesh.used)
     pivots = np.array([rigid.reference for rigid in given.rigids], dtype=np.int64)

@@ -43,7 +43,7 @@ def lagrange(nodes: FloatArray, x: FloatArray) -> FloatArray:
 
 @cache
 def tying(kind: str) -> tuple[Tied, ...]:
-    """Which strains at the quadrature points of a kind are taken from where."""
+    """Tying points of the assumed strains at the quadrature points of a kind of cell."""
     points = rule(kind)[0]
     if kind == "triangle6":
         return (*in_plane(points), *across(points))

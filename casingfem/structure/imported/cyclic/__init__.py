@@ -1,1 +1,1 @@
-"""How does one sector of a mesh become a wheel? Its two faces paired, its matrices by nodal diameter."""
+"""A wheel from one sector of a mesh: its two faces paired, its matrices by nodal diameter."""

@@ -189,7 +189,7 @@ def assemble_cyclic(sector: CyclicSector) -> CyclicSystem:
 
 
 def node_turns(sector: CyclicSector, dofs: int) -> FloatArray:
-    """How the dofs of each low node become those of its partner: displacements, and of shells rotations of frames."""
+    """Transformation of the dofs of each low node to those of its partner: displacements, and rotations of shells."""
     R, (low, high) = sector.turn.matrix, sector.pairs
     turns = np.zeros((len(low), dofs, dofs))
     turns[:, :3, :3] = R

@@ -103,7 +103,7 @@ def fault(source: str, message: str) -> ModelError:
 
 
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
-    """Which of the names is K, which M, which C, K4 or G: KAAX, MAAX, BAAX, K4AAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
+    """Names of K, M, C, K4 and G in a set: KAAX, MAAX, BAAX, K4AAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
 
     Where several fit, those that Nastran gives to its sets: KAA, KGG, KXX, not KASMX.
 

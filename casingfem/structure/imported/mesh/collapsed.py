@@ -54,7 +54,7 @@ def forms(kind: str) -> tuple[tuple[str, tuple[int, ...], IntArray], ...]:
 
 
 def spread(target: str, kind: str) -> list[int]:
-    """Which node of a kind is at each node of the kind that it is written as."""
+    """Node of the cell's kind at each node of the kind in which it is written."""
     corners = CORNERS[target][kind]
     if kind not in KINDS:
         return list(corners)
@@ -139,7 +139,7 @@ def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
 
 
 def mirror(kind: str) -> list[int]:
-    """Which node takes the place of each when the corners are those of `MIRRORED`."""
+    """Node that replaces each node when the corners are those of `MIRRORED`."""
     corners = MIRRORED[kind.rstrip("0123456789")]
     if kind not in KINDS:
         return list(corners)

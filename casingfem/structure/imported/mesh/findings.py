@@ -1,4 +1,4 @@
-"""How a fault of a mesh is put: its code, and which cells or nodes have it, the first few by their numbers."""
+"""Text of a fault of a mesh: its code, and the first few of its cells or nodes by number."""
 
 from collections.abc import Callable
 from typing import NamedTuple

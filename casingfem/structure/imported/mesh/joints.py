@@ -20,7 +20,7 @@ WALL = 5  # dofs of a node of one wall
 
 
 class Joints(NamedTuple):
-    """How nodes of walls move with the nodes of a shell.
+    """Motion of the nodes of walls with the nodes of a shell.
 
     Attributes
     ----------

@@ -155,7 +155,7 @@ class MeshData:
 
     @property
     def sharing(self) -> IntArray:
-        """How many cells have each facet, (cells, facets); 0 for facets that are collapsed to an edge or a node."""
+        """Number of cells that share each facet, (cells, facets); 0 for facets collapsed to an edge or a node."""
         corners = distinct(self.facets)
         _, inverse, counts = np.unique(corners.reshape(-1, corners.shape[2]), axis=0, return_inverse=True,
                                        return_counts=True)  # fmt: skip

@@ -1,1 +1,1 @@
-"""How is a mesh file read? Abaqus and CalculiX, Nastran, Ansys: cells, groups and what hangs on them."""
+"""Readers of mesh files: Abaqus and CalculiX, Nastran, Ansys; cells, groups and attachments."""

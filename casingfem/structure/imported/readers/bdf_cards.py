@@ -66,7 +66,7 @@ def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
 
 
 class Numbers:
-    """How the numbers on the cards of a file are read, its cards refused, and what of it is left out."""
+    """Reader of the numbers on the cards of a file, with refused and skipped cards."""
 
     def __init__(self, source: str) -> None:
         self.source = source

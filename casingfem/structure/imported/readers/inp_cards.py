@@ -58,7 +58,7 @@ MOST = 10.0**DIGITS
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """Where a card belongs.
+    """Context of a card.
 
     Attributes
     ----------

@@ -171,7 +171,7 @@ class Names:
             entries.append((self.numbers_of(self.element_sets, cells[0], line), cells[1].upper()))
 
     def local_corners(self, kind: str, ids: IntArray, face: str) -> tuple[int, ...]:
-        """Which nodes of elements of a kind are the corners of a face; of shells a side is all of them."""
+        """Corner nodes of a face of a kind of element; on shells a side is the whole element."""
         plane = bool(len(ids)) and bool(np.isin(ids, list(self.plane)).all())
         if corners := face_corners(kind, face, plane=plane):
             return corners

@@ -46,7 +46,7 @@ class NastranCards:
         return f"{card.name} {self.field(card, 0)} (line {card.line})"
 
     def place(self, grid: int) -> FloatArray:
-        """Where a grid is, (3,)."""
+        """Position of a grid, (3,)."""
         return np.asarray(self.points[int(self.index(np.array([grid]))[0])])
 
     def positive(self, card: Card, k: float) -> float:

@@ -217,7 +217,7 @@ class Universal:
         self.metre = 1.0 / factor
 
     def take_systems(self, one: DataSet) -> None:
-        """Which systems of coordinates are not the global one."""
+        """Coordinate systems other than the global one."""
         at = one.start + 2
         while at < one.end:
             self.inside(at + 5, one, "a system of coordinates")
