@@ -10,6 +10,8 @@ perturbation theory: P.-O. Lowdin, J. Math. Phys. 3, 1962, 969),
 
     -r_jb r_ja (1/(w_j^2 - w_a^2) + 1/(w_j^2 - w_b^2))/2,   r_ja = K_1[l, j, a] - w_a^2 M_1[l, j, a].
 
+In r and in the denominators, w_a of a wave above those wanted is the highest w wanted.
+
 The answers themselves, X_a = -sum_k sum_j r_ja/(w_j^2 - w_a^2) u_j, are kept by k: with them a casing's own energies
 are right to third order (`family`). All numbers K_1, K_2 are real: a casing is its own mirror image.
 """
@@ -49,6 +51,7 @@ class Expansion:
     p_max : the highest harmonic of the fields
     places : points of the meridian
     waves : the lowest waves a, those of +-n together
+    about : omega^2 at which each wave is answered, its own, or the highest wanted, (a,)
     above : the lowest omega^2 left out
     k : harmonics by way of which waves meet, (ways,)
     K_1, M_1 : (l, b, a)
@@ -61,6 +64,7 @@ class Expansion:
     p_max: int
     places: Places
     waves: Waves
+    about: FloatArray
     above: float
     k: IntArray
     K_1: FloatArray
@@ -100,19 +104,23 @@ def lowest(waves: Waves, count: int) -> tuple[IntArray, float]:
     return order[:count], float(waves.value[order[count]])
 
 
-def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, n_max: int) -> Expansion:
-    """The expansion of a perfect casing's `count` lowest waves, of n_max nodal diameters at most."""
+def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, n_max: int, wanted: int) -> Expansion:
+    """The expansion of a perfect casing's `count` lowest waves, of n_max nodal diameters at most.
+
+    Waves above the `wanted` lowest only mix with those: what answers them is that at the highest frequency wanted.
+    """
     bare, places, slots = remade(ShellParts, shell), places_of(shell), slots_of(quantities)
     waves = waves_of(shell, n_max + p_max, places)
     chosen, above = lowest(waves, count)
     low = waves.chosen(chosen)
+    about = np.minimum(low.value, np.sort(low.value)[wanted - 1])
     first = first_derivatives(bare, quantities, places, np.zeros(len(slots)))
     K_1, M_1 = first_order(waves, low, slots, first, quantities)
     reach = np.abs(waves.n[:, None] - low.n) <= p_max
-    r = (K_1 - low.value * M_1) * reach
+    r = (K_1 - about * M_1) * reach
     outside = np.ones(len(waves.n), dtype=bool)
     outside[chosen] = False
-    W = np.where(outside[:, None], r / np.where(outside[:, None], waves.value[:, None] - low.value, 1.0), 0.0)
+    W = np.where(outside[:, None], r / np.where(outside[:, None], waves.value[:, None] - about, 1.0), 0.0)
     k = np.arange(-n_max - p_max, n_max + p_max + 1)
     K_2, M_2 = second_order(low, k, slots, second_derivatives(bare, quantities, places), quantities)
     answers = np.empty((len(quantities), len(k), len(waves.jets), len(low.n)), dtype=complex)
@@ -128,6 +136,7 @@ def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, 
         p_max=p_max,
         places=places,
         waves=low,
+        about=about,
         above=above,
         k=k,
         K_1=K_1[:, chosen],

@@ -30,7 +30,7 @@ from casingfem.structure.mesh.jet_form import JET
 from casingfem.structure.shell.shell import Shell
 from contact.io.brief import brief
 
-GUARD = 12  # waves beyond those wanted
+GUARD = 24  # waves beyond those wanted
 TURN = 2.0 * np.pi
 
 
@@ -85,7 +85,7 @@ class Family:
         known = modes(bare, size)
         p_max = max(int(term.p.max()) for field in shell.defects.values() for term in terms_of(field) or ())
         n_max = int(known.nodal_diameters.max())
-        expansion = expanded(bare, tuple(shell.defects), p_max, size, n_max)
+        expansion = expanded(bare, tuple(shell.defects), p_max, size, n_max, count)
         return cls(expansion=expansion, rings=content(expansion, bare), rigid=known.rigid)
 
     def near(self, defects: Mapping[str, Field], count: int) -> Near:

@@ -6,7 +6,7 @@ import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-LEFT = 2e-5  # of the largest entry's size: what all terms left out may add up to
+LEFT = 2e-6  # of the largest entry's size: what all terms left out may add up to
 
 
 class Monomials(NamedTuple):
@@ -30,25 +30,27 @@ class Monomials(NamedTuple):
         return np.asarray(parts.view(complex))
 
 
-def collected(factor: IntArray, value: FloatArray, size: FloatArray, scale: float) -> Monomials:
-    """Products that are the same are one; the smallest, which together are `LEFT` of `scale`, are left out.
+def collected(factor: IntArray, number: IntArray, value: FloatArray, size: FloatArray, scale: FloatArray) -> Monomials:
+    """Sums of K, then of M, of some numbers; each product once, without the smallest, `LEFT` of `scale` together.
 
     Parameters
     ----------
-    factor, value
-        (products, degree) and (products, sums).
+    factor, number, value
+        Products (products, degree), of which number each is a part (products,), and its K and M (products, 2).
     size
         Root mean square of each coefficient, (X,).
     scale
-        Size of what the first of the sums is added to.
+        Size of what is added to, (numbers,).
     """
     factor = np.sort(factor, axis=1)
     key = factor @ size.size ** np.arange(factor.shape[1])  # one number a product
     _, first, of = np.unique(key, return_index=True, return_inverse=True)
     factor = factor[first]
-    sums = [np.bincount(of.ravel(), weights=column, minlength=len(factor)).astype(float) for column in value.T]
-    summed: FloatArray = np.stack(sums, axis=1)
-    weight = np.abs(summed[:, 0]) * np.prod(size[factor], axis=1)
+    summed = np.zeros((len(factor), 2, len(scale)))
+    for kind in (0, 1):
+        np.add.at(summed[:, kind], (of.ravel(), number), value[:, kind])
+    weight = np.abs(summed[:, 0]) * np.prod(size[factor], axis=1)[:, None]
+    weight = np.divide(weight, scale, out=np.zeros_like(weight), where=scale > 0.0).max(axis=1, initial=0.0)
     order = np.argsort(weight)
-    kept: IntArray = np.sort(order[np.cumsum(weight[order]) > LEFT * scale])
-    return Monomials(np.asarray(factor[kept], dtype=np.int64), summed[kept])
+    kept: IntArray = np.sort(order[np.cumsum(weight[order]) > LEFT])
+    return Monomials(np.asarray(factor[kept], dtype=np.int64), summed[kept].reshape(len(kept), 2 * len(scale)))

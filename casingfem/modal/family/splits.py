@@ -1,11 +1,10 @@
 """Splits and orientations of the pairs of many casings of one family at once, to third order in the imperfections.
 
-Pairs of nearby frequency mix strongly: those of a window are one small matrix for each casing (`window`). A casing's
+Pairs mix: those wanted and some above them are one small matrix for each casing (`window`). A casing's
 motion is real, so that K[-b, -a] is the conjugate of K[b, a]: on cosine and sine members the matrices are real. The
 arrays have all casings of a lot; no casing has a loop of its own.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,8 +19,6 @@ from casingfem.structure.field.random import RandomField
 from casingfem.structure.shell.shell import Shell
 from contact.io.brief import brief
 
-MARGIN = 0.12  # of a frequency: pairs this near mix in one window
-MOST = 8  # pairs of a window
 LOT = 128  # casings at once: their products fit into the cache
 
 
@@ -34,12 +31,14 @@ class Splits(NamedTuple):
     split : (f_upper - f_lower)/mean
     angle_deg : angle of an antinode of the lower member, from 0 to 180/n
     share : of the energy of the two modes in the pair's waves; where two pairs mix this is low, and the pair no pair
+    third : what the terms of third order add to the frequencies of the pair, the larger of both, relative
     """
 
     freq: FloatArray
     split: FloatArray
     angle_deg: FloatArray
     share: FloatArray
+    third: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,7 +50,7 @@ class SplitMap:
     family : the casings
     n, rank : nodal diameters and meridional rank (from 1) of the pairs, ascending by frequency, (pairs,)
     freq : frequencies of the perfect casing [Hz], (pairs,)
-    windows : which together answer for all pairs, in this order
+    window : what is between them, and the pairs above them
 
     Examples
     --------
@@ -69,7 +68,7 @@ class SplitMap:
     n: IntArray
     rank: IntArray
     freq: FloatArray
-    windows: tuple[Window, ...]
+    window: Window
 
     __repr__ = brief
 
@@ -94,12 +93,10 @@ class SplitMap:
         forth = order[own.waves.n[order] > 0]
         back = np.array([opposite(own, wave) for wave in forth])
         wanted = int(np.count_nonzero(np.maximum(place[forth], place[back]) < count))
-        freq, forms = frequencies(own.waves.value[forth]), derivatives_of(own)
-        windows = tuple(
-            window_of(own, forms, forth[at], back[at], size, answers) for at, answers in clusters(freq, wanted)
-        )
+        freq = frequencies(own.waves.value[forth[:wanted]])
+        window = window_of(own, derivatives_of(own), forth, back, size, wanted)
         n, rank = own.waves.n[forth[:wanted]], own.waves.rank[forth[:wanted]] + 1
-        return cls(family=family, n=n, rank=rank, freq=freq[:wanted], windows=windows)
+        return cls(family=family, n=n, rank=rank, freq=freq, window=window)
 
     def series(self, casings: "list[dict[str, Field]]") -> Array:
         """Series F of casings by their fields, (casings, l, 2 p_max + 1), p from -p_max to p_max."""
@@ -113,47 +110,50 @@ class SplitMap:
 
     def lot(self, series: Array) -> Splits:
         """Pairs of some casings."""
-        x = np.ascontiguousarray(series.reshape(len(series), -1).T)
-        parts = [answered(each, x) for each in self.windows]
-        return Splits(*(np.concatenate(part, axis=1) for part in zip(*parts, strict=True)))
+        return answered(self.window, np.ascontiguousarray(series.reshape(len(series), -1).T))
 
 
 def answered(own: Window, x: Array) -> Splits:
     """The pairs that a window answers for, of casings with coefficients x (l (2 p_max + 1), casings)."""
-    value, y = np.linalg.eigh(matrices(own, x))
-    pairs = len(own.n)
-    shares = y[:, :pairs] ** 2 + y[:, pairs:] ** 2  # (casings, pairs, modes)
-    shares = shares[:, own.own]
+    whole, last = matrices(own, x)
+    value, y = np.linalg.eigh(whole)
+    pairs, at = len(own.n), np.arange(own.own)
+    shares = (y[:, :pairs] ** 2 + y[:, pairs:] ** 2)[:, : own.own]  # (casings, pairs, modes)
     both = np.sort(np.argsort(-shares, axis=-1, kind="stable")[..., :2], axis=-1)
     freq = frequencies(np.take_along_axis(value[:, None], both, axis=-1))
     lower = np.take_along_axis(y, both[:, None, :, 0], axis=2)
-    at = np.arange(len(own.own))
-    cosine, sine = lower[:, own.own, at], lower[:, pairs + own.own, at]
-    n, mean = own.n[own.own], freq.mean(axis=-1)
+    cosine, sine = lower[:, at, at], lower[:, pairs + at, at]
+    n, mean = own.n[: own.own], freq.mean(axis=-1)
     angle = np.degrees(np.arctan2(sine, cosine) / n) % (180.0 / n)
     share = np.take_along_axis(shares, both, axis=-1).min(axis=-1)
-    return Splits(mean, (freq[..., 1] - freq[..., 0]) / mean, angle, share)
+    added = np.abs(np.sum(y * (last @ y), axis=1)) / np.maximum(value, np.finfo(float).tiny)
+    third = 0.5 * np.take_along_axis(added[:, None], both, axis=-1).max(axis=-1)
+    return Splits(mean, (freq[..., 1] - freq[..., 0]) / mean, angle, share, third)
 
 
-def matrices(own: Window, x: Array) -> FloatArray:
-    """K of a window where the mass is one, cosine members, then sine members, (casings, 2 pairs, 2 pairs)."""
-    pairs = len(own.n)
-    K, M = np.zeros((2, x.shape[1], 2, pairs, pairs), dtype=complex)
-    for entry in own.entries:
-        sums = np.add.reduce([power.sums(x) for power in entry.powers])
-        K[:, entry.sense, entry.b, entry.a], M[:, entry.sense, entry.b, entry.a] = sums
-    stiffness, E = real_form(K), real_form(M)
-    both = np.arange(2 * pairs)
+def matrices(own: Window, x: Array) -> tuple[FloatArray, FloatArray]:
+    """K of a window where the mass is one, and what of K is of third order, (casings, 2 pairs, 2 pairs).
+
+    Cosine members, then sine members.
+    """
+    pairs, cases = len(own.n), x.shape[1]
+    parts = np.zeros((3, cases, 2, pairs, pairs), dtype=complex)  # K to second order, M, third order
+    for each in own.between:
+        *low, last = (power.sums(x).reshape(2, len(each.b), cases) for power in each.powers)
+        for part, sums in zip(parts, (*np.add.reduce(low), last[0]), strict=True):
+            part[:, each.sense, each.a, each.b] = np.where(each.sense, sums.T, sums.T.conj())
+            part[:, each.sense, each.b, each.a] = sums.T
+    stiffness, E, last = map(real_form, parts)
+    both, one = np.arange(2 * pairs), np.eye(2 * pairs)
+    stiffness += last
     stiffness[:, both, both] += np.tile(own.value, 2)
-    root = np.eye(2 * pairs) - 0.5 * E + 0.375 * (E @ E)  # (1 + E)^(-1/2)
-    return np.asarray(root @ stiffness @ root)
+    root = one - E @ (0.5 * one - E @ (0.375 * one - 0.3125 * E))  # (1 + E)^(-1/2)
+    return np.asarray(root @ stiffness @ root), last
 
 
 def real_form(waves: Array) -> FloatArray:
-    """Symmetric matrices on cosine and sine members from what is between waves, (casings, sense, b, a), a <= b."""
-    strict = np.tril(np.ones(waves.shape[-2:]), -1)
-    full = waves[:, 0] + (waves[:, 0] * strict).conj().swapaxes(1, 2)
-    turned = waves[:, 1] + (waves[:, 1] * strict).swapaxes(1, 2)
+    """Symmetric matrices on cosine and sine members from what is between waves, (casings, sense, b, a)."""
+    full, turned = waves[:, 0], waves[:, 1]
     top = np.concatenate([full.real + turned.real, full.imag - turned.imag], axis=2)
     bottom = np.concatenate([-full.imag - turned.imag, full.real - turned.real], axis=2)
     return np.concatenate([top, bottom], axis=1)
@@ -162,23 +162,6 @@ def real_form(waves: Array) -> FloatArray:
 def opposite(own: Expansion, wave: int) -> int:
     """The wave that travels the other way."""
     return int(np.flatnonzero((own.waves.n == -own.waves.n[wave]) & (own.waves.rank == own.waves.rank[wave]))[0])
-
-
-def clusters(freq: FloatArray, wanted: int) -> Iterator[tuple[IntArray, IntArray]]:
-    """Pairs of each window and the places in it of those that it answers for; `freq` ascends."""
-    first = 0
-    while first < wanted:
-        last = first
-        while last + 1 < wanted and len(near(freq, first, last + 1)) <= MOST:
-            last += 1
-        inside = near(freq, first, last)
-        yield inside, np.flatnonzero((inside >= first) & (inside <= last))
-        first = last + 1
-
-
-def near(freq: FloatArray, first: int, last: int) -> IntArray:
-    """Pairs within the margin of the frequencies from one to another."""
-    return np.flatnonzero((freq >= freq[first] * (1.0 - MARGIN)) & (freq <= freq[last] * (1.0 + MARGIN)))
 
 
 def field_size(field: Field, p_max: int) -> FloatArray:
