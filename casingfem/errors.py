@@ -13,7 +13,7 @@ CODE = re.compile(r"\[([a-z0-9-]+)\]$")
 
 
 class InputError(ValueError):
-    """Input that cannot be used: where, what was found, what is expected; each is an attribute where it is known.
+    """Input that cannot be used: place, finding and expectation; each is an attribute if it is known.
 
     >>> str(InputError("rig.csv", line=7, column="n", found="'x'", expected="a whole number"))
     "rig.csv, line 7, column 'n': found 'x'; expected a whole number"

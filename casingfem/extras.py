@@ -1,4 +1,4 @@
-"""Optional packages: what each extra of the installation is for, what it contains, how it is installed."""
+"""Optional packages: purpose, contents and installation of each extra."""
 
 import shlex
 import sys

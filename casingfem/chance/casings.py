@@ -29,7 +29,7 @@ TURNED = 1e-4  # how far modes of the two descriptions may be from a turn of eac
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Casings:
-    """A perfect casing, and what random imperfections make of it.
+    """A perfect casing and its random variants.
 
     Attributes
     ----------

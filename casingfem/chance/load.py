@@ -1,4 +1,4 @@
-"""scene.toml with [chance] -> what is drawn, or every problem of the file at once."""
+"""Read scene.toml with [chance]: returns the random model, or reports every problem of the file at once."""
 
 import hashlib
 from dataclasses import dataclass

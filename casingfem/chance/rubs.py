@@ -32,7 +32,7 @@ Row = dict[str, Any]
 
 
 def run_rubs(found: Chance, own: Drawing, folder: Path | None, progress: Callable[[int, int], None]) -> list[Row]:
-    """One row for each of the first casings that are dangerous at some speed: its draw, and what its run did.
+    """One row for each of the first casings that are dangerous at some speed: its draw, and the result of its run.
 
     The draws are in random order, so that the first ones are a fair sample of all.
     """

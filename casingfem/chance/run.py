@@ -144,7 +144,7 @@ def result_of(future: Future[Any], executor: Executor) -> Any:
 
 
 def open_store(given: ChanceScene, folder: Path) -> Path:
-    """The folder of the lots, marked with what they belong to; raises SceneError where that is another scene."""
+    """Folder of the stored draws, marked with the scene it belongs to; raises SceneError for another scene."""
     key = json_text({name: part for name, part in given.source.items() if name != "sha256"})  # draws may be added
     mark = folder / "chance.json"
     if mark.exists() and read_bytes(mark) != key.encode("utf-8"):

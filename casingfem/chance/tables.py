@@ -18,7 +18,7 @@ class LawTable(Table):
 
 
 class ChanceTable(Table):
-    """[chance]: which casings are drawn, how often, and what else of the scene is random."""
+    """[chance]: which casings are drawn, how many, and which other numbers of the scene are random."""
 
     study: Annotated[str, Field(min_length=1)] = Field(
         description="study of the casing, relative to this file: its random imperfections, and [reduce]"

@@ -209,7 +209,7 @@ def run_scene(
     file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool = False,
     pictures: bool = False,
 ) -> None:  # fmt: skip
-    """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
+    """Load, run and deliver a scene; a run that failed or diverged delivers its results up to that step."""
     if pictures and out is None:
         raise click.UsageError("found --pictures without --out DIR, expected a folder to write to")
     from contact import RotatingRim, Rub, load_scene

@@ -1,4 +1,4 @@
-"""`casingfem doctor`: what this installation runs on."""
+"""`casingfem doctor`: Python, packages and extras of this installation."""
 
 import os
 import platform
@@ -97,7 +97,7 @@ def machine_code() -> dict[str, object]:
 
 
 def extras() -> dict[str, dict[str, object]]:
-    """Each extra: what it is for, which of its packages are not there, and what installs them."""
+    """Each extra: its purpose, its missing packages, and the command that installs them."""
     found: dict[str, dict[str, object]] = {}
     for name, extra in EXTRAS.items():
         missing = [package for package in extra.packages if installed(package) is None]

@@ -43,7 +43,7 @@ def indices(found: "ModeSet", shown: tuple[int, ...] | None) -> list[int] | None
 
 
 def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma: float) -> str:
-    """The modes as a frequency table with its card, and beyond it what only a model knows."""
+    """The modes as a frequency table with its card, and further columns that only a model has."""
     from casingfem.experiment.frequency_table import COLUMNS, COMPUTED
 
     source = study.source
@@ -88,7 +88,7 @@ def print_wheel(
     vtu: bool,
     uff: bool,
 ) -> None:
-    """Compute what the study of a wheel asks for, print it, and write its files."""
+    """Compute the tasks of a wheel's study, print the results, and write the files."""
     from casingfem.modal.cyclic.mistuned import mistuned_modes
     from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
     from casingfem.modal.cyclic.reduction import OF_A_DIAMETER

@@ -79,7 +79,7 @@ def new(name: Path, as_json: bool, out: Path | None) -> None:
 
 
 def told(document: dict[str, Any], as_json: bool) -> None:
-    """State which files were written, and what to type next."""
+    """Print which files were written, and the next command to type."""
     lines = [*(f"wrote {path}" for path in document["files"]), "next:", *(f"  {line}" for line in document["next"])]
     deliver(document, "\n".join(lines), as_json=as_json, out=None, files={})
 

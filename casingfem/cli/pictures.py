@@ -108,7 +108,7 @@ def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -
 
 
 def pairs_of(what: object) -> list[tuple[int, float]]:
-    """Nodal diameters and frequency [Hz] of the casing's modes, one of each pair; none of what has no rim."""
+    """Nodal diameters and frequency [Hz] of the casing's modes, one of each pair; empty without a rim."""
     from contact.model.gaps.rub import rub_of
     from contact.stability.of_run import casing_diameters
 
@@ -137,7 +137,7 @@ def marks_of(what: object) -> "list[Mark]":
 
 
 def turn_of(what: object) -> float:
-    """Speed [turns/s] of what turns steadily, else 0."""
+    """Speed [turns/s] of a steady rotation, else 0."""
     from contact.model.gaps.rub import rub_of
 
     rub: Rub | None = rub_of(what)
@@ -145,7 +145,7 @@ def turn_of(what: object) -> float:
 
 
 def ledger(result: "Result") -> dict[str, float]:
-    """Energy into the bodies by source [J], and what they gained."""
+    """Energy supplied to the bodies by source [J], and energy gained by them."""
     e = result.energy
     return {
         "contact": -e.lost_in_contact, "turning rim": e.rotation, "friction": e.friction, "damping": e.damping,

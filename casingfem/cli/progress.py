@@ -1,4 +1,4 @@
-"""Progress of a long command on stderr: what is done, for how long, and about how long it will still take.
+"""Progress of a long command on stderr: current work, elapsed time, estimated remaining time.
 
 A terminal gets one line that changes. A file or a pipe gets whole lines, the first after two seconds, then fewer and
 fewer. `CASINGFEM_PROGRESS=off` turns both off. A command states its steps; what a step reports
@@ -33,7 +33,7 @@ def duration(seconds: float) -> str:
 
 
 class ProgressMessage:
-    """Shows what a command does while it takes long; `say` changes the text and the share that is done.
+    """Progress display of a long command; `say` changes the text and the finished share.
 
     The remaining time is the time since the first share divided by what was done since, times what is left. Where
     `say` gives no share, the share that the computation reports to `tell` counts.
@@ -76,12 +76,12 @@ class ProgressMessage:
         return time.perf_counter() - self.started
 
     def say(self, what: str, done: float | None = None) -> None:
-        """Change what is stated; `done` is the share of the work that is done, 0 to 1, None where it is not known."""
+        """Change the text; `done` is the finished share of the work, 0 to 1, None if unknown."""
         self.what, self._detail, self._most, self._whole = what, "", False, done is not None
         self._reach(done)
 
     def tell(self, words: str, done: float | None = None, most: bool = False) -> None:
-        """Show what the step at hand reports; its share counts where that of the command is not known.
+        """Show the progress of the current step; its share counts if that of the command is unknown.
 
         `most`: the share is that of the most there can be, so that less time may be left.
         """

@@ -1,4 +1,4 @@
-"""`casingfem recover DIR`: what a killed writer left in a folder is finished, put back or removed."""
+"""`casingfem recover DIR`: finish, restore or remove files of a killed writer in a folder."""
 
 from pathlib import Path
 

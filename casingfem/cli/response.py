@@ -1,4 +1,4 @@
-"""`casingfem response STUDY`: what engine orders do to a wheel, tuned and mistuned."""
+"""`casingfem response STUDY`: response of a wheel, tuned and mistuned, to engine orders."""
 
 from pathlib import Path
 

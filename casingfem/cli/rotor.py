@@ -13,7 +13,7 @@ FINE = 401  # speeds of the unbalance response
 
 
 def rotor_campbell(file: Path, as_json: bool, out: Path | None, to_hz: float | None, steps: int) -> None:
-    """Print, and write with --out, what a rotor does over speed."""
+    """Print the Campbell data of a rotor over speed, and write them with --out."""
     import numpy as np
 
     from contact import InputError, load_scene

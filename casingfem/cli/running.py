@@ -75,7 +75,7 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
 
 
 def what_is_safe(command: str | None, out: object) -> str:
-    """One sentence for who has pressed Ctrl-C: what is there, and how to go on."""
+    """One sentence after Ctrl-C: which results are kept, and how to continue."""
     store = STORES.get(command or "")
     if isinstance(out, Path) and store:
         return f"stopped: what is finished is safe in {out / store}; the same command goes on from there"
@@ -156,7 +156,7 @@ def collect(warning: ModelWarning | SceneWarning) -> None:
 
 
 def source_of(file: Path) -> dict[str, str]:
-    """Name and hash of an input file and the versions at work: what a page states of where it comes from."""
+    """Name and hash of an input file and the versions of the program: the provenance on a page."""
     from contact.version import versions
 
     return {"file": file.name, "sha256": hashlib.sha256(read_bytes(file)).hexdigest(), **versions()}

@@ -1,4 +1,4 @@
-"""The page on a scene that was run: what is asked of the run, of its dangerous speeds, of the rim's limits."""
+"""The page on a scene that was run: results of the run, dangerous speeds, limits of the rim."""
 
 import math
 from collections.abc import Callable

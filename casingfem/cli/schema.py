@@ -177,7 +177,7 @@ def kept(info: Any) -> str:
 @click.argument("code", required=False, shell_complete=lambda *given: [c for c in CATALOGUE if c.startswith(given[2])])
 @options
 def explain(code: str | None, as_json: bool, out: Path | None) -> None:
-    """The cause of an error or warning by its CODE, and what helps; all codes if left out."""
+    """The cause of an error or warning by its CODE, and the remedy; all codes if left out."""
     wanted = list(CATALOGUE) if code is None else [code.strip("[]")]
     for name in wanted:
         if name not in CATALOGUE:

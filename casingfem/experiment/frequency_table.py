@@ -1,4 +1,4 @@
-"""The experimental frequency table: what a modal test hands to the updater."""
+"""The experimental frequency table: the result of a modal test and the input of an update."""
 
 from __future__ import annotations
 
@@ -237,7 +237,7 @@ def _quoted(cell: str) -> str:
 
 
 def _column(csv: StrictCsv, name: str, sigma: float | None, columns: Mapping[str, Array]) -> Array:
-    """The numbers of one column; where it is absent, what represents it."""
+    """The numbers of one column, or the default if the column is absent."""
     blank = _BLANK.get(name)
     if name == "sigma_hz" and sigma is not None:
         stated = csv.numbers(name, blank=np.nan) if name in csv.header else np.full(len(csv.lines), np.nan)
@@ -256,7 +256,7 @@ def _looks_like_percent(zeta: FloatArray) -> bool:
 
 
 def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
-    """Columns that are used by nobody; refuse those that seem misspelt first: they explain what is missing."""
+    """Columns without a meaning here; likely misspellings are refused first, since they explain missing columns."""
     extra = [name for name in csv.header if name not in COLUMNS + COMPUTED]
     for name in extra:
         stem = re.split(r"[_\[( ]", name.lower())[0]

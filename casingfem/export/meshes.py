@@ -199,7 +199,7 @@ def array(name: str, values: Array, more: str = "") -> str:
 
 
 def frames(count: int, most: int = FRAMES) -> IntArray:
-    """At most so many of `count` instants, evenly, the first and the last among them.
+    """A limited number of `count` instants, evenly spaced, including the first and the last.
 
     >>> frames(3).tolist(), frames(1000, 4).tolist()
     ([0, 1, 2], [0, 333, 666, 999])

@@ -14,7 +14,7 @@ PARTS = (SURFACES, EDGES, MESHES, RESULTS, RUNS)
 
 
 class Fault(NamedTuple):
-    """Why a model is refused or doubted, and what helps."""
+    """Cause of an error or a warning about a model, and the remedy."""
 
     cause: str
     remedy: str

@@ -1,4 +1,4 @@
-"""Faults of what is asked of a model, and of what it is compared with: modes, reduction, sensors, study and files."""
+"""Faults of requested results and their comparisons: modes, reduction, sensors, study and files."""
 
 RESULTS = {
     "expansion-modes": (

@@ -1,4 +1,4 @@
-"""Array types shared by every floor, and what makes arrays and mappings of frozen dataclasses read-only.
+"""Array types of all packages, and functions that make arrays and mappings of frozen dataclasses read-only.
 
 Most arrays are real. Those that a sensitivity passes through may be complex (complex step), and are
 annotated `Array`.

@@ -56,7 +56,7 @@ def arrays_of(path: Path, module: str, function: str) -> dict[str, Array]:
 
 
 def in_child(task: str, path: Path, module: str, function: str, stdout: IO[bytes] | int) -> tuple[int, str]:
-    """Exit code of a child that does one of the two tasks below, and what a crash or a timeout is called."""
+    """Exit code of a child that does one of the two tasks below, and the name of a crash or a timeout."""
     size = path.stat().st_size
     seconds, memory = SECONDS + size / PACE, BYTES + ROOM * size
     line = [sys.executable, "-c", CODE.format(task), str(path), module, function, str(seconds), str(memory)]
@@ -82,7 +82,7 @@ def read(path: str, module: str, function: str, seconds: str, memory: str) -> No
 
 
 def hand_over(path: str, module: str, function: str, seconds: str, memory: str) -> None:
-    """Call the reader within bounds and write what it returns to the standard output (in the child)."""
+    """Call the reader within limits and write its result to the standard output (in the child)."""
     stream = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever a library prints goes elsewhere
     call = bounded(module, function, seconds, memory)
@@ -103,7 +103,7 @@ def bounded(module: str, function: str, seconds: str, memory: str) -> Callable[[
 
 
 def give(stream: IO[bytes], call: Callable[[Path], Mapping[str, Any]], path: Path) -> int:
-    """Write names, then arrays, that a reader returns, or what it raised; the exit code."""
+    """Write the names and arrays that a reader returned, or its error; returns the exit code."""
     try:
         arrays = {name: np.asarray(array) for name, array in call(path).items()}
         if odd := [name for name, array in arrays.items() if array.dtype.hasobject]:

@@ -26,7 +26,7 @@ class Each(Protocol):
 
 @contextmanager
 def side_by_side(workers: int) -> Iterator[Each]:
-    """So many processes that share the items; `map` of this one for a single worker.
+    """A number of processes that share the items; `map` of this process for a single worker.
 
     What they are given, and give back, is pickled. The result is the same as in turn, where this process has one BLAS
     thread: the others have one, and sums of several threads are rounded differently.

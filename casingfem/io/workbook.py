@@ -1,4 +1,4 @@
-"""Sheets of Excel workbooks as rows of text: numbers as they are stored, the place of a cell is sheet and row.
+"""Sheets of Excel workbooks as rows of text: numbers as stored; the place of a cell is sheet and row.
 
 openpyxl, the extra `excel`, reads the cells. Before it opens a workbook, the size of the unpacked parts is bounded and
 document types, which XML expands, are refused.
@@ -90,7 +90,7 @@ def read_sheet(data: bytes, path: str, name: str | None) -> Sheet:
 
 
 def _checked(data: bytes, path: str) -> bool:
-    """Refuse what unpacks to too much or expands; return whether any part has a formula."""
+    """Refuse a workbook that unpacks to too much or expands; return whether any part has a formula."""
     formulas = False
     with ZipFile(BytesIO(data)) as archive:
         unpacked = sum(info.file_size for info in archive.infolist())

@@ -47,7 +47,7 @@ class EigenResult:
 
     @property
     def freq(self) -> FloatArray:
-        """Frequencies [Hz]; what round-off leaves below zero is zero."""
+        """Frequencies [Hz]; values that round-off puts below zero are zero."""
         return np.asarray(np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi))
 
 
@@ -62,7 +62,7 @@ def sturm_count(K: Symmetric, mass: Mass, sigma: float) -> int:
 
 
 def solve(K: Symmetric, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
-    """So many modes (`solve_modes`), or those of a band [Hz] (`solve_band`)."""
+    """A number of modes (`solve_modes`), or the modes of a band [Hz] (`solve_band`)."""
     if isinstance(wanted, int):
         return solve_modes(K, mass, wanted, shift=shift, direct=direct)
     low, high = ((2.0 * np.pi * end) ** 2 for end in wanted)

@@ -1,4 +1,4 @@
-"""A symmetric matrix kept as the dense matrices of its elements: what assembly adds up is never added up.
+"""A symmetric matrix kept as the dense matrices of its elements; the sum is never assembled.
 
     A = R (sum over elements of P_e^T A_e P_e) R + diag(d),   P_e picks the element's unknowns, R is diagonal
 

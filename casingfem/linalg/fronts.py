@@ -1,4 +1,4 @@
-"""The plan of a multifrontal factorisation: which unknowns each front eliminates, which it updates, what it will cost.
+"""Plan of a multifrontal factorisation: unknowns that each front eliminates, unknowns that it updates, and the cost.
 
 Fronts are the nodes of a nested dissection, in postorder. A front contains its own unknowns, its pivots, and those
 later ones that they are coupled with, directly or through what was eliminated before (Duff & Reid, ACM Trans. Math.
@@ -97,7 +97,7 @@ class Fronts:
         return Groups(of.ravel(), shapes[:, 0], counts)
 
     def working(self) -> int:
-        """Numbers in memory at most beside the factor: a front, and what its elder relatives have passed on so far."""
+        """Largest number of values in memory beside the factor: a front, and updates of fronts not yet used."""
         most = held = 0
         for front in self.fronts:
             k, m = front.size
@@ -106,7 +106,7 @@ class Fronts:
         return most
 
     def bytes(self, keep: bool, number: int = 8) -> float:
-        """Memory that a factorisation takes at most, of its factor and without it, in numbers of so many bytes."""
+        """Largest memory of a factorisation, with and without its factor, for numbers of a given size in bytes."""
         return float(number) * (self.working() + keep * self.entries)
 
     def fits(self, A: Symmetric) -> bool:
@@ -147,7 +147,7 @@ def runs(places: IntArray) -> Runs:
 
 
 class Recent:
-    """The last plan, as long as it is in use or small: shifts and neighbours share their pattern."""
+    """The last plan, kept while it is in use or small: shifts and neighbours share their pattern."""
 
     last: ReferenceType[Fronts] | None = None
     small: Fronts | None = None
@@ -198,7 +198,7 @@ def plan(A: Symmetric) -> Fronts:
 
 
 def longest(axes: FloatArray, of: IntArray, fronts: int) -> FloatArray:
-    """Of each vertex the coordinate along which its front is longest: what neighbours share of it stays together."""
+    """For each vertex the coordinate along which its front is longest, so that shared vertices stay together."""
     count = np.maximum(np.bincount(of, minlength=fronts), 1)
     mean = np.array([np.bincount(of, x, fronts) / count for x in axes])
     spread = np.array([np.bincount(of, x * x, fronts) / count for x in axes]) - mean**2

@@ -89,7 +89,7 @@ class Basis:
         self.coupling = np.zeros((self.fresh.shape[1], self.coupling.shape[1]))
 
     def ritz(self) -> tuple[FloatArray, Array, FloatArray]:
-        """Ritz values theta, largest first, their coefficients in Q, and their residuals over what is allowed."""
+        """Ritz values theta, largest first, their coefficients in Q, and their residuals relative to the tolerance."""
         theta, S = eigh(self.T[: self.count, : self.count])
         order = np.argsort(-np.abs(theta))
         theta, S = theta[order], S[:, order]
@@ -171,7 +171,7 @@ def nearest(
 
 
 def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
-    """Take from a block (n, k), in place, what it has of a B-orthonormal basis Q (n, count): the shares (count, k).
+    """Remove from a block (n, k), in place, its components (count, k) in a B-orthonormal basis Q (n, count).
 
     Both are by columns: BLAS then neither copies nor adds up apart.
     """

@@ -151,7 +151,7 @@ def pivoted(K_pp: Array, K_rp: Array, K_rr: Array) -> tuple[Block, int]:
 
 
 def pivots(diagonal: FloatArray, beside: Array, swaps: IntArray) -> tuple[Indefinite, int]:
-    """D^-1 and the order of pivots from what LAPACK's sytrf, hetrf leave, and how many eigenvalues of D are negative.
+    """D^-1 and the pivot order from LAPACK's sytrf or hetrf, and the number of negative eigenvalues of D.
 
     A pair of negative numbers in `swaps` is a pivot of two, of which one eigenvalue is negative and one is not.
     """

@@ -43,7 +43,7 @@ RADIUS_SEED = 9176  # of the estimate of the spectrum's end: same input, same bi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Level:
-    """A symmetric matrix (n, n), the inverse of its diagonal (n, 1), rho(D^-1 A), and what prolongs to it (n, m)."""
+    """A symmetric matrix (n, n), the inverse of its diagonal (n, 1), rho(D^-1 A), and the prolongation to it (n, m)."""
 
     A: csr_array
     inverse: FloatArray

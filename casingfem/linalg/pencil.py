@@ -1,4 +1,4 @@
-"""K - omega^2 M, scaled by the diagonal of M so that numbers of unlike dofs compare; what a Sturm count of it is worth.
+"""K - omega^2 M, scaled by the diagonal of M so that different dofs compare, and the reliability of its Sturm count.
 
 Unknowns without mass, such as nodes between two springs, are scaled by the diagonal of K: they follow the others
 statically, A is definite on them, and neither counts nor modes see more of them.

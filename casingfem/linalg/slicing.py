@@ -139,7 +139,7 @@ def solve_slice(counter: Counter, start: End, end: End) -> Slice:
 
 
 def around_middle(counter: Counter, start: End, end: End, block: int, clear: float) -> RitzPairs:
-    """All pairs of a slice, those on its ends, and what is next to them, from a shift near its middle."""
+    """All pairs of a slice, those on its ends, and their neighbours, from a shift near its middle."""
     pencil, low, high, products = counter.pencil, start.place, end.place, 0
     for place in PLACES:
         sigma = low + place * (high - low)

@@ -124,7 +124,7 @@ class AlikeFronts:
 
     @cached_property
     def sums(self) -> tuple[IntArray, csc_array]:
-        """The rows that any of the fronts has, and what adds up all fronts' shares of them."""
+        """The rows that any of the fronts has, and the operator that sums the shares of all fronts."""
         touched, place = np.unique(self.rows, return_inverse=True)
         columns = np.arange(self.rows.size + 1)
         return touched, csc_array((np.ones(self.rows.size), place.ravel(), columns), (len(touched), self.rows.size))
@@ -178,6 +178,6 @@ class Stack:
         self.count += 1
 
     def step(self) -> AlikeFronts:
-        """What was taken in."""
+        """The fronts collected so far, as arrays."""
         pivots, rows, L, below = (part[: self.count] for part in (self.pivots, self.rows, self.L, self.below))
         return AlikeFronts(pivots, rows, self.cuts, L.swapaxes(1, 2), below.swapaxes(1, 2))

@@ -59,7 +59,7 @@ def sigmas(jacobian: FloatArray, scale: float) -> FloatArray:
 
 
 def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles: FloatArray) -> tuple[Explanation, ...]:
-    """The bolts found, then what the table does not rule out: turned together, mirrored, or some half a turn away."""
+    """The bolts found, then alternatives that the table permits: rotated, mirrored, or some by half a turn."""
     s2 = scale2(point, len(active))
     factors, degrees = factors_of(misfit.model), np.degrees(angles) % 360.0
     bounds = loosening(factors)

@@ -226,7 +226,7 @@ def locate(
 
 
 def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable, c: float) -> FrequencyTable:
-    """The table with what a baseline leaves unknown added to its sigma.
+    """The table with the uncertainty of a baseline added to its sigma.
 
     The noise of the baseline itself; and the couplings of different n, which manufacture makes as large as it makes
     splits, half of which is c, relative: they move modes of another n at a distance D by (c f)^2/D, or c f if nearer.

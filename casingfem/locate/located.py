@@ -202,7 +202,7 @@ class Localisation(Reported):
         return "\n".join(lines)
 
     def seen(self) -> str:
-        """From what size on a single change is seen, in words: no bolt loses more than it has."""
+        """Smallest size at which a single change is detected, in words; a bolt cannot lose more than it has."""
         blind = ~(self.smallest < (WHOLE if self.among == "bolts" else np.inf))
         if blind.all():
             lost = {"bolts": "a bolt lost wholly", "mass": "any mass"}[self.among]

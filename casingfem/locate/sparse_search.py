@@ -153,7 +153,7 @@ def unexplained(at: Point, free: int, level: float) -> bool:
 
 
 def significant(before: Point, after: Point, free: int, level: float, candidates: int) -> bool:
-    """Whether one change more gains what chance would not."""
+    """Whether one more change improves the fit beyond chance."""
     gain = (before.chi2 - after.chi2) / scale2(after, free)
     return gain > threshold(level, candidates, len(after.values), free)
 
@@ -188,7 +188,7 @@ def exchanged(
 
 
 def pruned(evaluate: Evaluate, at: Point, active: list[int], bounds: Bounds, level: float) -> tuple[list[int], Point]:
-    """Drop what the others have made needless."""
+    """Drop changes that the others make needless."""
     for change in list(active):
         others = [c for c in active if c != change]
         without = fitted(evaluate, at, others, bounds)

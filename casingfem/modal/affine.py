@@ -220,7 +220,7 @@ def affine_model(system: System, changes: Sequence[Change], count: int, nominal:
 
 
 def answers(system: System, form: EdgeForm, shapes: FloatArray, most: int) -> FloatArray:
-    """Loads (`most`, free) that span what a form makes of the modes, the largest first."""
+    """Loads (`most`, free) that span the products of a form with the modes, the largest first."""
     A = on_free([form], system.frames, system.free, system.own)
     if system.change is not None:
         A = csc_array(system.change.T @ A @ system.change)

@@ -162,11 +162,11 @@ class ModalBasis(Reported):
         ]
 
     def columns(self) -> dict[str, Any]:
-        """One row a mode: what `records` has, and the displacement of each channel of the interface."""
+        """One row a mode: the columns of `records`, and the displacement of each channel of the interface."""
         return {**super().columns(), **dict(zip(self.channels, self.rows, strict=True))}
 
     def arrays(self) -> dict[str, Any]:
-        """Plain arrays by name: what a file of it contains, and what `ct.ModalBody.of` takes."""
+        """Plain arrays by name: the contents of a file, and the arguments of `ct.ModalBody.of`."""
         own = {field.name: np.array(getattr(self, field.name)) for field in fields(self) if field.name != "provenance"}
         own["outputs"] = np.array(self.outputs, dtype=np.str_)
         provenance = np.array(json.dumps(self.provenance, sort_keys=True))

@@ -213,7 +213,7 @@ def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArr
 
 
 def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System | MeshSystem, Spin]:
-    """The structure assembled at rest, and what rotation about its axis adds.
+    """The structure assembled at rest, and the terms that rotation about its axis adds.
 
     Raises
     ------

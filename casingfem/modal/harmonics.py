@@ -42,7 +42,7 @@ class Rings:
         return np.asarray(energy / energy.sum(axis=0))
 
     def first(self, modes: int) -> "Rings":
-        """Those of the first so many modes."""
+        """Harmonics of the first modes, as many as given."""
         return Rings(self.amplitudes[..., :modes], self.weights)
 
     def label(self) -> tuple[IntArray, FloatArray]:

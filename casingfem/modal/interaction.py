@@ -108,7 +108,7 @@ class Interactions(Reported):
         return [asdict(c) | {"condition": CONDITION[c.branch], "effect": c.effect} for c in self.meetings]
 
     def __repr__(self) -> str:
-        """Table by speed, and what cannot be met in the range."""
+        """Table by speed, and combinations that do not occur in the range."""
         head = f"{'speed [Hz]':>10} {'n':>3} {'m':>2} {'f_c [Hz]':>9} {'blade':>5} {'f_b [Hz]':>9}  "
         lines = [head + f"{'condition':<16} {'wave of the casing':<24} while they touch"]
         lines += [

@@ -1,4 +1,4 @@
-"""A structure or a basis as matrices M, K, C, G with the meaning of their rows: what other programs take."""
+"""A structure or a basis as matrices M, K, C, G with the meaning of their rows, for other programs."""
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, null_space, pinv

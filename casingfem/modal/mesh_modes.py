@@ -50,7 +50,7 @@ def mesh_modes(
     direct: Direct = "multifrontal",
     multigrid: bool | None = None,
 ) -> MeshModes:
-    """So many modes of an imported structure, or those of a band [Hz], labelled, complete by Sturm counts.
+    """A number of modes of an imported structure, or the modes of a band [Hz], labelled, complete by Sturm counts.
 
     A count of modes of a large thick solid (`large_and_thick`) is found by LOBPCG with multigrid unless `multigrid` is
     false or `direct` is given; where that fails, by shift-invert with a warning. Of more than `COUNTABLE`

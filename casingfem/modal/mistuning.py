@@ -109,7 +109,7 @@ def redrawn_shell(shell: Shell, draw: int) -> Shell:
 
 
 def mean_shell(shell: Shell) -> Shell:
-    """The shell without the random parts of its fields, on the same mesh; what is not random stays."""
+    """The shell without the random parts of its fields, on the same mesh; deterministic parts stay."""
     fields: dict[str, Any] = {f"{quantity}_defect": drop_random(field) for quantity, field in shell.defects.items()}
     return replace(shell, **fields)
 
@@ -125,7 +125,7 @@ def pairs_of(found: ModeSet, draw: int) -> list[Pair]:
 
 
 class DrawnModes(NamedTuple):
-    """Modes of one draw; `estimate` is what they may be off by, relative, None where the draw was solved in full."""
+    """Modes of one draw; `estimate` is their possible relative error, None if the draw was solved in full."""
 
     modes: ModeSet
     estimate: float | None

@@ -52,7 +52,7 @@ class OldFactor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """Modes of a structure with what the next one starts from.
+    """Modes of a structure with data from which a similar structure starts.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def factored(pencil: Pencil, shift: float) -> tuple[OldFactor, dict[str, float]]
 
 
 def solved(shell: Shell, count: int, system: System | None = None) -> Solution:
-    """The lowest modes of a shell from nothing, counted, and what a neighbour needs to start from them.
+    """The lowest modes of a shell without a start, counted, and data from which a similar shell starts.
 
     `system` is the assembled shell, if there is one already.
     """
@@ -187,7 +187,7 @@ class Space:
         return self._H[: self.count, : self.count]
 
     def grow(self, block: FloatArray) -> None:
-        """Take in what a block has beyond V."""
+        """Add the part of a block that V does not contain."""
         block = np.array(block, order="F")
         for _ in range(2):  # twice is enough
             project_out(self.pencil, self.V, block)

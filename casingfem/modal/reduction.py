@@ -193,7 +193,7 @@ def participation(system: System | MeshSystem, axes: FloatArray, vectors: FloatA
 
 
 def stiffness(system: System | MeshSystem) -> Symmetric:
-    """K (free, free) as it is cheapest to factorise."""
+    """K (free, free) in the form that is cheapest to factorise."""
     return system.stiffness if isinstance(system, System) else system.K
 
 

@@ -128,7 +128,7 @@ def rim_axis(structure: Shell | MeshStructure, rim: Rim) -> Rotation:
 
 
 def modelled(structure: Shell | MeshStructure, system: System | MeshSystem) -> bool:
-    """Whether the structure knows what rotation adds; one of the user's own need not."""
+    """Whether the structure provides the terms of rotation; your own structure need not."""
     return isinstance(system, System) or isinstance(structure, TurningStructure)
 
 

@@ -1,4 +1,4 @@
-"""C and K of the modes that a basis keeps, over the speed: what follows them is eliminated.
+"""C and K of the modes in a basis over the speed; the response of the other modes is eliminated.
 
     M x'' + Omega G x' + K(Omega) x = 0,   K(Omega) = K_s + (Omega^2 - s^2) K1 + (Omega^4 - s^4) K2
 
@@ -71,14 +71,14 @@ class SmallModel:
         return self.stiff + (square - s2) * self.first + (square**2 - s2**2) * self.second
 
     def between_modes(self) -> dict[str, Any]:
-        """Fields of a basis without what follows the modes: the projections of G and of dK/dOmega^2."""
+        """Projections of G and of dK/dOmega^2 on the modes, without the motions that follow them."""
         m = self.modes
         slope = self.first[:m, :m] + 2.0 * self.spin**2 * self.second[:m, :m]
         return {"gyroscopic": self.coriolis[:m, :m], "stiffness_by_speed": slope}
 
 
 def small_model(modes: Kept, times: Products, spin: float) -> SmallModel:
-    """The modes of a basis and what follows them; `times` gives G, K1 and K2 times motions."""
+    """The modes of a basis and the motions that follow them; `times` gives G, K1 and K2 times motions."""
     assert modes.solve is not None
     follow = independent(modes.vectors, modes.solve(np.hstack(times(modes.vectors))), modes.mass)
     V, m = np.hstack([modes.vectors, follow]), len(modes.omega)

@@ -1,4 +1,4 @@
-"""Modes of a rotating shell with Coriolis forces: what turns the doublets of a casing into travelling waves.
+"""Modes of a rotating shell with Coriolis forces, which turn the doublets of a casing into travelling waves.
 
 In the rotating frame M x'' + Omega G x' + K(Omega) x = 0 with M, K symmetric and G skew. With (x, v = x') the inverse
 problem (x, v) -> (-K^-1 (M v + Omega G x), x) has the eigenvalues 1/(i omega): one factorisation of K and Arnoldi's

@@ -207,7 +207,7 @@ def listed(numbers: list[int]) -> str:
 
 
 def caption(film: Any, scale: float) -> str:
-    """What is drawn, how much larger than it is, and what is left out."""
+    """Caption: contents of the picture, magnification, and omitted parts."""
     rate = 1.0 / float(np.diff(film.time[: film.stretches[1] if len(film.stretches) > 1 else None]).mean())
     whole = (
         "the whole run"

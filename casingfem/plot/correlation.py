@@ -81,7 +81,7 @@ def runs(places: IntArray) -> list[tuple[float, float]]:
 
 @styled
 def figure_comac(found: Correlation) -> Figure:
-    """COMAC and enhanced COMAC at the sensors on the wall: by angle and height of a casing, else by what they have."""
+    """COMAC and enhanced COMAC at the sensors: by angle and height on a casing, else by their coordinates."""
     figure = new_figure(7.6, 3.6)
     for place, (name, values, colours) in enumerate(
         (("COMAC", found.comac, ("viridis", 0.0, 1.0)), ("enhanced COMAC", found.ecomac, ("viridis_r", 0.0, None)))
@@ -110,7 +110,7 @@ def sensor_places(found: Correlation) -> tuple[tuple[FloatArray, str], tuple[Flo
 
 @styled
 def figure_located(found: Localisation) -> Figure:
-    """A polar picture: all candidates, what was found, and the explanations that are as likely."""
+    """A polar picture: all candidates, the changes found, and equally likely explanations."""
     figure = new_figure(5.6, 5.2)
     axes = figure.add_subplot(projection="polar")
     bolts = found.among == "bolts"

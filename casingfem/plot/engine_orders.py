@@ -1,4 +1,4 @@
-"""Engine orders on a wheel: amplitude over speed with draws of mistuned blades; the SAFE diagram of what is excited."""
+"""Engine orders on a wheel: amplitude over speed with draws of mistuned blades; the SAFE diagram."""
 
 from collections.abc import Sequence
 from typing import Any

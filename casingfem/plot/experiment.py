@@ -20,7 +20,7 @@ FLOOR = 1e-5  # of the highest line: below it nothing is drawn
 
 
 def say_synthetic(figure: Figure, card: Sequence[str]) -> None:
-    """Write SYNTHETIC into the corner of what nobody measured."""
+    """Write SYNTHETIC into the corner of a picture of simulated data."""
     if card and card[0].startswith("SYNTHETIC"):
         figure.text(0.995, 0.005, "SYNTHETIC", ha="right", va="bottom", fontsize=7, color=AFTER)
 

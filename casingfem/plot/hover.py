@@ -1,4 +1,4 @@
-"""Values that show under the pointer: what is where in a figure that matplotlib has drawn."""
+"""Values under the pointer: positions of the data in a figure that matplotlib has drawn."""
 
 import re
 from typing import Any

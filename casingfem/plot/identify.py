@@ -20,7 +20,7 @@ LETTER = 0.0042  # of the axis: half the width of a letter
 
 @styled
 def figure_stabilisation(found: Identified) -> Figure:
-    """Poles over model order, stable ones marked, with the modes chosen and what was measured behind.
+    """Poles over model order, stable ones marked, with the chosen modes and the measured data behind.
 
     Behind are the singular values of the response matrix over its references (the complex mode indicator, Shih et
     al., Mech. Syst. Signal Process. 2, 1988, 367); with one reference that is the norm over the sensors.

@@ -22,7 +22,7 @@ Blade = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 @styled
 def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Figure:
-    """What a blade meets over speed: waves |f_c -+ n f|, its own modes, engine orders; filled where touching drives."""
+    """Campbell diagram of a blade: waves |f_c -+ n f|, its own modes, engine orders; filled where contact excites."""
     figure = new_figure(7.6, 4.8)
     axes: Any = figure.add_subplot()
     speed = np.linspace(*found.speed_hz, 400)
@@ -50,7 +50,7 @@ def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Fi
 
 @styled
 def figure_zzenf(found: Interactions, blade: Blade, speed_hz: float) -> Figure:
-    """Frequency over nodal diameters at one speed: casing, blade, and what must meet it, n f - f_c and f_c -+ n f.
+    """Frequency over nodal diameters at one speed: casing, blade, and the lines n f - f_c and f_c -+ n f.
 
     Left (SAFE) nodal diameters of the casing; for a bladed disk of N blades also (ZZENF) the line n f folded at N/2.
     """
@@ -81,7 +81,7 @@ def _mark(axes: Any, found: Interactions) -> None:
 
 
 def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None:
-    """Casing and what the blade would have to be, over n."""
+    """Casing modes and the blade frequencies that would coincide, over n."""
     n = np.array([n for n, _, _ in found.pairs])
     at = np.array([speed_hz])
     f_c = np.array([float(wave_hz(n, freq, at, found.turning, -1)[0]) for n, _, freq in found.pairs])
@@ -244,7 +244,7 @@ def _names_apart(axes: Any, names: Sequence[tuple[str, float, float]], speed: Fl
 
 @styled
 def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], speed_hz: float) -> Figure:
-    """Interaction map at one speed: frequency over nodal diameters of casing and blade, and what would meet.
+    """Interaction map at one speed: frequency over nodal diameters of casing and blade, with coincidences.
 
     `pairs` are n and f_c of the casing's modes. Triangles are blades that the casing's waves meet: f_b = n f - f_c
     flutters, f_b = f_c - n f is in resonance. Where a triangle lies on a line of the blade, the two interact.

@@ -1,4 +1,4 @@
-"""Pictures of what a run did: spectrum and waterfall, the orbit of a tip and of the rim before it, energies."""
+"""Pictures of a run: spectrum and waterfall, the orbit of a tip and of the rim before it, energies."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol

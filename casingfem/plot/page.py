@@ -65,7 +65,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """A figure ready for the page, its caption states what one sees; `scripts` are those that it needs.
+    """A figure ready for the page, with a caption that describes it; `scripts` are those that it needs.
 
     >>> Picture("<img alt='rim'>", "The rim at 300 Hz.").scripts
     ()
@@ -226,7 +226,7 @@ def render_page(
 
 
 def packed(values: ArrayLike, *, most: float | None = None, bits: int = 16) -> dict[str, Any]:
-    """Values as integers of so many bits, little-endian, and what their largest is worth; `most` if that is given.
+    """Values as integers with a number of bits, little-endian, and the value of the largest; `most` if given.
 
     >>> packed([0.5, -1.0, 0.25])
     {'data': '/z8BgP8f', 'most': 1.0}

@@ -49,7 +49,7 @@ def picking_diagram(found: Identified, name: str, caption: str, still: Picture, 
 
 
 def drawn_lines(curve: FloatArray) -> IntArray:
-    """Lines that are drawn: of every so many the one where a curve is largest, and the ends.
+    """Lines that are drawn: from each group the one where a curve is largest, and the ends.
 
     >>> drawn_lines(np.ones(10)).tolist()
     [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]

@@ -1,4 +1,4 @@
-"""The picture of each kind of result, by the name of its class: what `plot` of a result draws."""
+"""The picture of each kind of result, by the name of its class, for `plot` of a result."""
 
 from collections.abc import Callable
 from functools import partial

@@ -40,7 +40,7 @@ class Mark(NamedTuple):
 
 @styled
 def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Rows) -> Figure:
-    """Amplitude, force, growth, contact and dominant nodal diameter of all runs, with what became of them.
+    """Amplitude, force, growth, contact and dominant nodal diameter of all runs, with their outcomes.
 
     `keys` names the varied numbers with their units, one or two of them; `values` (runs, keys). Runs that diverged are
     triangles, refused or broken ones crosses, those with warnings hollow squares. Growth has its interval of 95 %.

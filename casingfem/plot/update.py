@@ -185,7 +185,7 @@ def figure_corner(fit: UpdateResult, samples: FloatArray | None = None) -> Figur
 
 
 def wrapped(name: str, most: int = 16) -> str:
-    """An address in lines of about so many letters, broken at dots.
+    """An address in lines of a limited length, broken at dots.
 
     >>> wrapped("support.base.k_face.p8.cos").split(chr(10))
     ['support.base', '.k_face.p8.cos']

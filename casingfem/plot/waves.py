@@ -130,7 +130,7 @@ def figure_waves(rim: _Rim, pairs: Sequence[tuple[int, float]] = (), top_hz: flo
 
 
 def gathered(freq: Array, amplitude: Array, most: int) -> tuple[Array, Array]:
-    """At most so many columns: the largest amplitude of neighbours, at their middle.
+    """A limited number of columns: the largest amplitude of neighbours, at their middle.
 
     >>> gathered(np.arange(4.0), np.array([[1.0, 5.0, 2.0, 0.0]]), 2)[1].tolist()
     [[5.0, 2.0]]

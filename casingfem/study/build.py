@@ -1,4 +1,4 @@
-"""From the tables of a study file to a shell: each part is tried, and what fails is collected with its key."""
+"""From the tables of a study file to a shell: each part is tried, and errors are collected with their keys."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -139,7 +139,7 @@ def read_meridian(path: Path) -> list[tuple[float, float]]:
 
 
 def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
-    """Strips in the file's order, then those of a meridian's pieces; what is wrong with them is collected."""
+    """Strips in the file's order, then those of a meridian's pieces; their errors are collected."""
     strips: list[Strip] = []
     for k, table in enumerate(study.strip):
         with problems.at(f"strip[{k + 1}]"):

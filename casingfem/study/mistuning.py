@@ -145,7 +145,7 @@ def is_checked(draw: int) -> bool:
 
 
 def open_store(study: Study, folder: Path) -> Path:
-    """The folder of the chunks, marked with what they belong to.
+    """The folder of the chunks, marked with the study and the versions it belongs to.
 
     Raises
     ------

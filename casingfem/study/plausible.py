@@ -70,7 +70,7 @@ def of_check(table: BaseModel, check: Check) -> Iterator[tuple[str, float]]:
 
 
 def of_parameters(tables: StudyFile) -> Iterator[Implausible]:
-    """Parameters that start outside of what can be, or whose bounds exclude all of it."""
+    """Parameters that start outside of the plausible range, or whose bounds exclude all of it."""
     for k, parameter in enumerate(() if tables.update is None else tables.update.parameter, 1):
         if name := ADDRESSES.get(parameter.name.rpartition(".")[2]):
             yield from of_parameter(parameter, CHECKS[name], f"update.parameter[{k}]")

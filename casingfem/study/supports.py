@@ -91,7 +91,7 @@ def build_section(table: kinds.SectionTable) -> dict[str, Any]:
 def build_stiffeners(
     tables: list[kinds.StiffenerTable], chart: Chart | None, problems: Problems
 ) -> tuple[Stiffener, ...]:
-    """Rings on the wall; what is wrong with them is collected."""
+    """Rings on the wall; their errors are collected."""
     rings: list[Stiffener] = []
     for k, table in enumerate(tables):
         with problems.at(f"stiffener[{k + 1}]"):

@@ -96,7 +96,7 @@ def put(tables: dict[str, Any], shell: Shell | Solid | MeshShell, name: str, val
 
 
 def put_at(tables: Any, path: Sequence[str | int], value: float) -> None:
-    """Set what is at a path of keys and places."""
+    """Set the value at a path of keys and places."""
     *way, last = path
     for step in way:
         tables = tables[step]

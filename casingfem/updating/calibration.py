@@ -1,4 +1,4 @@
-"""A reduced casing brought to its own baseline: what its pairs measured before anything was loosened or added.
+"""A reduced casing matched to its own baseline: the pairs measured before anything was loosened or added.
 
 Manufacture splits every pair and shifts it. Measured before, that is known: in the plane of a pair the modal stiffness
 is made what the table states,
@@ -66,7 +66,7 @@ def calibrated(model: AffineModel, baseline: FrequencyTable, *, reach: float = 0
 
 
 def correction(found: AffineModes, baseline: FrequencyTable, match: Match) -> tuple[list[int], FloatArray]:
-    """The modes of a match, its partner included, and what to add to their modal stiffness."""
+    """The modes of a match, its partner included, and the correction of their modal stiffness."""
     own = found.doublet_of(match.modes[0])
     modes = list(match.modes) if own < 0 else list(found.doublets[own])
     computed = found.omega[modes] ** 2

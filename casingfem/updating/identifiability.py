@@ -91,7 +91,7 @@ class Identifiability(Reported):
         }
 
     def __repr__(self) -> str:
-        """A row for each direction, and what the table cannot see."""
+        """A row for each direction, and the parameters that the table does not determine."""
         lines = table_lines(self.COLUMNS, self.records())
         lines.append(f"the data determine {self.rank} of {len(self.names)} directions")
         if self.unseen:

@@ -126,12 +126,12 @@ Address: TypeAlias = Plain | FieldHarmonic | SpringHarmonic | HeldNumber
 
 
 def series(field: Field | None) -> Any:
-    """The Fourier series behind a field, an empty one without; what is none, as it is."""
+    """The Fourier series behind a field, an empty one without a field; other objects unchanged."""
     return FourierField.of({}) if field is None else getattr(field, "fit", field)
 
 
 def put_in(owner: Any, path: tuple[str | int, ...], value: Any) -> Any:
-    """The same value, mapping or tuple with what is at a path replaced."""
+    """The same value, mapping or tuple with the entry at a path replaced."""
     if not path:
         return value
     step, rest = path[0], path[1:]

@@ -112,7 +112,7 @@ def shifts_of(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -
 def step_without(
     found: Sequence[Found], shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
 ) -> FloatArray:
-    """The step of the parameters that fits all but what was found, linearised."""
+    """The step of the parameters that fits all data without the outliers, linearised."""
     changes = {(shift.kind, shift.rows): shift.change for shift in shifts}
     columns = [np.pad(c, (0, len(residual) - len(c))) for c in (changes[one.kind, one.rows] for one in found)]
     whole = np.column_stack([jacobian, *columns])

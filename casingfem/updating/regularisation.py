@@ -123,7 +123,7 @@ def corner(curve: FloatArray) -> float:
 
 
 def chosen_weight(rule: Rule, curve: FloatArray, residuals: int) -> tuple[float, Rule, str]:
-    """The weight, the rule that chose it, and what is to be stated about it.
+    """The weight, the rule that chose it, and a note on it.
 
     >>> curve = np.column_stack([WEIGHTS, 10.0 * WEIGHTS / (1.0 + WEIGHTS), 1.0 / (1.0 + WEIGHTS)])
     >>> round(chosen_weight("discrepancy", curve, 25)[0], 2)  # |r| = 5

@@ -176,13 +176,13 @@ class UpdateResult(Reported):
 
     @property
     def free(self) -> int:
-        """Degrees of freedom: residuals less parameters and what of the shapes is no information; at least 1."""
+        """Degrees of freedom: residuals minus parameters and minus redundant shape residuals; at least 1."""
         idle = redundant(self.after, self.given.shapes, self.pairing.matches) if isinstance(self.after, Modes) else 0
         return max(self.residuals - idle - len(self.parameters), 1)
 
     @property
     def model_floor(self) -> float:
-        """The model's own relative error that explains what residual scatter the stated sigma do not; 0 for none.
+        """Relative error of the model that explains the residual scatter beyond the stated sigma; 0 for none.
 
         With s f added to every sigma in squares, chi^2 falls to the degrees of freedom.
         """

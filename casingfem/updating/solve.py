@@ -113,7 +113,7 @@ def bounded_step(r: FloatArray, J: FloatArray, damping: float, lower: FloatArray
 
 
 def require_enough(residuals: int, parameters: int, without: str = "") -> None:
-    """Refuse to fit more parameters than there are residuals, priors among them; `without` names what is left out."""
+    """Refuse to fit more parameters than residuals, priors included; `without` names the omitted data."""
     if residuals < parameters:
         raise InputError(
             f"{without}{residuals} residuals cannot determine {parameters} parameters: "

@@ -213,7 +213,7 @@ def jacobian(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match], at
 
 
 def with_model_error(table: FrequencyTable, model_error: float) -> FrequencyTable:
-    """The table with what the model itself may be off by, relative, added to each sigma in squares.
+    """The table with the model's own relative error added to each sigma in squares.
 
     Raises
     ------

@@ -48,7 +48,7 @@ def clear_rate(
 
 
 def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: float, fs: float, runout: int) -> None:
-    """Refuse a record whose lines cannot be distinguished, with what would help.
+    """Refuse a record whose lines cannot be distinguished, and name the remedy.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def name(line: int, tones: Sequence[float], n: IntArray) -> str:
 
 
 class LineFit(NamedTuple):
-    """Complex amplitudes of lines, their uncertainty, the floor beside them, (lines,); what the lines leave.
+    """Complex amplitudes of lines, their uncertainty, the noise floor near them, (lines,), and the residual.
 
     `left` is the residual's rms over that of white noise with the residual's median spectrum: 1 where only noise is
     left, more where there are lines that were not fitted.

@@ -55,7 +55,7 @@ class Circle:
 
     @classmethod
     def of(cls, theta: FloatArray, n_max: int | None = None) -> Circle:
-        """Sensors at these angles [rad]; labels end at `n_max`, at 64 if None, or below what the sensors resolve.
+        """Sensors at these angles [rad]; labels end at `n_max` (64 if None), or at the resolution of the sensors.
 
         >>> Circle.of(np.arange(24) * np.pi / 12).n_max
         11
@@ -155,7 +155,7 @@ def reading(own: FloatArray, covariance: FloatArray) -> FloatArray:
 def spread_of_others(
     shape: FloatArray, own: FloatArray, others: FloatArray, order: IntArray, covariance: FloatArray
 ) -> FloatArray:
-    """Sum of v_m B_m B_m^T: the covariance (sensors, sensors) of what the other n add to a shape (sensors,).
+    """Sum of v_m B_m B_m^T: covariance (sensors, sensors) of the contributions of the other n to a shape (sensors,).
 
     `own` (sensors, 1 or 2) are the columns A, `others` (sensors, columns) all B_m, `order` (columns,) the m of each,
     counted from 0. Sensors on an imperfect casing see a shape of one n with a little of many others:

@@ -162,7 +162,7 @@ def linear_part(tones: FloatArray, poles: FloatArray, data: Array, sigma: FloatA
 
 
 def fitted_poles(tones: FloatArray, data: Array, sigma: FloatArray, members: int = 2) -> FloatArray:
-    """Frequencies [Hz], then ln zeta, of the best fit of so many members, from a grid of starts."""
+    """Frequencies [Hz], then ln zeta, of the best fit with a number of members, from a grid of starts."""
     grid = np.linspace(tones[0], tones[-1], STARTS)
     starts = [np.r_[freq, np.log([zeta] * members)] for freq, zeta in product(combinations(grid, members), ZETAS)]
     cost = [np.sum(linear_part(tones, start, data, sigma)[1] ** 2) for start in starts]

@@ -1,4 +1,4 @@
-"""Records of a circle scan: what the vibrometer saw, and where its spot was."""
+"""Records of a circle scan: the signal of the vibrometer, and the angle of its spot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measured shapes expanded to the whole model, what a sensor left out would have shown, and the mass at the sensors.
+"""Measured shapes expanded to the whole model, predictions at left-out sensors, and the mass at the sensors.
 
 SEREP (O'Callahan, Avitabile and Riemer, IMAC 1989): with the model's shapes at the channels Phi_s (channels, modes)
 

@@ -60,7 +60,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Pairing(Reported):
-    """Matches in ascending order, and what is left on both sides (indices of rows and of modes).
+    """Matches in ascending order, and the unmatched rows and modes (indices).
 
     >>> Pairing(matches=(), unpaired_rows=(0,), unpaired_modes=(1, 2)).unpaired_modes
     (1, 2)

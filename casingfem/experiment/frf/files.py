@@ -240,7 +240,7 @@ def _contents(path: Path) -> dict[str, Any]:
 
 
 def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:
-    """Write what `read_hdf5` reads, whole or not at all; numbers come back bit for bit."""
+    """Write a file that `read_hdf5` reads, whole or not at all; numbers are kept bit for bit."""
     h5py = _h5py(path)
 
     def store(part: Path) -> None:
@@ -257,7 +257,7 @@ def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:
 
 
 def _h5py(path: str | os.PathLike[str]) -> Any:
-    """h5py, or what to install."""
+    """The module h5py, or an error with the command that installs it."""
     try:
         import h5py
     except ImportError as error:

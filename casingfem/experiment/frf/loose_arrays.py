@@ -153,7 +153,7 @@ def _version_73(path: Path) -> dict[str, Any]:
 
 
 def by_meaning(stored: Mapping[str, Array], names_of: Mapping[str, Collection[str]], path: str) -> dict[str, Array]:
-    """Arrays by what they are; a field of a struct counts by its own name."""
+    """Arrays by their meaning; a field of a struct counts by its own name."""
     arrays = dict[str, Array]()
     for meaning, names in names_of.items():
         found = [name for name in stored if name.rpartition(".")[2].lower() in names]

@@ -1,4 +1,4 @@
-"""Channels of a set put in order: sensors by references, angles of the sensors, what was measured."""
+"""Channels of a set in order: sensors by references, angles of the sensors, measured quantities."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

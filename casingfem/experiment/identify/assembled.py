@@ -1,4 +1,4 @@
-"""Modes of a test put together: labels by the sensors that agree, what is stated of the circle, columns by mode."""
+"""Assemble the modes of a test: labels from sensors that agree, notes on the circle, columns by mode."""
 
 from __future__ import annotations
 

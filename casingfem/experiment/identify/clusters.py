@@ -22,7 +22,7 @@ EMPTY_LINES = 1500  # of a band without visible peaks
 
 
 class Responses(NamedTuple):
-    """Responses Y (lines, channels) over their noise at `freq` [Hz], `along` (lines,) what each line weighs.
+    """Responses Y (lines, channels) divided by their noise, at `freq` [Hz]; `along` (lines,) are weights of the lines.
 
     `end` the seconds of ringing, `leak` the distance of lines [Hz] over which a Hann window leaks, else 0; `peaks` the
     visible ones.
@@ -194,7 +194,7 @@ def fitted_groups(data: Responses, modes: Modal, more: bool | None, rules: Thres
 
 
 def settled_fits(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[PoleFit]:
-    """The fits repeated, each with the others subtracted as they are now, until no pole moves by what counts."""
+    """Fits repeated, each with the current others subtracted, until no pole moves significantly."""
     for _ in range(SETTLING):
         again = fitted_groups(data, modal_of(fits, data.Y.shape[1]), None, rules)
         moved = _moved(fits, again)

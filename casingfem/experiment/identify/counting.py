@@ -77,7 +77,7 @@ def worth(fit: PoleFit, rules: Thresholds = USUAL) -> FloatArray:
 
 
 def asked(channels: int, rules: Thresholds = USUAL) -> float:
-    """Least fall of the sum of squares, in variances of the noise, of a pole seen by so many channels."""
+    """Required decrease of the sum of squares, in variances of the noise, for a pole seen by a number of channels."""
     return float(chdtri(2 * channels + 2, rules.chance))
 
 

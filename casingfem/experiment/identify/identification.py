@@ -277,7 +277,7 @@ def _modes(
 
 
 def _empty(modes: list[Mode], rules: Thresholds) -> tuple[str, ...]:
-    """Why there is no mode, and what to do."""
+    """Reason why there is no mode, and the remedy."""
     text = (
         f"no mode: no peak is {rules.prominence_db:g} dB above its surroundings and {rules.above_noise_db:g} dB above"
         " the noise, and no pole recurs. Measure with closer lines or more averages, or pick frequencies"

@@ -243,7 +243,7 @@ def _mean(at: _Likelihood, row: Row) -> float:
 
 
 def _exchanges(at: _Likelihood, rows: list[Row]) -> Iterator[tuple[int, int, int, float]]:
-    """Two rows (ascending) and a set-up whose members may be exchanged, and what the cost rises by."""
+    """Two rows (ascending) and a set-up whose members may be exchanged, and the increase of the cost."""
     middle, own = [_mean(at, row) for row in rows], [at.cost(row) for row in rows]
     reach = min(WIDEST, 2.0 * REACH * at.tau)
     for i, one in enumerate(rows):

@@ -1,4 +1,4 @@
-"""From fitted poles to modes: shape, nodal diameters, orientation, partner, and what could have been missed.
+"""From fitted poles to modes: shape, nodal diameters, orientation, partner, and the smallest split that was detectable.
 
 The residues of one mode over sensors o and references i are phi_o phi_i, of rank one. Their first singular vectors are
 the shape and the references' share; a second singular value above the noise shows that one pole represents two modes
@@ -283,7 +283,7 @@ def pair_notes(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> tupl
 
 
 def unresolved_notes(modes: list[Mode], remedy: str) -> tuple[str, ...]:
-    """Pairs that are not resolved, in words, and what may resolve them."""
+    """Notes on pairs that are not resolved, and measurements that may resolve them."""
     return tuple(
         f"pair at {mode.freq:.2f} Hz, unresolved: its split is below {mode.split_bound * mode.freq:.2g} Hz; it is given"
         f" as one mode; {remedy}"

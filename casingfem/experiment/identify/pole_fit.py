@@ -134,7 +134,7 @@ class PoleFit:
 
 
 class State(NamedTuple):
-    """Poles [rad/s] of a window, what follows from them linearly, and the sum of squares that they leave."""
+    """Poles [rad/s] of a window, the linear parameters that follow from them, and the residual sum of squares."""
 
     poles: Array
     Q: Array
@@ -162,7 +162,7 @@ def fit_poles(window: Window, poles: Array, *, steps: int = STEPS) -> PoleFit:
 
 
 def refined(window: Window, poles: Array, steps: int = STEPS) -> State:
-    """Poles [rad/s] after at most so many steps, without uncertainties: what a trial needs."""
+    """Poles [rad/s] after a limited number of steps, without uncertainties, for a trial."""
     polynomials = window.polynomials()
     at = _state(window, np.asarray(poles, complex), polynomials)
     damping = 1e-3

@@ -24,7 +24,7 @@ SWEEPS = 4
 
 
 class Member(NamedTuple):
-    """A mode of one set-up, and what is doubtful about it."""
+    """A mode of one set-up, and the reasons why it is doubtful."""
 
     found: Found
     reason: str
@@ -69,7 +69,7 @@ class Shapes:
         return values
 
     def rest(self, row: tuple[int, ...], sweeps: int = 0) -> tuple[Array, FloatArray, float]:
-        """Residues less the shape that fits best (sensors, references), their weights, and the size of the shape.
+        """Residues minus the best-fitting shape (sensors, references), their weights, and the size of the shape.
 
         With `sweeps` the sum of the absolute deviations is least, not that of their squares.
         """

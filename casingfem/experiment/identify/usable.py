@@ -21,7 +21,7 @@ LEAST_WEIGHT, ALIKE = 0.1, 21  # of an incoherent line; lines over which coheren
 
 
 class Usable(NamedTuple):
-    """Responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and notes about what was done.
+    """Usable responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and notes.
 
     `along` (lines,) is what each line weighs: 1, less where it is not coherent, 0 where a channel has no number, in
     whose place H is interpolated.
@@ -110,7 +110,7 @@ def _missing(missing: BoolArray, freq: FloatArray) -> str:
 
 
 def _filled(H: Array) -> Array:
-    """Responses with a straight line across what is missing: for searches, that weigh no line."""
+    """Responses with missing values replaced by a straight line, for searches that do not weight lines."""
     at = np.arange(H.shape[1])
     return np.array([np.interp(at, at[there], row[there]) for row, there in zip(H, ~np.isnan(H), strict=True)])
 

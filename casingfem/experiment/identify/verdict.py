@@ -115,7 +115,7 @@ def _apart(one: Mode, other: Mode, directions: IntArray) -> bool:
 
 
 def _one_line(fit: PoleFit, k: int) -> bool:
-    """Whether the peak is one line: its neighbours are not above what the fit leaves."""
+    """Whether the peak is a single line: its neighbours are not above the residual of the fit."""
     at = int(np.argmin(np.abs(2.0 * np.pi * fit.window.freq - fit.poles[k].imag)))
     column = fit.window.resonances(fit.poles[[k]])[0][:, 0]
     size = float(np.sqrt(np.mean(np.abs(fit.A[k]) ** 2) / 2.0))

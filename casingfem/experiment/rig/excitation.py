@@ -24,11 +24,11 @@ class Excitation(Protocol):
         """Frequency [Hz] above which there is nothing to speak of."""
 
     def force(self, time: FloatArray, block: float, rng: np.random.Generator) -> FloatArray:
-        """Force [N] at evenly spaced instants [s], (samples,); what repeats does so every `block` seconds."""
+        """Force [N] at evenly spaced instants [s], (samples,); a periodic force has the period `block` seconds."""
 
 
 def require(name: str, value: float, least: float = 0.0) -> None:
-    """Refuse what is not a finite number above `least`."""
+    """Refuse a value that is not a finite number above `least`."""
     if not (np.isfinite(value) and value > least):
         raise InputError(f"{name}: found {value!r}, expected a number above {least:g}")
 

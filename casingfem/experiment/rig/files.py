@@ -26,7 +26,7 @@ EXACT = 1e-9  # relative uncertainty that a table must have
 
 
 def origin(rig: Rig, source: str = "") -> tuple[str, ...]:
-    """Card lines that state what made a file: the versions, the hash of the rig's numbers, and a source.
+    """Card lines with the origin of a file: versions, the hash of the rig's numbers, and a source.
 
     >>> origin(Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]]))[1][:20]
     'rig: sha256 0665c6bb'

@@ -1,4 +1,4 @@
-"""Time records of the test rig: modes propagated exactly under sampled forces, then what the chain makes of them.
+"""Time records of the test rig: modes propagated exactly under sampled forces, then the measuring chain.
 
 Between two instants a force runs straight, and for such a force q'' + 2 zeta omega q' + omega^2 q = p is solved
 exactly (matrix exponential; Van Loan, IEEE Trans. Automat. Contr. 23, 1978, 395). Instants are `FINER` times as dense

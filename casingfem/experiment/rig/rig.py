@@ -1,4 +1,4 @@
-"""The virtual test rig: modes seen at probes, and what a test would measure there. Its records are SYNTHETIC.
+"""The virtual test rig: modes seen at probes, and simulated measurements there. Its records are SYNTHETIC.
 
     H_rs(omega) = sum_k phi_rk phi_sk/(omega_k^2 - omega^2 + 2 i zeta_k omega_k omega) + S_rs
 

@@ -1,4 +1,4 @@
-"""A structure on the test rig: its modes at chosen places, what they leave out, and what its sensors weigh."""
+"""A structure on the test rig: its modes at chosen places, their static residual, and the mass of its sensors."""
 
 from __future__ import annotations
 

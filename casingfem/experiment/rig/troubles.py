@@ -151,7 +151,7 @@ def troubled_frfs(
     quantity: Quantity = "accelerance",
     card: Sequence[str] = (),
 ) -> TroubledTest:
-    """Frequency responses at evenly spaced lines [Hz], with everything in `what`.
+    """Frequency responses at evenly spaced lines [Hz], with all troubles in `what`.
 
     Examples
     --------

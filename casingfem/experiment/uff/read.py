@@ -254,7 +254,7 @@ def _check_references(found: _Found, nodes: Nodes | None) -> None:
 
 
 def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | None) -> None:
-    """Warn of what seems incomplete where the format contains no count."""
+    """Warn of data that seem incomplete where the format contains no count."""
     for what, labels in (("nodes", nodes), ("elements", elements)):
         gaps = few_gaps(labels.labels) if labels is not None else np.empty(0)
         if gaps.size:

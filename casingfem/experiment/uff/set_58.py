@@ -53,7 +53,7 @@ class Axis(NamedTuple):
 
 
 class Axes(NamedTuple):
-    """The four axes of a function: what it is over, what it is, what it is divided by, and z.
+    """The four axes of a function: abscissa, ordinate, its denominator, and z.
 
     >>> Axes(abscissa=Axis(kind=18, unit="Hz"), ordinate=Axis(kind=8, unit="m")).denominator.unit
     'NONE'
@@ -183,7 +183,7 @@ def read_function(raw: RawSet) -> Function:
 
 
 def read_function_header(raw: RawSet) -> FunctionHeader:
-    """Read what is above the numbers of set 58 or 58b, and state whether they are whole.
+    """Read the header of set 58 or 58b, and report whether its numbers are complete.
 
     Raises
     ------

@@ -172,7 +172,7 @@ class _Scan:
         return position
 
     def closes(self, following: int) -> bool:
-        """Whether what follows a mark shows that it closed a set: the end, or the mark that opens the next."""
+        """Whether a mark closed a set: it is followed by the end of the file, or by a mark that opens the next set."""
         position = self.skip_blank(following)
         return position >= len(self.data) or is_mark(self.text(position)[0])
 
@@ -257,7 +257,7 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
 
 
 def _closed(scan: _Scan, position: int, size: int, order: str) -> int | None:
-    """The position behind the mark that follows so many bytes, or the end of the file there; None where neither is."""
+    """Position after the end mark that follows a number of bytes, or the end of the file there; None without either."""
     end = position + size
     if end > len(scan.data):
         return None

@@ -134,7 +134,7 @@ def _elements(elements: Elements) -> list[str]:
 
 
 def _interleaved(values: Array) -> Array:
-    """Real and imaginary parts side by side along the last axis; real values as they are."""
+    """Real and imaginary parts side by side along the last axis; real values unchanged."""
     if not np.iscomplexobj(values):
         return values
     return np.stack([values.real, values.imag], axis=-1).reshape(*values.shape[:-1], -1)

@@ -85,7 +85,7 @@ class Influence:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BladedWheel:
-    """A tuned wheel of N blades and what mistuning adds.
+    """A tuned wheel of N blades and its mistuning terms.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Modes of a wheel whose blades differ: tuned waves as the basis, the blades' stiffness as it is.
+"""Modes of a wheel with different blades: a basis of tuned waves, with the exact stiffness of the blades.
 
 Blade j of relative frequency deviation delta_j has the stiffness (1 + delta_j)^2 of the tuned one. In the waves of the
 tuned wheel the stiffness is diag(omega^2) + sum_j ((1 + delta_j)^2 - 1) V_j^T K_b V_j, the mass one (subset of nominal
@@ -130,7 +130,7 @@ def mistuned_modes(
 
 
 def richer(count: int) -> int:
-    """Tuned modes of each diameter in the basis of so many mistuned ones."""
+    """Number of tuned modes of each diameter in the basis for a number of mistuned modes."""
     return 2 * count + 2
 
 

@@ -104,7 +104,7 @@ class CyclicModes:
 def cyclic_modes(
     sector: CyclicSector, wanted: int | Band = 12, *, diameters: Sequence[int] | None = None
 ) -> CyclicModes:
-    """So many modes of each nodal diameter of a wheel, or those of a band [Hz], complete by Sturm counts.
+    """A number of modes of each nodal diameter of a wheel, or the modes of a band [Hz], complete by Sturm counts.
 
     Parameters
     ----------

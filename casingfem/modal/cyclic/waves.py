@@ -1,4 +1,4 @@
-"""The waves that a wheel's motion is made of: tuned modes of all diameters, and what a push at its channels adds.
+"""Waves that describe a wheel's motion: tuned modes of all diameters, and residual shapes of forces at its channels.
 
 The sector's residual attachment r = (K^-1 - Phi Lambda^-1 Phi^H) T^H P of each diameter joins its modes; it is
 K- and M-orthogonal to them, so the few combinations of r that are so among themselves are waves like the others. With

@@ -164,7 +164,7 @@ def first_order(
 def second_order(
     low: Waves, k: IntArray, slots: tuple[Slot, ...], forms: dict[tuple[int, int], Forms], quantities: tuple[str, ...]
 ) -> tuple[FloatArray, FloatArray]:
-    """Half the second derivatives between the lowest waves by way of each k, (ways, l, m, b, a)."""
+    """Half the second derivatives between the lowest waves through each k, (ways, l, m, b, a)."""
     shape = (len(k), len(quantities), len(quantities), len(low.n), len(low.n))
     K_2, M_2 = np.zeros(shape), np.zeros(shape)
     first, then = (k[:, None] - low.n)[:, None, :], (low.n - k[:, None])[:, :, None]

@@ -152,7 +152,7 @@ def matrices(own: Window, x: Array) -> tuple[FloatArray, FloatArray]:
 
 
 def real_form(waves: Array) -> FloatArray:
-    """Symmetric matrices on cosine and sine members from what is between waves, (casings, sense, b, a)."""
+    """Symmetric matrices on cosine and sine members from those between waves, (casings, sense, b, a)."""
     full, turned = waves[:, 0], waves[:, 1]
     top = np.concatenate([full.real + turned.real, full.imag - turned.imag], axis=2)
     bottom = np.concatenate([-full.imag - turned.imag, full.real - turned.real], axis=2)

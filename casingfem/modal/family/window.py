@@ -38,7 +38,7 @@ Two: TypeAlias = tuple[Array, Array]  # of stiffness and of mass
 
 
 class Columns(NamedTuple):
-    """Motions at the points, (points 15, columns), and the shape of what the columns are."""
+    """Motions at the points, (points 15, columns), and the shape of the array of columns."""
 
     jets: Array
     shape: tuple[int, ...]

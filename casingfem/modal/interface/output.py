@@ -147,7 +147,7 @@ class NodeDisplacement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeMean:
-    """Strain or stress of a solid at a node, the mean of what each of its cells has there."""
+    """Strain or stress of a solid at a node, the mean over its cells."""
 
     name: str
     node: int

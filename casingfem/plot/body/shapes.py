@@ -83,7 +83,7 @@ class Painter:
 
 
 def stage(modes: ModeSet, which: Sequence[int], columns: int) -> tuple[Figure, list[Painter]]:
-    """A figure with an axes for each mode, all to one scale, and what paints them."""
+    """A figure with axes for each mode, all to one scale, and the function that draws them."""
     surface = surface_of(modes, coarse=True)
     view = view_from(*VIEWS[surface.closed])
     found = [Painter(modes, mode, view, surface) for mode in which]

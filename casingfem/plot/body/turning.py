@@ -20,7 +20,7 @@ NAMED = 12  # stray points with a label, the worst
 
 
 def turning_shapes(modes: ModeSet, which: Sequence[int], caption: str) -> Picture:
-    """Modes (indices) and what makes their shell imperfect, on one surface to be turned; pictures without WebGL."""
+    """Modes (indices) and imperfections of their shell on a surface that the user can turn; pictures without WebGL."""
     surface = surface_of(modes)
     shapes = [mode_shape(modes, mode, surface) for mode in which]
     if isinstance(modes, Modes):

@@ -42,7 +42,7 @@ def chance_page(name: str, found: Any, runs: str = "") -> str:
 
 
 def verdict(found: Any, runs: str) -> Verdict:
-    """The probability of a dangerous speed, its uncertainty, and what to do next; `runs` is a sentence on the runs."""
+    """Probability of a dangerous speed, its uncertainty, and next steps; `runs` is a sentence on the runs."""
     words: str = found.words
     first, *others = [*words.splitlines(), *filter(None, [runs])]
     chance = found.any_speed

@@ -201,7 +201,7 @@ def worst_rows(fit: UpdateResult, count: int = 2) -> str:
 
 
 def shapes_section(found: ShapeFit) -> Section:
-    """MAC before and after, sensors that agree least, and what is left over on both sides."""
+    """MAC before and after, sensors with the lowest agreement, and unpaired shapes on both sides."""
     caption = (
         "MAC of measured shapes (rows) with computed modes (columns) before and after the update; pairs are framed, "
         "doublets as one: within a frame the members may be turned. Numbers: MAC in per cent, from 20 % on."

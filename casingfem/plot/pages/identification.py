@@ -1,4 +1,4 @@
-"""The page on an identification: modes with what is doubtful about them, and how they fit what was measured."""
+"""The page on an identification: modes, doubtful modes with reasons, and the fit to the measured responses."""
 
 from collections.abc import Mapping
 from typing import Any

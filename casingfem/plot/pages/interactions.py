@@ -1,4 +1,4 @@
-"""The page on dangerous speeds: which speeds are safe, what grows at the others, how large it gets."""
+"""The page on dangerous speeds: safe speeds, growing motions at the others, and their size."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -44,7 +44,7 @@ def speeds_section(found: Any, figures: Mapping[str, Figure], words: tuple[str, 
 
 
 def speeds_verdict(found: Any) -> Verdict:
-    """The worst kind of speed, every kind with its ranges, the worst motion, how sure, what next."""
+    """Summary: the worst kind of speed, every kind with its ranges, the worst motion, confidence, next steps."""
     kinds = {
         name: sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict == name) for name in VERDICTS
     }
@@ -118,7 +118,7 @@ def runs_table(found: Any) -> Table:
 
 
 def number(value: float) -> str | None:
-    """Three digits, none of what is no number.
+    """Three digits, empty for a value that is not a number.
 
     >>> number(1.23456), number(math.nan)
     ('1.23', None)

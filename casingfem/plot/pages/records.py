@@ -1,4 +1,4 @@
-"""The page on responses from time records: hits, windows, responses, coherence, and what to do next."""
+"""The page on responses from time records: hits, windows, responses, coherence, next steps."""
 
 from collections.abc import Mapping
 from typing import Any

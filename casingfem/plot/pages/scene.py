@@ -75,7 +75,7 @@ def scene_page(
     name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
     source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> str:  # fmt: skip
-    """HTML of the page; `found` is what `contact.interactions` returned, or `why` is the reason why there is none."""
+    """HTML of the page; `found` is the result of `contact.interactions`, or `why` is the reason why there is none."""
     shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
@@ -177,7 +177,7 @@ def times(number: int) -> str:
 
 
 def force_words(ran: Ran) -> str:
-    """Largest force with what it is an average of, and the impulse."""
+    """Largest force with the length of its average, and the impulse."""
     if not ran.closings:
         return "None."
     several = f" over {len(ran.contacts)} contacts" if len(ran.contacts) > 1 else ""

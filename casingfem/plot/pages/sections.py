@@ -1,4 +1,4 @@
-"""Sections of the report: what went in, modes, reduction, provenance."""
+"""Sections of the report: input, modes, reduction, provenance."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -129,7 +129,7 @@ def ply_words(ply: Ply, shell: Shell | MeshShell) -> str:
 
 
 def waves_of(pattern: object) -> str:
-    """A field in one line: its harmonics, the survey that it is, or what else."""
+    """A field in one line: its harmonics, its survey, or its type."""
     if isinstance(pattern, SurveyField):
         off = len(pattern.set_aside) + len(pattern.doubted)
         stray = f", {off} stray points" if off else ""

@@ -84,7 +84,7 @@ def safe_ranges(found: Any) -> list[tuple[float, float]]:
 
 
 def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
-    """Dangerous and safe speeds of what `contact.interactions` found; `why` there is none."""
+    """Dangerous and safe speeds from `contact.interactions`; `why` there are none."""
     if found is None:
         return (f"There is no table of dangerous speeds: {why}",) if why else ()
     words = []

@@ -26,7 +26,7 @@ SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measur
 
 
 def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda words: None) -> str:
-    """HTML of the page on a study; `say` is told what is being computed.
+    """HTML of the page on a study; `say` is called with progress texts.
 
     Raises
     ------

@@ -225,5 +225,5 @@ def runs_table(labels: Sequence[str], keys: Sequence[str], rows: Rows, columns: 
 
 
 def short(value: Any) -> Cell:
-    """A varied value: a number as it is, the name of a file, else its words."""
+    """A varied value: a number unchanged, the name of a file, else its words."""
     return value if isinstance(value, int | float) else str(value)

@@ -177,7 +177,7 @@ class Stiffener:
 
 
 def held_at_root(section: Section, arm: float) -> Section:
-    """A rectangle with the shear factor of one that bends about an axis at `arm` below its root; others as they are.
+    """A rectangle with the shear factor of one that bends about an axis at `arm` below its root; others unchanged.
 
     Held by the wall along its root it has tau(z) ~ int_z^w (arm + x) dx, all of the moment's change but what the
     wall has: k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), w the width, 5/6 at arm = 0.

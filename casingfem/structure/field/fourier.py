@@ -231,7 +231,7 @@ class SeriesBehind:
         return self.fit.rotated(angle)
 
     def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
-        """Replace one harmonic: what an updater varies is the series alone."""
+        """Replace one harmonic; an updater varies the series alone."""
         return self.fit.with_harmonic(p, cos=cos, sin=sin)
 
     @property

@@ -172,7 +172,7 @@ class RandomField(SeriesBehind):
 
 
 def redrawn(field: Field, draw: int) -> Field:
-    """The field with its random parts drawn anew; what is not random stays."""
+    """The field with its random parts drawn anew; deterministic parts stay."""
     if isinstance(field, RandomField):
         return field.redrawn(draw)
     if isinstance(field, SumField):
@@ -189,7 +189,7 @@ def drop_random(field: Field) -> Field | None:
 
 
 def typical(field: Field) -> Field:
-    """The field with its random parts at the median amplitudes: what a mesh is chosen for, the same for all draws."""
+    """The field with its random parts at the median amplitudes: a mesh is chosen for it, the same for all draws."""
     if isinstance(field, RandomField):
         median = field.spectrum.median[:, None]
         return FourierField(p=field.spectrum.p, cos=median, sin=0.0 * median)

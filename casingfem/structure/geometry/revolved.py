@@ -36,7 +36,7 @@ class MeridianPoints(NamedTuple):
 
 
 class Meridian(Protocol):
-    """A meridian: what `Revolved` and `RevolvedPanel` turn about the z axis.
+    """A meridian, which `Revolved` and `RevolvedPanel` rotate about the z axis.
 
     >>> import casingfem as cf
     >>> arc: Meridian = cf.geometry.Arc(radius=0.2, start=0.0, end=0.5, r0=0.3)

@@ -20,7 +20,7 @@ MOST = 8  # stations: a polynomial through more, equally spaced, swings between 
 
 
 def stations(name: str, law: Law) -> Law:
-    """A law as it is kept: a number as it is, stations as a tuple.
+    """A law in its stored form: a number, or stations as a tuple.
 
     Raises
     ------

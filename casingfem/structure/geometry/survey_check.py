@@ -31,7 +31,7 @@ def mean_radius(chart: Chart, at: float | None = None) -> float:
 
 
 def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
-    """The points with arc lengths for heights, where the chart's first parameter is one; others as they are.
+    """The points with arc lengths instead of heights if the chart's first parameter is an arc length; else unchanged.
 
     Each lies at its height, as a radius defect moves points along the radius; where the meridian passes a height more
     than once the nearest radius determines. Radii become those of a cylinder with the radius of the meridian's middle:
@@ -69,7 +69,7 @@ def surveys(field: Field) -> list[SurveyField]:
 
 
 def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickness: float | None) -> None:
-    """Refuse a survey of another quantity or of another casing; what is None is not examined."""
+    """Refuse a survey of another quantity or of another casing; None is not examined."""
     name = Path(survey.path).name
     if survey.quantity != quantity:
         raise ModelError("survey-quantity", f"{name}: found a survey of {survey.quantity}, expected one of {quantity}")

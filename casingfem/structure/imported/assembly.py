@@ -55,7 +55,7 @@ class MeshStructure(Protocol):
 
 
 def require_structure(structure: object, what: str) -> None:
-    """Refuse what does not satisfy `MeshStructure`, naming the members it lacks.
+    """Refuse an object that does not satisfy `MeshStructure`, naming the members it lacks.
 
     Raises
     ------
@@ -228,7 +228,7 @@ def assembled(
     sound: float,
     joints: Joints | None = None,
 ) -> MeshSystem:
-    """The system of all dofs put on the free ones: those of a cell that no support fixes, and what attachments leave.
+    """The system of all dofs reduced to the free ones: dofs of cells without supports, after attachments.
 
     Parameters
     ----------

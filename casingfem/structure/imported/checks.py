@@ -31,7 +31,7 @@ LARGE = 25.0  # m: beyond this a part is probably in millimetres
 
 
 def check_mesh(mesh: MeshData) -> None:
-    """Refuse a mesh with faults, all named; warn of what may be meant.
+    """Refuse a mesh with faults, all named; warn of features that may be intended.
 
     Raises
     ------

@@ -152,7 +152,7 @@ def read_gmsh(file: Path) -> Draft:
 
 
 def require_modest(content: bytes, file: Path) -> None:
-    """Refuse what meshio would fill the memory or spend hours with: it makes room for the largest number of a node."""
+    """Refuse a file for which meshio would fill the memory: it allocates for the largest node number."""
     title = content.partition(b"$PhysicalNames")[2].partition(b"$EndPhysicalNames")[0]
     if len(max(title.split(b"\n"), key=len)) > LONGEST:
         raise ModelError("mesh-file", f"{file.name}: $PhysicalNames: a line of more than {LONGEST} characters")

@@ -151,7 +151,7 @@ class MeshShell(ShellCells):
         return mesh_spin(self.turning(at_rest, rotation))
 
     def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:
-        """Its centrifugal load about an axis, and what rotation adds to modes."""
+        """Its centrifugal load about an axis, and the terms that rotation adds to modes."""
         from casingfem.structure.imported.shell_spin import shell_inertia, shell_stiffening
 
         inertia, stiffening = shell_inertia(self, rotation), partial(shell_stiffening, self)
@@ -159,7 +159,7 @@ class MeshShell(ShellCells):
 
 
 def check_layers(shell: MeshShell) -> None:
-    """Refuse walls of no known kind, and layers beside what assumes one isotropic wall."""
+    """Refuse unknown kinds of walls, and layers together with features that assume one isotropic wall."""
     if shell.wall not in WALLS:
         raise ModelError("shell-wall", f"shell.wall: expected {' or '.join(WALLS)}, found {shell.wall!r}")
     if not shell.plies:
@@ -178,7 +178,7 @@ def check_layers(shell: MeshShell) -> None:
 
 
 def with_centres(mesh: MeshData) -> MeshData:
-    """Eight-noded cells with a ninth node where their shape functions put the middle; others as they are."""
+    """Eight-noded cells with a ninth node at the middle by their shape functions; others unchanged."""
     if mesh.kind != "quad8":
         return mesh
     weights, _ = shape_functions("quad8", np.array([[0.5], [0.5]]))

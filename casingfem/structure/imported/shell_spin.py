@@ -1,4 +1,4 @@
-"""Rotating imported shells: what prestress and spin add to the stiffness of the degenerated shell with tied strains.
+"""Rotation of imported shells: prestress and spin terms in the stiffness of the degenerated shell with tied strains.
 
 With directors n + w - |w|^2 n/2, which keep their length to second order, the covariant strains are those of `tying.py`
 and, to second order in the motion,

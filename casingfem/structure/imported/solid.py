@@ -87,7 +87,7 @@ class Solid(SolidCells):
         return solid_spin(at_rest, self, rotation)
 
     def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:
-        """Its centrifugal load about an axis, and what rotation adds to modes."""
+        """Its centrifugal load about an axis, and the terms that rotation adds to modes."""
         from casingfem.structure.imported.solid_spin import solid_turning
 
         return solid_turning(at_rest, self, rotation)

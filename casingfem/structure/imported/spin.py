@@ -74,7 +74,7 @@ class MeshSpin(Spin):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshTurning:
-    """A part at rest and an axis: its centrifugal load, and what rotation adds once the answer to the load is known.
+    """A part at rest and an axis: its centrifugal load, and the terms of rotation once the static response is known.
 
     Attributes
     ----------

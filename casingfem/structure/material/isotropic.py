@@ -1,4 +1,4 @@
-"""Of what a wall is made: isotropic, linear elastic."""
+"""Material of a wall: isotropic, linear elastic."""
 
 from dataclasses import dataclass
 from typing import Annotated

@@ -137,7 +137,7 @@ def places_of(nodes: IntArray, numbers: IntArray) -> IntArray:
 
 
 def single_place(at: LineFrame) -> EdgeLine:
-    """An edge seen at theta = 0 only, per unit angle: what one harmonic of a perfect casing needs."""
+    """An edge at theta = 0 only, per unit angle, for one harmonic of a perfect casing."""
     node, whole = np.zeros(1, dtype=np.int64), np.ones(1)
     alone = node[:, None], whole[:, None]
     return EdgeLine(node, whole, at, np.zeros(1), order=0, closed=True, frame=lambda x: at, interpolate=lambda x: alone)

@@ -126,7 +126,7 @@ def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
 def element_sum(
     matrices: FloatArray, grid: Grid, frames: FloatArray, free: IntArray, forms: Sequence[EdgeForm] = ()
 ) -> ElementSum:
-    """Element matrices (elements, 5 functions, 5 functions), turned in place, and what is on edges, on free dofs.
+    """Element matrices (elements, 5 functions, 5 functions), rotated in place, and edge terms, on free dofs.
 
     Beyond the dofs of the nodes forms may have their own.
     """

@@ -75,7 +75,7 @@ def held_frames(shell: ShellParts, grid: Grid) -> dict[str, Array]:
 
 
 def admitted(shell: ShellParts, grid: Grid, fields: FloatArray) -> Array:
-    """Nodal fields (nodes, 5, k) without what the shell's edges fix: P = I - A (A^T A)^-1 A^T, A the fixed directions.
+    """Nodal fields (nodes, 5, k) without directions A that the edges fix: P = I - A (A^T A)^-1 A^T.
 
     Analytic in the shell: a small change of the surface turns the directions that a diaphragm fixes, and the modes of
     the unchanged shell with them.

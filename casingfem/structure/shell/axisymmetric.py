@@ -30,7 +30,7 @@ SPIN[1, 0], SPIN[0, 1] = 1.0, -1.0
 
 
 class Wall(NamedTuple):
-    """Strains of each element's dofs at its points, (elements, points, 8, dofs), complex; what they act on, and where.
+    """Strains of each element's dofs at its points, (elements, points, 8, dofs), complex, with section and dofs.
 
     `section` is the section stiffness times the weight of a point, (8, 8, elements, points); `dofs` (elements, dofs).
     """
@@ -154,7 +154,7 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
 
 
 def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, mass: NodalMass) -> Meridian:
-    """Add springs, rings and masses, express dofs in the frames of nodes, and leave out what is fixed."""
+    """Add springs, rings and masses, express dofs in the frames of nodes, and remove fixed dofs."""
     nodes, own = len(z), len(shell.rings)
     frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
     held = np.zeros((nodes, DOFS), dtype=bool)

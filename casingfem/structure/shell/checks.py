@@ -1,4 +1,4 @@
-"""Checks of what a shell is made of: parts that cannot belong together, fields that its mesh cannot resolve."""
+"""Checks of the parts of a shell: parts that exclude each other, fields that its mesh cannot resolve."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bo
 
 
 def check_parts(shell: ShellParts) -> None:
-    """Refuse parts that cannot belong together: what there is to state before a mesh is chosen."""
+    """Refuse parts that exclude each other; these checks need no mesh."""
     require_positive("shell", "shell-thickness", thickness=shell.thickness)
     if shell.shear_correction is not None:
         require_positive("shell", "shear-correction", shear_correction=shell.shear_correction)
@@ -67,7 +67,7 @@ def check_parts(shell: ShellParts) -> None:
 
 
 def check_plies(shell: ShellParts) -> None:
-    """Refuse layers beside what assumes one isotropic wall."""
+    """Refuse layers together with features that assume one isotropic wall."""
     if not shell.plies:
         return
     if not all(isinstance(ply, Ply) for ply in shell.plies):
@@ -133,7 +133,7 @@ def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
 
 
 def check_field(shell: ShellParts, name: str, defect: Field) -> None:
-    """Refuse a field that is not finite, as large as what it varies, or finer than the mesh."""
+    """Refuse a field that is not finite, is as large as the quantity it varies, or is finer than the mesh."""
     counts = (9, max(361, 2 * field_samples(defect) + 1))
     a, b = (np.linspace(*ends, count) for ends, count in zip(shell.chart.bounds, counts, strict=True))
     values = np.real(defect.derivatives(a[:, None], b[None, :]).value)

@@ -124,7 +124,7 @@ def on_unknowns(system: System, A: csc_array) -> csc_array:
 
 
 class TurningRing:
-    """One ring: its nodes, its beam, and what rotation does to them. Motions of a node are (u, w_1, w_2, o)."""
+    """One ring with its nodes, its beam, and its terms of rotation. Motions of a node are (u, w_1, w_2, o)."""
 
     def __init__(self, system: System, rotation: Rotation, name: str, ring: Ring, own: IntArray) -> None:
         shell, grid = system.shell, system.grid
@@ -267,7 +267,7 @@ class TurningRing:
         return found
 
     def by_force(self, force: FloatArray) -> FloatArray:
-        """Blocks of -f.Y(v, v) on the motions of the nodes, and what the points of the sections add, (nodes, 6, 6)."""
+        """Blocks of -f.Y(v, v) on the motions of the nodes, and terms of the section points, (nodes, 6, 6)."""
         push, moment = force[:, :3], force[:, 3:] + np.cross(self.r, force[:, :3])
         stiff = arm_blocks(push, self.r)
         for weight, r in self.sections():

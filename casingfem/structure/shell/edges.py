@@ -211,7 +211,7 @@ def own_dofs(shell: ShellParts, grid: Grid) -> dict[str, IntArray]:
 
 
 def harmonic_forms(shell: ShellParts, name: str, n: int, z: Array) -> tuple[Array, Array]:
-    """Stiffness and mass of what is on one edge or station of a perfect casing, n diameters, per unit angle.
+    """Stiffness and mass of one edge or station of a perfect casing, n diameters, per unit angle.
 
     On the dofs of the line's node at z (1,): (5, 5), or (6, 6) with a ring, the turn about the normal last.
     """

@@ -34,7 +34,7 @@ class ModalProducts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointFields:
-    """Modes at the quadrature points and nodes: what all parameters share.
+    """Modes at the quadrature points and nodes, common to all parameters.
 
     `own` are the motions of the rings' own dofs, (own, modes). `jets` contains U, d_1 U, d_2 U: (elements, points, 3 *
     5, modes); `strain`, `curvature`, `jacobian` belong to the shell the modes were computed on and serve every

@@ -1,4 +1,4 @@
-"""Walls of layers: plies of orthotropic laminae or of the shell's own material, and what they add up to.
+"""Walls of layers: plies of orthotropic laminae or of the shell's own material, and their section stiffness.
 
 With z from -t/2 to t/2 along the normal, the resultants of first-order shear deformation theory are
 

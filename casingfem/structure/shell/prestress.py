@@ -83,7 +83,7 @@ class Spin:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Turning:
-    """A shell at rest and an axis: its centrifugal load, and what rotation adds once the answer to the load is known.
+    """A shell at rest and an axis: its centrifugal load, and the terms of rotation once the static response is known.
 
     Attributes
     ----------

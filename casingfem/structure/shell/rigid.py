@@ -1,4 +1,4 @@
-"""Rigid motions: what they are on a shell, and which of them its supports leave free.
+"""Rigid motions of a shell, and which of them its supports leave free.
 
 A body is not supported where a rigid motion moves no fixed dof and strains no spring. This is a statement about the
 supports alone: no frequency has to be called small, and a body on soft springs is a supported one.

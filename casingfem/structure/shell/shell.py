@@ -94,7 +94,7 @@ def remade(kind: type[Parts], shell: ShellParts) -> Parts:
 
 
 def require_shell(structure: object, what: str) -> None:
-    """Refuse what has no chart where one is needed.
+    """Refuse a structure without a chart where a chart is needed.
 
     Raises
     ------

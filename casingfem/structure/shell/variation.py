@@ -154,7 +154,7 @@ MOST = 96  # elements around up to which the default mesh follows every bolt
 
 
 def following(least: int, count: int) -> int:
-    """Elements around, at least so many, that follow `count` bolts: a multiple of them, of an equal share if too many.
+    """Number of elements around, not below a minimum, that follows `count` bolts: a multiple, or an equal share of it.
 
     >>> following(21, 24), following(21, 16), following(21, 4), following(21, 200)
     (24, 32, 24, 50)
@@ -165,7 +165,7 @@ def following(least: int, count: int) -> int:
 
 
 def springs_per_wave(bolts: Bolts, E: float, nu: float, thickness: float) -> float:
-    """Stiffness of a bolt over what the shell's edge opposes to a short wave of it, the larger of pull and tilt."""
+    """Stiffness of a bolt relative to that of the shell's edge for a short wave, the larger of pull and tilt."""
     rigidity = E * thickness**3 / (12.0 * (1.0 - nu**2))
     pull = np.max(np.real(bolts.stiffness)) / (PULL * E * thickness)
     return float(max(pull, np.real(bolts.k_rot) / (TILT * rigidity)))

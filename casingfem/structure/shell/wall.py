@@ -1,4 +1,4 @@
-"""The wall between its faces: what it adds up to in stiffness and inertia at points of the mid-surface.
+"""The wall between its faces: its stiffness and inertia at points of the mid-surface.
 
 The curved wall keeps the metric at every depth z and the stretch of its normals. With b the curvature tensor in the
 tangent frame, P = (1 - z b)^-1, and the wall's displacement

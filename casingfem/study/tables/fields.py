@@ -1,4 +1,4 @@
-"""The tables of what varies over a structure: harmonics, surveys, random fields; from sector to sector of a wheel."""
+"""Tables of fields on a structure: harmonics, surveys, random fields; deviations from sector to sector of a wheel."""
 
 from typing import Annotated, Literal
 

@@ -1,4 +1,4 @@
-"""[rig] of a study file: what the virtual test rig excites, measures and adds."""
+"""[rig] of a study file: excitation, measurements and disturbances of the virtual test rig."""
 
 from typing import Annotated, Literal
 
@@ -44,7 +44,7 @@ class SensorTable(PlaceTable):
 
 @table_of(Troubles)
 class TroublesTable(Table):
-    """[rig.test.troubles]: what a hammer test in a hall has; what is left out is none."""
+    """[rig.test.troubles]: troubles of a hammer test; a trouble that is left out is absent."""
 
 
 class ResponsesTable(Table):

@@ -258,7 +258,7 @@ class MassTable(Table):
 
 @table_of(ShellMesh, optional=("order", "around"))
 class MeshTable(Table):
-    """[mesh]: what is left out is chosen for the shell."""
+    """[mesh]: keys that are left out are chosen for the shell."""
 
     order: int | None = None
     around: int | None = None

@@ -1,4 +1,4 @@
-"""The tables of what is computed, modes, an update, a reduction; and the whole of study.toml.
+"""Tables of tasks, modes, an update, a reduction; and the whole of study.toml.
 
 Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED`
 names those that the study of a shell on a chart cannot do without; one of an imported mesh needs the first.

@@ -1,4 +1,4 @@
-"""Predicting what an update has not seen: each row, or doublet, of the table left out in turn.
+"""Cross-validation of an update: each row, or doublet, of the table is left out in turn and predicted.
 
 The honest test of a model is a frequency that did not take part. Each update starts from the whole one, keeps its
 priors, and predicts the rows it was not shown, with the standard deviation

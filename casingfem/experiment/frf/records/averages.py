@@ -30,7 +30,7 @@ class Averages(NamedTuple):
 
 
 def check_options(window: str, estimator: str, overlap: float, drives: int) -> None:
-    """Refuse what no estimate is made of."""
+    """Refuse options that permit no estimate."""
     for name, word, words in (("window", window, get_args(Window)), ("estimator", estimator, get_args(Estimator))):
         if word not in words:
             raise InputError(f"{name}: found {word!r}, expected {' or '.join(words)}")
@@ -41,7 +41,7 @@ def check_options(window: str, estimator: str, overlap: float, drives: int) -> N
 
 
 def block_spectra(values: FloatArray, block: int, window: Window, overlap: float) -> Array:
-    """Windowed transforms of blocks of so many samples, (channels, averages, lines)."""
+    """Windowed transforms of blocks with a number of samples, (channels, averages, lines)."""
     step = max(1, round(block * (1.0 - overlap)))
     blocks = np.lib.stride_tricks.sliding_window_view(values, block, axis=1)[:, ::step]
     shape = hann(block, sym=False) if window == "hann" else np.ones(block)

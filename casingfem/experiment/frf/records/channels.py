@@ -1,4 +1,4 @@
-"""A table of channels: what each channel of a record is, where it is, its unit and its factor."""
+"""A table of channels: kind, place, unit and factor of each channel of a record."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def _wrong(
 
 
 def described(block: RecordBlock, table: ChannelTable | None) -> RecordBlock:
-    """The block with the channels that the table names, in its units; as it is without a table.
+    """The block with the channels that the table names, in its units; unchanged without a table.
 
     Raises
     ------

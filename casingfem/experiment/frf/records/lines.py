@@ -17,7 +17,7 @@ TURNED = -0.5  # mean of Re Y over that of |Re Y| at the drive point, below whic
 
 
 def lines_of(samples: int, fs: float) -> FloatArray:
-    """Lines [Hz] of a transform of so many samples."""
+    """Lines [Hz] of a transform with a number of samples."""
     return np.asarray(np.fft.rfftfreq(samples, 1.0 / fs), np.float64)
 
 

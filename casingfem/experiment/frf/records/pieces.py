@@ -35,7 +35,7 @@ class Piece(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Force (samples,) and responses (channels, samples) of one hit, windowed, with what a picture shows.
+    """Force (samples,) and responses (channels, samples) of one hit, windowed, with data for a picture.
 
     `whole` (channels,) are the responses that are not clipped.
     """

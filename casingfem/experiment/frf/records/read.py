@@ -72,7 +72,7 @@ def read_records(
 
 
 def read_responses(path: str | os.PathLike[str], *, channels: str | os.PathLike[str] | None = None) -> FrfSet:
-    r"""The responses of one long record, without forces: what `identify` takes for modes of responses alone.
+    r"""Responses of one long record without forces, for `identify` of responses alone.
 
     Raises
     ------

@@ -83,7 +83,7 @@ class Take:
 
 
 class RecordChannel(NamedTuple):
-    """A channel of a file: its name there, what it is ("" where the file leaves it open), where, and its unit."""
+    """A channel of a file: name, kind ("" if the file leaves it open), place and unit."""
 
     name: str
     kind: Literal["force", "response", ""] = ""

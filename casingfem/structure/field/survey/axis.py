@@ -109,7 +109,7 @@ def settled_axis(points: SurveyPoints, axis: Axis, fitted: Fit, search: bool) ->
 
 
 def settled(rest: Axis, fit: SurveyFit, points: SurveyPoints) -> bool:
-    """Whether what is left of an offset and a lean is no more than round-off."""
+    """Whether the remaining offset and lean are no more than round-off."""
     return bool(abs(rest.offset) + abs(rest.tilt) * np.ptp(points.z) < SETTLED * fit.mean[0])
 
 

@@ -1,4 +1,4 @@
-"""The least-squares fit behind a survey: what the points determine, and the cone and defect they give."""
+"""The least-squares fit of a survey: parameters that the points determine, and the cone and defect they give."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LEAST_KEPT = 0.7  # of the points: what a robust fit must keep
 
 
 class SurveyFit(NamedTuple):
-    """The relative defect, the mean a + b z [m, -], and what is left of each point, relative to the mean."""
+    """The relative defect, the mean a + b z [m, -], and the residual of each point, relative to the mean."""
 
     field: FourierField
     mean: tuple[float, float]

@@ -228,7 +228,7 @@ class SurveyField(SeriesBehind):
 
     @property
     def residual_rms_m(self) -> float:
-        """Root mean square of what the fit leaves, in m at mid height."""
+        """Root mean square of the residuals of the fit, in m at mid height."""
         return self.residual_rms * (self.mean[0] + self.mean[1] * sum(self.z_range) / 2)
 
     def __add__(self, other: Field) -> Field:

@@ -38,7 +38,7 @@ class Attached(NamedTuple):
 
 
 class Connected(NamedTuple):
-    """All motions of a mesh with attachments: what depends on others, motions by unknowns, stiffness on all motions."""
+    """All motions of a mesh with attachments: dependent motions, motions by unknowns, stiffness on all motions."""
 
     rows: Rows
     whole: csr_array
@@ -54,7 +54,7 @@ def attached(
     fields: FloatArray,
     supports: Sequence[csc_array] = (),
 ) -> Attached:
-    """Put masses and springs on matrices of all dofs, and eliminate what is tied.
+    """Add masses and springs to matrices of all dofs, and eliminate tied dofs.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def mass_matrix(motions: Motions) -> csc_array:
 
 
 def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
-    """Refuse motions that a support fixes and a connection moves; what a node ties of itself is fixed with it."""
+    """Refuse motions that a support fixes and a connection moves; motions that a fixed node ties are fixed with it."""
     for dof in held.tolist():
         if dof in rows.owner and dof not in rows.own:
             found = "a support on it, expected one on the node that it follows"

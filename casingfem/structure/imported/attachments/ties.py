@@ -106,7 +106,7 @@ def motions_of(mesh: MeshData, dofs: int, joints: Joints | None = None) -> Motio
 
 
 class Rows:
-    """Dependent dofs and what they are made of, each once."""
+    """Dependent dofs and the dofs they are made of, each once."""
 
     def __init__(self, motions: Motions) -> None:
         self.motions = motions

@@ -1,4 +1,4 @@
-"""Isoparametric cells and facets at quadrature points, what follows from their measure, and sums of their matrices."""
+"""Isoparametric cells and facets at quadrature points, quantities from their measure, and sums of their matrices."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -39,7 +39,7 @@ def mapped(kind: str, points: FloatArray, cells: IntArray, degree: int | None = 
 
 
 def mapped_parts(mesh: MeshData, degree: int | None = None) -> Iterator[tuple[IntArray, IntArray, Mapped]]:
-    """The cells of a mesh mapped as what they are integrated as: rows, their own nodes (m, k), and those mapped."""
+    """The cells of a mesh by their kind of integration: rows, their own nodes (m, k), and the mapped cells."""
     for kind, rows, slots in natives(mesh):
         nodes = mesh.cells[rows][:, slots]
         yield rows, nodes, mapped(kind, mesh.points, nodes, degree)

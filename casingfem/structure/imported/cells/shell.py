@@ -29,7 +29,7 @@ NEAR = 0.7  # least cosine between tied walls of which one takes the other's dir
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ShellCells:
-    """The fields of a `MeshShell`, which documents them, and what its cells ask of them: nothing is checked."""
+    """The fields of a `MeshShell` that its cells need; nothing is checked here."""
 
     mesh: MeshData
     thickness: float
@@ -114,7 +114,7 @@ def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray, only: 
 
 
 def chunks(mesh: MeshData, numbers: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
-    """Cells of some numbers, so many at a time that their strains fit into memory: kind, which of them, own nodes."""
+    """Chunks of cells whose strains fit into memory: kind, cells, own nodes."""
     for kind, rows, slots in natives(mesh, mesh.cells[numbers]):
         step = max(1, CHUNK // (20 * 8 * DOFS * len(slots)))
         for start in range(0, len(rows), step):

@@ -19,7 +19,7 @@ COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SolidCells:
-    """The fields of a `Solid`, which documents them, and what its cells ask of them: nothing is checked."""
+    """The fields of a `Solid` that its cells need; nothing is checked here."""
 
     mesh: MeshData
     material: Material

@@ -30,7 +30,7 @@ class Turn(NamedTuple):
         return np.asarray(np.outer(a, a) + c * (np.eye(3) - np.outer(a, a)) + s * (np.outer(e2, e1) - np.outer(e1, e2)))
 
     def places(self, points: FloatArray, times: int = 1) -> FloatArray:
-        """Points (nodes, 3) turned so many times."""
+        """Points (nodes, 3) rotated by a number of sectors."""
         return np.asarray((points - self.point) @ np.linalg.matrix_power(self.matrix, times).T + self.point)
 
     def across(self, points: FloatArray) -> FloatArray:

@@ -133,7 +133,7 @@ def joint_directors(mesh: MeshData, pairs: Pairs, turn: Turn) -> FloatArray:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class CyclicSystem:
-    """Matrices of a sector on its free dofs, at its speed, and what ties its faces.
+    """Matrices of a sector on its free dofs, at its speed, and the connection of its faces.
 
     Attributes
     ----------
@@ -241,7 +241,7 @@ def require_alike(sector: CyclicSector, loose: BoolArray) -> None:
 
 
 def still_motions(turn: FloatArray, loose: BoolArray, phase: complex) -> Array:
-    """Motions of a node on the axis that the turn and the phase leave as they are, orthonormal columns."""
+    """Motions of a node on the axis that rotation and phase leave unchanged, orthonormal columns."""
     free = np.flatnonzero(loose)
     if not len(free):
         return np.zeros((0, 0))

@@ -1,4 +1,4 @@
-"""From one sector to the whole wheel: its mesh, joined at the faces, fields on it, and what its blades are stiff."""
+"""From one sector to the whole wheel: its mesh, joined at the faces, fields on it, and the stiffness of its blades."""
 
 from dataclasses import replace
 from typing import Any

@@ -1,1 +1,1 @@
-"""Matrices that other programs hand out: how they are read, what their rows mean, how ours are written."""
+"""Matrices of other programs: reading them, the meaning of their rows, and writing ours."""

@@ -93,7 +93,7 @@ def fitting(what: str, given: Any, **options: Any) -> csc_array:
 
 
 def read_from_npz(path: Path) -> dict[str, Any]:
-    """Dense arrays as they are; parts of compressed columns put together."""
+    """Dense arrays unchanged; parts of compressed columns assembled."""
     return put_together(path, dict(read_npz(path)))
 
 

@@ -1,4 +1,4 @@
-"""Bulk data of Nastran beside or instead of other files of matrices: DMIG cards, what rows are, grids and their axes.
+"""Nastran bulk data for matrices: DMIG cards, the meaning of rows, grids and their axes.
 
 EXTRN, G1, C1, G2, C2, ... or G1, THRU, G2, C   the rows of a superelement's matrices: grids, components; 0 a scalar
 GRID, ID, CP, X1, X2, X3, CD                    a position in the system CP, and the system CD of the grid's motions

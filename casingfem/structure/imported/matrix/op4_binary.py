@@ -29,7 +29,7 @@ class Layout(NamedTuple):
         return numbers
 
     def real(self, words: int) -> Any:
-        """Kind of a number of so many words of four bytes."""
+        """Kind of a number with a number of four-byte words."""
         return f"{self.order}f{max(4 * words, self.word)}"
 
 

@@ -16,7 +16,7 @@ MOST = 2**31 - 1  # rows or columns: the largest number in a binary file
 
 @dataclass(slots=True)
 class Entries:
-    """A matrix as it is read."""
+    """A matrix while it is read."""
 
     name: str
     rows: int

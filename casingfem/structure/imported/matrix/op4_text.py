@@ -99,7 +99,7 @@ def integers(line: str, at: int, source: str) -> list[int]:
 
 
 def check_column(source: str, at: int, entries: Entries, column: int, wanted: int) -> None:
-    """Refuse a column with fewer or more values than announced; programs differ in what they count beside them."""
+    """Refuse a column with fewer or more values than announced; programs count differently."""
     strings = [len(values) for _, _, values in takewhile(lambda part: part[0] == column, reversed(entries.parts))]
     found = sum(strings)
     if column and not found <= wanted <= entries.words * found + 4 * len(strings):

@@ -93,7 +93,7 @@ def of_others(files: Sequence[Path], rows: IntArray | None, bulk: Bulk | None) -
 
 
 def of_op4(paths: Sequence[Path], dofs: IntArray | None) -> MatrixSet:
-    """K, M, C and K4 of OP4 files, which do not state what their rows are; null ones of 1 x 1 are as none."""
+    """K, M, C and K4 of OP4 files, which do not state the meaning of rows; null ones of 1 x 1 count as absent."""
     source = ", ".join(path.name for path in paths)
     every: dict[str, csc_array] = {}
     for path in paths:

@@ -148,7 +148,7 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
 
 
 def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:
-    """A matrix and what its rows are: as its file states, else by the list of dofs."""
+    """A matrix and the meaning of its rows, from its file or from the list of dofs."""
     A, own = matrix
     labels = own if own is not None else dofs
     assert labels is not None

@@ -125,7 +125,7 @@ class Mean:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Equation:
-    """A sum of terms that is zero; the first term is what follows the others.
+    """A sum of terms that is zero; the first term follows from the others.
 
     >>> Equation(terms=(Term(0, 2, 1.0), Term(5, 2, -1.0))).nodes
     (0, 5)

@@ -34,7 +34,7 @@ CUBE_FACETS: Corners = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), 
 
 
 class Outline(NamedTuple):
-    """Corners in the reference cell, edges and facets by their corners: what cells of one shape share."""
+    """Outline of cells of one shape: corners in the reference cell, edges and facets by their corners."""
 
     corners: Corners
     edges: Pairs

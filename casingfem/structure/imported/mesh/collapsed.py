@@ -64,7 +64,7 @@ def spread(target: str, kind: str) -> list[int]:
 
 
 def native(kind: str, cells: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
-    """Cells or facets as what they are: kind, rows (m,), and which of their nodes are its own, in its order.
+    """Cells or facets by their true kind: kind, rows (m,), and which of their nodes are its own, in its order.
 
     >>> squares = np.array([[1, 2, 5, 4], [2, 3, 3, 5]])
     >>> [(kind, squares[rows][:, slots].tolist()) for kind, rows, slots in native("quad", squares)]

@@ -178,7 +178,7 @@ class MeshData:
 
 
 def natives(mesh: MeshData, cells: IntArray | None = None) -> list[tuple[str, IntArray, IntArray]]:
-    """Cells of a mesh, or some (m, nodes), as what they are integrated as: kind, rows, and which nodes are its own.
+    """Cells of a mesh, or some (m, nodes), by their kind of integration: kind, rows, and its own nodes.
 
     A linear triangle among the squares of a shell is a collapsed square.
     """

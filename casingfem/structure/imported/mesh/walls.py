@@ -198,7 +198,7 @@ def walls_at_nodes(mesh: MeshData, codes: IntArray, place: IntArray, sharp: floa
 
 
 def merged(wall: IntArray, node: IntArray, directors: FloatArray) -> IntArray:
-    """Walls of a node that lie side by side, within `FLAT` of each other, as one wall; others as they are."""
+    """Walls of a node that lie side by side, within `FLAT` of each other, as one wall; others unchanged."""
     count = int(node.max()) + 1
     of = np.zeros(len(directors), dtype=np.int64)
     of[wall] = node

@@ -1,4 +1,4 @@
-"""Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, constraints, what is attached.
+"""Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, constraints, attachments.
 
 A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
 from their coordinate systems into the basic one (`coordinates.py`). Elements of property 7 are the group `PID 7`; the

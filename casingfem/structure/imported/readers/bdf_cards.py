@@ -77,7 +77,7 @@ class Numbers:
         return ModelError("mesh-file", f"{self.source}: line {card.line}: {card.name}: {message}")
 
     def leave_out(self, card: Card, what: str) -> None:
-        """Warn in the end of what is not taken over."""
+        """Warn at the end of cards that were not read."""
         self.left_out.setdefault(what, []).append(card.line)
 
     def integer(self, card: Card, text: str) -> int:

@@ -188,7 +188,7 @@ def take_component(archive: Archive, at: int, fields: list[str]) -> int:
 
 
 def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
-    """Kind and nodes in VTK's order of one element; None for what is neither solid nor shell."""
+    """Kind and nodes in VTK's order of one element; None if it is neither solid nor shell."""
     number = NAME.search(element)
     name = number[1] if number else element
     corners, full = FULL.get(name, (0, 0))

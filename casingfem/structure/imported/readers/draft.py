@@ -1,4 +1,4 @@
-"""From what a mesh file contains to a `MeshData`: cells of one kind, everything else as groups."""
+"""From the contents of a mesh file to a `MeshData`: cells of one kind, everything else as groups."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

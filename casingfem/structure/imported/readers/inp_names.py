@@ -70,7 +70,7 @@ class Names:
         return ModelError("mesh-file", f"{self.source}: line {line}: {message}")
 
     def leave_out(self, what: str, line: str) -> None:
-        """Warn in the end of what is not taken over."""
+        """Warn at the end of keywords that were not read."""
         self.left_out[what] = line
 
     def values(self, card: Card, kind: type) -> list[list[Any]]:

@@ -22,7 +22,7 @@ QUADRATIC = {
 
 
 def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[str]) -> tuple[str, IntArray]:
-    """Linear cells beside quadratic ones as quadratic ones without middle nodes; others as they are.
+    """Linear cells among quadratic ones as quadratic ones without middle nodes; others unchanged.
 
     >>> kind, cells = raised("tetra", np.array([[0, 1, 2, 3]]), np.zeros((4, 3)), ["tetra", "tetra10"])
     >>> kind, cells.tolist()

@@ -59,7 +59,7 @@ class NastranAttachments(NastranCards):
         return grid
 
     def mass_factor(self) -> float:
-        """PARAM, WTMASS: what masses are multiplied by."""
+        """PARAM, WTMASS: factor of all masses."""
         given = [card for card in self.cards["PARAM"] if self.field(card, 0).upper() == "WTMASS"]
         return [1.0, *(self.numbers.real(card, self.field(card, 1)) for card in given)][-1]
 

@@ -76,7 +76,7 @@ class Universal:
         return ModelError("mesh-file", f"{self.source}: line {at + 1}: {message}")
 
     def integers(self, at: int, least: int) -> list[int]:
-        """The whole numbers of a line, at least so many."""
+        """The whole numbers of a line, with a least count."""
         words = self.lines[at].split()
         try:
             found = [int(word) for word in words]
@@ -209,7 +209,7 @@ class Universal:
                     self.left_out[f"member of type {kind} of group {name!r}"] += 1
 
     def take_units(self, one: DataSet) -> None:
-        """By what lengths are divided."""
+        """Read the divisor of lengths."""
         self.inside(one.start + 1, one, "the units")
         (factor,) = self.reals(one.start + 1, self.lines[one.start + 1].split(), 1)
         if not (np.isfinite(factor) and factor > 0.0):
