@@ -60,8 +60,12 @@ PRESENT = 0.8  # of the records without a block, in which a mode must be found a
 KNOWN = 0.5  # of a bandwidth: largest standard deviation of a frequency without a visible peak
 OFTEN = 0.5  # of the model orders, in which a sure mode recurs
 ALIKE = float(chdtri(2, 1e-3))  # chi-squared of the differences of two modes that chance exceeds once in a thousand
-NORMAL = 2.0  # standard deviations that a split exceeds; fewer are noted
+NORMAL = 2.0  # standard deviations that a split exceeds, fewer are noted; that the power of a peak exceeds
 LONGER = "a longer record may resolve it"
+EMPTY = 6  # times the lines around its peaks: a band that is wider is cut
+LOBES = 1e-8  # of the largest power: ten times the side lobes of the window
+WIDEST = 4.0  # lines: half-power width of the window's main lobe, and more
+MISSED, NAMED = 2.0, 8  # lines within which a peak is that of a mode; peaks that a note names
 MADE = "identified from responses alone: stochastic subspaces of their correlations, jackknife over blocks"
 MARGIN = 1.3  # times the edge of a band's filter that a band is widened by at either end
 
@@ -123,7 +127,7 @@ def identify_output_only(
     if kept.sum() < 8 or not low < high:
         found_band = f"band {low:g} to {high:g} Hz"
         raise InputError(records.path, found=found_band, expected=f"from < to, up to {0.5 * fs:g} Hz")
-    peaks = _peaks(power[kept], rules)
+    peaks = _peaks(freq[kept], power[kept], _scatter(found)[kept], rules)
     estimated, diagram = _bands(found, freq[kept], power[kept], peaks, order, say, rules)
     factors = np.outer(scale, scale[own])
     circle = None if angles is None else Circle.of(grid.theta, n_max)
@@ -136,7 +140,7 @@ def identify_output_only(
         " shapes have no scale",
         *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle),
         *unresolved_notes(modes, LONGER), *_close(modes, doublets), *_lonely(modes, doublets),
-        *_bare(modes, freq[kept][peaks.at]),
+        *_bare(modes, freq[kept][peaks.at], float(freq[1])),
     )  # fmt: skip
     return Identified(
         **columns_of(modes, doublets, grid), sensors=grid, lines=lines, measured=measured, fitted=fitted,
@@ -203,18 +207,37 @@ def _grid(
 
 
 def _spectra(found: Correlations) -> tuple[FloatArray, FloatArray]:
-    """Lines [Hz] and the power of the references at them; the window over the lags leaves no side lobes of tones."""
-    lags = found.R.shape[-1]
-    own = found.mean[found.references, np.arange(len(found.references))]
-    window = np.fft.ifftshift(blackmanharris(lags, sym=False))
-    power = np.fft.rfft(own * window, axis=-1).real.sum(axis=0)
-    freq = np.asarray(np.fft.rfftfreq(lags, 1.0 / found.fs), np.float64)
+    """Lines [Hz] and the power of the references at them."""
+    freq = np.asarray(np.fft.rfftfreq(found.R.shape[-1], 1.0 / found.fs), np.float64)
+    power = _power(found, found.mean)
     return freq, np.asarray(np.maximum(power, 1e-12 * power.max()))
 
 
-def _peaks(power: FloatArray, rules: Thresholds) -> Peaks:
+def _scatter(found: Correlations) -> FloatArray:
+    """Standard deviation of the power of the references (lines,), by jackknife over the blocks."""
+    count = len(found.R)
+    power = np.array([_power(found, found.without(block)) for block in range(count)])
+    return np.asarray(np.sqrt((count - 1) / count * np.sum((power - power.mean(axis=0)) ** 2, axis=0)))
+
+
+def _power(found: Correlations, R: FloatArray) -> FloatArray:
+    """Power of the references (lines,) from correlations R (sensors, references, 2 L).
+
+    The window over the lags has no side lobes of tones. It is zero at its ends, where the correlations of modes that
+    have not decayed have a kink.
+    """
+    window = blackmanharris(R.shape[-1], sym=False)
+    own = R[found.references, np.arange(len(found.references))]
+    return np.asarray(np.fft.rfft(own * np.fft.ifftshift(window - window[0]), axis=-1).real.sum(axis=0))
+
+
+def _peaks(freq: FloatArray, power: FloatArray, scatter: FloatArray, rules: Thresholds) -> Peaks:
+    """Peaks over their surroundings whose power is not zero by its scatter, and which are not too wide for a mode."""
     at, _ = find_peaks(10.0 * np.log10(power), prominence=rules.prominence_db)
-    return Peaks(at=at, width=peak_widths(power, at)[0] if len(at) else np.zeros(0))
+    at = at[power[at] > np.maximum(NORMAL * scatter[at], LOBES * power.max())]
+    width = peak_widths(power, at)[0] if len(at) else np.zeros(0)
+    narrow = width * (freq[1] - freq[0]) < np.maximum(2.0 * rules.zeta_most * freq[at], WIDEST * (freq[1] - freq[0]))
+    return Peaks(at=at[narrow], width=width[narrow])
 
 
 def _bands(
@@ -223,9 +246,10 @@ def _bands(
 ) -> tuple[list[Estimated], Stabilisation]:  # fmt: skip
     """Modes of all bands, ascending, and their diagram."""
     data = Responses(freq, np.sqrt(power)[:, None], np.ones(len(freq)), peaks)
-    cut, modes, diagrams = bands(data, rules), list[Estimated](), list[Stabilisation]()
+    cut = [part for core, _, _ in bands(data, rules) for part in _around(core, peaks.at, rules)]
+    modes, diagrams = list[Estimated](), list[Stabilisation]()
     seen = freq[peaks.at]
-    for k, (core, _, _) in enumerate(cut):
+    for k, core in enumerate(cut):
         say(f"band {k + 1} of {len(cut)}")
         low, high = float(freq[core.start]), float(freq[core.stop - 1])
         inside = seen[(seen >= low) & (seen <= high)]
@@ -237,6 +261,25 @@ def _bands(
         modes += [mode for mode in here if low <= mode.found.freq < high + step]
         diagrams.append(diagram)
     return modes, Stabilisation.join(diagrams)
+
+
+def _around(core: slice, at: IntArray, rules: Thresholds) -> list[slice]:
+    """A band, cut into the lines around its peaks and those beyond where the latter are many more.
+
+    The lags of a band are as many as its inverse width: those of an empty wide band do not resolve close modes.
+    """
+    inside = at[(at >= core.start) & (at < core.stop)]
+    if not len(inside):
+        return [core]
+    margin = max(rules.reach_lines, int(inside[-1] - inside[0]) // 2)
+    start, stop = max(core.start, int(inside[0]) - margin), min(core.stop, int(inside[-1]) + margin)
+    if core.stop - core.start < EMPTY * (stop - start):
+        return [core]
+    return [part for part in (slice(core.start, start), slice(start, stop), slice(stop, core.stop)) if _lines(part)]
+
+
+def _lines(part: slice) -> int:
+    return int(part.stop - part.start)
 
 
 def _band(
@@ -370,10 +413,15 @@ def _close(modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...]) -> list
     ]
 
 
-def _bare(modes: Sequence[Mode], seen: FloatArray) -> list[str]:
-    """Visible peaks at which no mode is."""
-    bare = [peak for peak in seen.tolist() if all(abs(m.freq - peak) > 2.0 * m.zeta * m.freq for m in modes)]
-    return [f"the peak at {peak:.2f} Hz has no mode that recurs: a tone, or a record too short" for peak in bare]
+def _bare(modes: Sequence[Mode], seen: FloatArray, step: float) -> list[str]:
+    """A note of the visible peaks at which no mode is, on lines `step` [Hz] apart."""
+    near = [np.abs(seen - mode.freq) <= max(2.0 * mode.zeta * mode.freq, MISSED * step) for mode in modes]
+    bare = seen[~np.any(near, axis=0)] if near else seen
+    if not len(bare):
+        return []
+    peaks = f"peak{'s' * (len(bare) > 1)} at {', '.join(f'{peak:.4g}' for peak in bare[:NAMED])} Hz"
+    more = f" and {len(bare) - NAMED} more" if len(bare) > NAMED else ""
+    return [f"no mode recurs at the {peaks}{more}: a tone, a load's peak, or a record too short: measure longer"]
 
 
 def _compared(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.linalg import expm
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
 import casingfem as cf
 from casingfem.cli import main
@@ -100,6 +100,24 @@ def test_a_shell_under_random_loads_has_the_frequencies_and_damping_of_its_modes
     np.testing.assert_allclose(found.freq, bench.freq, rtol=1e-3)
     assert (np.abs(found.zeta - 3e-3) < 3.5 * found.sigma_zeta).all()
     assert sorted(found.n.tolist()) == [7, 7, 8, 8, 9, 9]
+
+
+@pytest.mark.slow
+def test_a_spectrum_that_falls_by_many_decades_has_no_peaks_but_those_of_modes():
+    """Displacements of a long bridge in wind: the correlations have not decayed at the longest lag."""
+    rng, count, fs = np.random.default_rng(9), 54_000, 15.0
+    freqs = np.array([0.2, 0.32, 0.44, 0.86])
+    at = np.linspace(0.15, 0.85, 5)
+    y = np.zeros((len(at), count))
+    for k, freq in enumerate(freqs, start=1):
+        pole = np.exp((-0.005 + 1j) * 2.0 * np.pi * freq / fs)
+        load = lfilter(*butter(4, 1.2, fs=fs), rng.standard_normal(count))
+        q = lfilter([0.0, pole.imag], [1.0, -2.0 * pole.real, abs(pole) ** 2], load)
+        y += np.outer(np.sin(np.pi * k * at), q / freq)
+    found = cf.identify(records(y, fs))
+    assert np.abs(found.freq[found.sure][:, None] - freqs).min(axis=1).max() < 3e-3
+    assert np.abs(found.freq[:, None] - freqs).min(axis=0).max() < 3e-3
+    assert not [note for note in found.notes if "recurs" in note]
 
 
 @pytest.mark.slow
