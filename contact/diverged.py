@@ -1,4 +1,4 @@
-"""Why a run outgrew its model: the limit it passed, how fast it grew, who fed it, what theory states of that speed."""
+"""Reason why a run left the validity of its model: the limit it passed, its growth, the energy source, theory."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _fed_words(energy: EnergyBudget) -> str:
 
 
 def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
-    """Growth [1/s] of all contacts closed at the speed of an instant, nan where unknown, and what it states."""
+    """Growth [1/s] with all contacts closed at the speed of an instant, nan where unknown, and its meaning."""
     try:
         found = _closed(problem, mu, time)
     except InputError as error:
@@ -106,7 +106,7 @@ def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
 
 
 def _closed(problem: Problem, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:
-    """All contacts closed, the speed [Hz], whether split pairs were averaged; None of what does not turn."""
+    """All contacts closed, the speed [Hz], whether split pairs were averaged; None without rotation."""
     rub: Rub | None = rub_of(problem)
     if rub is None:
         return None

@@ -57,7 +57,7 @@ def _energy(law: Law, result: Result) -> tuple[Flag, ...]:
 
 
 def _other(scheme: str) -> str:
-    """Methods that make no energy, other than what the run used."""
+    """Methods without numerical energy, other than the method of the run."""
     if "Newmark (" in scheme or "HHT (" in scheme:
         return "Newmark (.5, .55) or Moreau-Jean, whose forces do not ring"
     if "averaged law" in scheme:

@@ -1,4 +1,4 @@
-"""A run before its first step: the scene, what is checked, how many steps it takes, what it stores."""
+"""A run before its first step: the scene, its checks, the number of steps, the stored quantities."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Prepared:
-    """A run at t = 0: how many steps it takes, what it stores; `start` is its energy."""
+    """A run at t = 0: number of steps, stored quantities; `start` is its energy."""
 
     problem: Problem
     law: Law

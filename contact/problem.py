@@ -18,7 +18,7 @@ What = Sequence[Body] | Problem
 
 
 def problem_of(what: What, gravity: float) -> Problem:
-    """Bring what was given to the form schemes take."""
+    """Bring a scene or a problem to the form that schemes take."""
     if isinstance(what, Sequence):
         for body in what:
             if not hasattr(body, "crossing_time"):
@@ -31,7 +31,7 @@ def problem_of(what: What, gravity: float) -> Problem:
 
 
 def default_scheme(problem: Problem, law: Law) -> Scheme:
-    """Return exact modal steps; central differences, or those of a penalty, for what has M, C, K alone."""
+    """Return exact modal steps; for a problem with M, C, K alone, central differences, or the scheme of a penalty."""
     if isinstance(problem, BeamInCircle):
         return CentralDifference()
     if not hasattr(problem, "linear_form"):

@@ -1,4 +1,4 @@
-"""Whether a run resolves what was asked for: every rate against the step, the step against the end, how many steps.
+"""Whether a run resolves its problem: every rate against the step, the step against the end, number of steps.
 
 A harmonic of N steps a period is sampled without ambiguity from N = 2 on (Nyquist). A force that is constant within a
 step loses 10 % of its amplitude at N = 4, where a run is refused, and 1.6 % at N = 10, below which it is flagged:

@@ -279,7 +279,7 @@ class Result(Reported):
 
 
 def coordinates_and_forces(stored: Array, blocks: Sequence[Block], *, whole: bool) -> dict[str, Any]:
-    """Split what a stepper stores (ns, N) into the fields `state`, `tip_force` and `blocks` of a result.
+    """Split the samples of a stepper (ns, N) into the fields `state`, `tip_force` and `blocks` of a result.
 
     `whole` is False where channels R (u, tip_force) were stored: they are not split.
     """

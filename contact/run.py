@@ -33,7 +33,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Chunk:
-    """Samples of one compiled call, cut to what was filled; `done` is the fraction of the run."""
+    """Samples of one compiled call, cut to the filled part; `done` is the fraction of the run."""
 
     samples: Samples
     steps: int
@@ -125,7 +125,7 @@ def run(
 
 
 def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
-    """Run what is prepared to its end, from the start or from where a checkpoint is; raises InputError as that."""
+    """Run a prepared run to its end, from the start or from a checkpoint; raises InputError as that."""
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     decisive = ready.problem, record, ready.law.mu, ready.law.coating is not None, ready.on_limit, ready.count

@@ -60,7 +60,7 @@ def run_many(
 
 
 def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
-    """Take one step as `run_many` would: what it needs of compiled code is loaded then, or compiled.
+    """Take one step as `run_many` would, so that its compiled code is loaded or compiled now.
 
     Raises InputError for a scene that is refused.
     """
@@ -90,7 +90,7 @@ def _alone(ready: Prepared) -> Outcome:
 
 
 def _fits(ready: Prepared) -> Shape | None:
-    """Shape of what the slots take of this run; None where it runs singly."""
+    """Shape of the arrays that the slots take of this run; None if it runs singly."""
     stepper, record = ready.stepper, ready.record
     if not isinstance(stepper, RubStepper) or record.at is not None or record.channels is not None:
         return None

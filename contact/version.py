@@ -1,4 +1,4 @@
-"""The version of the installed distribution, which contains both packages, and of what a result depends on."""
+"""The version of the installed distribution, which contains both packages, and versions that affect results."""
 
 import platform
 from functools import cache
@@ -14,5 +14,5 @@ def versions() -> dict[str, str]:
 
 @cache
 def _installed() -> dict[str, str]:
-    """Read once: the packages' metadata took a third of what a short run costs beside its steps."""
+    """Version, read once: reading the packages' metadata took a third of the time of a short run."""
     return {"python": platform.python_version(), **{name: version(name) for name in ("casingfem", "numpy", "numba")}}

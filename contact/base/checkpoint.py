@@ -1,4 +1,4 @@
-"""A file that keeps what a long computation has found so far, so that it can go on after a stop."""
+"""A file with the results of a long computation so far, from which it continues after a stop."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Kept = TypeVar("Kept", bound=Asked)
 
 
 class Checkpoint(Generic[Kept]):
-    """The file of a computation; `found` is what it held at the start, None where it did not exist.
+    """The file of a computation; `found` is its content at the start, None if it did not exist.
 
     Raises InputError for a file that cannot be read, and for one of another computation.
     """

@@ -19,7 +19,7 @@ class InputError(ValueError):
 
 
 class LimitError(InputError):
-    """A scheme was asked to run beyond its limit: the message has both numbers and what to change.
+    """A scheme was asked to run beyond its limit: the message has both numbers and the remedy.
 
     >>> import contact as ct
     >>> rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1)
@@ -47,7 +47,7 @@ class DivergedError(NumericsError):
 
 
 def rounded_down(limit: float, digits: int) -> str:
-    """A limit > 0 with so many digits and below it, so that who takes what a message advises keeps the limit.
+    """A limit > 0 rounded down to a number of digits, so that the advised value is within the limit.
 
     >>> rounded_down(1.23456789e-4, 6), rounded_down(3.00001e-4, 4)
     ('0.000123456', '0.0003')

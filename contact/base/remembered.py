@@ -1,4 +1,4 @@
-"""Results of pure functions that are kept for the last few arguments: what the runs of a sweep have in common."""
+"""Results of pure functions, kept for the last few arguments, which runs of a sweep share."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ class DrivenBody:
         return np.asarray(own + np.diag(1.0 / np.asarray(self.stiffness)))
 
     def over(self, name: Parameter, *, freq_hz: float, looks: int | None = None) -> ForcedFamily:
-        """Motions over one parameter, the others as they are; `freq_hz` where it does not vary, or about where it does.
+        """Motions over one parameter, the others unchanged; `freq_hz` is its value, or its neighbourhood if it varies.
 
         `looks` is the number of times in a period at which gaps are examined; events are located whatever it is.
         """

@@ -144,7 +144,7 @@ def _main(
 def _beyond(
     family: Family, between: tuple[float, float], kept: Orbit, reached: float, looking: Callable[[float], None]
 ) -> Orbit | None:
-    """The next orbit that a run from a kept one settles on, further along the range than what is reached."""
+    """The next orbit that a run from a kept one settles on, beyond the range covered so far."""
     step = (between[1] - between[0]) / TRIES
     value, x, start = reached + 0.1 * step, np.array(kept.x), kept.start
     while abs(value - between[0]) < abs(between[1] - between[0]):

@@ -62,7 +62,7 @@ class Passage:
 
 
 class Extremes(NamedTuple):
-    """Over the period so far: least gaps, largest forces (k,), largest and least of what is shown (o,)."""
+    """Over the period so far: least gaps, largest forces (k,), largest and least outputs (o,)."""
 
     gap: Array
     force: Array
@@ -100,7 +100,7 @@ class Motion:
         return np.asarray(self.drive.w * time * self.drive.harmonics)
 
     def gap_velocity(self, x: Array, time: float) -> tuple[Array, Array, Array]:
-        """Velocity of each gap, what it is of x, and what it changes by in time alone."""
+        """Velocity of each gap: its part from x, and its part from time alone."""
         plant, w, rows = self.plant, self.drive.w * self.drive.harmonics, self.plant.gap_rates
         moving = self.drive.c.rate(w).plus(self.drive.b.seen(plant.C))
         angle = self.angle(time)

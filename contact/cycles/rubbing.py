@@ -150,7 +150,7 @@ def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, 
 
 
 def _require_periodic(rub: Rub, mu: float) -> None:
-    """Raise InputError for what has no period of a turn, or is not taken."""
+    """Raise InputError for a problem whose period is not a turn, or that is not supported."""
     refused = {
         "closing": bool(np.any(rub.closing.by)), "gravity": bool(rub.forces),
         "profile": rub.profile.theta is not None, "tips.axial": mu > 0.0 and rub.dimensions == 3,
@@ -165,7 +165,7 @@ def _require_periodic(rub: Rub, mu: float) -> None:
 
 
 def _plant(rub: Rub, contact: ClosedContact, speed: float, stiffness: float) -> Plant:
-    """The state of `first_order`; shown is what is in `SHOWN`, then each slip in the direction of the turn."""
+    """The state of `first_order`; the outputs are those in `SHOWN`, then each slip in the direction of rotation."""
     k, sense, m = len(contact.Q), math.copysign(1.0, speed), contact.omega.size
     bodies, (C, K) = first_order(contact, speed), contact.matrices(speed)
     shown, pushed = _shown(rub, contact, sense)
@@ -182,7 +182,7 @@ def _plant(rub: Rub, contact: ClosedContact, speed: float, stiffness: float) -> 
 
 
 def _shown(rub: Rub, contact: ClosedContact, sense: float) -> tuple[Array, Array]:
-    """Rows of what is shown over the state, and what unit forces at the tips add by the residual compliances."""
+    """Rows of the outputs over the state, and their static response to unit forces at the tips."""
     m, k = contact.omega.size, len(rub.tips)
     rows, pushed = np.zeros((3 * k, 2 * m)), np.zeros((3 * k, k))
     rows[::3, : contact.casing] = contact.Q[:, : contact.casing]

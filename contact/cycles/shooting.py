@@ -165,7 +165,7 @@ def require_state(x: Array, family: Family, name: str) -> Array:
 
 
 def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, Passage]:
-    """Newton's step, halved until the motion closes better than before, or as it is where none does."""
+    """Newton's step, halved until the motion closes better than before; the full step if none does."""
     before, last = np.linalg.norm(found.x - x), None
     for k in range(HALVINGS):
         trial = x + 0.5**k * change

@@ -1,4 +1,4 @@
-"""One line on a frozen value: what `print` of a shell, a mesh, a scene states. Arrays are their shapes."""
+"""One line on a frozen value, printed for a shell, a mesh or a scene. Arrays are shown by their shapes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one gate for files that a user names: what is no readable file is refused in a sentence, nothing hangs.
+"""Opening of all files that a user names: an unreadable file is refused in a sentence, and nothing hangs.
 
 A regular file is read up to a bound on its size. A pipe (`<(command)`, /dev/stdin, a FIFO) is read until its writer
 closes it, up to the same bound and to bounds on time. Folders, devices, sockets and links to nothing are refused.
@@ -39,7 +39,7 @@ _read_pipes: ContextVar[dict[tuple[int, int], bytes] | None] = ContextVar("_read
 
 
 class TextError(ValueError):
-    """A file that is no text as expected: `line`, `found` and `expected` state where and what."""
+    """A file that is not the expected text: `line`, `found` and `expected` state place and finding."""
 
     def __init__(self, line: int, found: str, expected: str) -> None:
         self.line, self.found, self.expected = line, found, expected

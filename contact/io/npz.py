@@ -83,7 +83,7 @@ def require_kinds(arrays: Mapping[str, NDArray[Any]], kinds: Mapping[str, ArrayK
 
 
 def _check(archive: ZipFile, size: int) -> None:
-    """Refuse, before anything is unpacked, what is no npz or was made to fill the memory."""
+    """Refuse, before unpacking, a file that is no npz or was made to fill the memory."""
     members = archive.infolist()
     largest = max(members, key=lambda info: info.file_size, default=None)
     unpacked = sum(info.file_size for info in members)

@@ -110,7 +110,7 @@ def settle(folder: Path) -> None:
 
 
 def _check(target: Path, files: Mapping[str, Content]) -> None:
-    """Refuse what could be seen only when half of the set is in its place."""
+    """Refuse faults that would appear only when half of the set is in place."""
     if (way := in_the_way(target)) is not None:
         raise NotADirectoryError(errno.ENOTDIR, way, str(target))
     for name in files:
@@ -133,7 +133,7 @@ def in_the_way(folder: Path) -> str | None:
 
 @contextmanager
 def _named(part: Path, final: Path) -> Iterator[None]:
-    """An error of what is on its way names what it was to be."""
+    """Report an error of a file in preparation under its final name."""
     try:
         yield
     except OSError as error:

@@ -172,7 +172,7 @@ ALLOW = "[checks] allow"
 
 
 class Implausible(NamedTuple):
-    """A key, the name of its check, and what is wrong."""
+    """A key, the name of its check, and its fault."""
 
     key: str
     name: CheckName
@@ -269,5 +269,5 @@ def speed_fault(hz: float, radius: float, check: Check) -> str | None:
 
 
 def refused(found: Sequence[Implausible], allow: Sequence[str]) -> list[str]:
-    """Lines `key: found X, expected Y; what to do` of all that a file does not allow."""
+    """Lines `key: found X, expected Y; remedy` for all values that a file does not allow."""
     return [f"{key}: {text}; {advice(name)}" for key, name, text in found if name not in allow]

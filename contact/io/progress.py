@@ -18,7 +18,7 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 @contextmanager
 def listening(listener: Listener | None) -> Iterator[None]:
-    """Pass on what computations inside report: words, the share that is done, and whether less may be enough.
+    """Pass on reports of computations inside: text, finished share, and whether less may be enough.
 
     >>> heard = []
     >>> with listening(lambda *told: heard.append(told)):

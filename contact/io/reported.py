@@ -54,7 +54,7 @@ class Reported:
         return self.COLUMNS
 
     def records(self) -> Iterable[Mapping[str, Any]]:
-        """One plain dictionary a row, its keys with their units: what `print` and a notebook show."""
+        """One plain dictionary a row, its keys with their units, as `print` and a notebook show them."""
         if described := self.described():
             return records_of(described, self)
         columns = self.columns()
@@ -90,7 +90,7 @@ class Reported:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read what `save` wrote; ValueError names the file where it is another."""
+        """Read a file that `save` wrote; ValueError names the file if it is of another kind."""
         found: Self = load_value(path, cls)
         return found
 
@@ -102,7 +102,7 @@ class Reported:
         return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines, *more])
 
     def _repr_html_(self) -> str:
-        """A table for a notebook, and below what `print` states."""
+        """A table for a notebook, followed by the lines that `print` shows."""
         rows = list(self.records())
         heads, cells = self._cells(rows[:SHOWN])
         body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in line) + "</tr>" for line in cells)
@@ -139,7 +139,7 @@ def _names_of(kind: Any) -> tuple[str, ...]:
 
 
 def restored(kind: type, values: Mapping[str, Any]) -> Any:
-    """A copy of a frozen value that was checked when it was made: what pickle and `copy` call."""
+    """A copy of a frozen value that was checked when it was made, for pickle and `copy`."""
     found: Any = object.__new__(kind)
     for name, value in values.items():
         object.__setattr__(found, name, read_only(value))
@@ -155,7 +155,7 @@ def painters() -> tuple[Any, ...]:
 
 
 def whole(values: Any) -> Any:
-    """Whole numbers of which some are missing as pandas' `Int64`, so that they stay whole; other values as they are."""
+    """Whole numbers with missing values as pandas' `Int64`, so that they stay whole; other values unchanged."""
     import pandas as pd
 
     kinds = {type(value) for value in values} if isinstance(values, list | tuple) else set()

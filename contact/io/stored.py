@@ -30,11 +30,11 @@ MAPS: dict[str, Callable[..., Any]] = {"dict": dict, "mapping": lambda pairs: Ma
 
 
 class StoredError(ValueError):
-    """A value that no file can contain, or a file that contains none: which, what was found, what is expected."""
+    """A value that no file can contain, or a file without a value: name, finding, expectation."""
 
 
 def below(name: str, part: object) -> str:
-    """The name of a part of what has this name, which a file's own value has not."""
+    """The name of a part below this name; the value of the file itself has an empty name."""
     return f"{name}.{part}" if name else f"{part}"
 
 
@@ -90,7 +90,7 @@ def load_value(path: str | os.PathLike[str], kind: type) -> Any:
 
 
 class Packing:
-    """A value on its way to a file: its arrays by name, and what was met already."""
+    """A value while it is packed: its arrays by name, and the objects met so far."""
 
     def __init__(self) -> None:
         self.arrays: dict[str, Any] = {}
@@ -132,7 +132,7 @@ class Packing:
 
 
 def written(part: Any, name: str, packing: Packing) -> Any:
-    """The JSON of a part by its class; of a sparse matrix or a dataclass by what it has."""
+    """The JSON of a part by its class; of a sparse matrix or a dataclass by its fields."""
     if isinstance(part, np.generic):
         return packing.packed(part.item(), name)
     if part is None or isinstance(part, bool | str | int):

@@ -1,4 +1,4 @@
-"""TOML files of both packages: bytes and tables, or one sentence about what is wrong; where a value of them is."""
+"""TOML files of both packages: bytes and tables, or one sentence on the fault; the place of a value in the file."""
 
 import re
 import tomllib
@@ -60,7 +60,7 @@ def require_short_keys(text: str) -> None:
 
 
 def spelling(error: str, text: str) -> str:
-    r"""The line that an error names, and how TOML writes what is there; nothing where no line is named.
+    r"""The line that an error names, with the correct spelling in TOML; empty if no line is named.
 
     >>> spelling("Invalid value (at line 2, column 5)", "a = 1\nb = .5")
     ': b = .5; a number has digits on both sides of its point: 0.5, 100.0'

@@ -1,4 +1,4 @@
-"""Units in words, as "mm-t-s": what a length, a mass and a time of someone's matrices are in SI."""
+"""Units in words, such as "mm-t-s": length, mass and time of given matrices in SI."""
 
 from __future__ import annotations
 

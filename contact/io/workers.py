@@ -60,6 +60,6 @@ def _begin(set_up: Callable[..., None] | None, values: tuple[Any, ...]) -> None:
 
 
 def _end_with(parent: BaseProcess) -> None:
-    """Wait for the parent's end, then end: what kill -9 leaves behind would wait for work for ever."""
+    """End this process when the parent ends; after kill -9 a worker would otherwise wait for ever."""
     parent.join()
     os._exit(1)

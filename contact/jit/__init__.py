@@ -1,1 +1,1 @@
-"""The doorway to numba: what is compiled, how arrays reach it, with what promises."""
+"""The only access to numba: compilation, the passing of arrays, and the guarantees of compiled code."""

@@ -35,7 +35,7 @@ TYPES: dict[tuple[Any, ...], Any] = {}  # by what decides them; they live as lon
 
 
 class Bundle:
-    """A NamedTuple as compiled loops take it; holds what the table points to."""
+    """A NamedTuple in the form for compiled loops, with references to the arrays of its table."""
 
     __slots__ = ("address", "held", "kind", "table")
 
@@ -70,12 +70,12 @@ class BundleType(Type):  # type: ignore[misc]
 
 
 def bundled(value: Any) -> Any:
-    """Return a NamedTuple as a bundle, anything else as it is."""
+    """Return a NamedTuple as a bundle, anything else unchanged."""
     return Bundle(value) if hasattr(value, "_fields") else value
 
 
 def _size(kind: Any) -> int:
-    """Words of a field: items, address, shape and strides of an array; one for what else there is."""
+    """Words of a field: items, address, shape and strides of an array; one for any other type."""
     return 2 + 2 * int(kind.ndim) if isinstance(kind, types.Array) else 1
 
 
@@ -108,7 +108,7 @@ def address_of(array: Any) -> int:
 
 
 def _pack(value: Any, kinds: list[Any], words: Words, held: list[Any]) -> None:
-    """Add the type and the words of a field, and what must live as long as they are used."""
+    """Add the type and the words of a field, and the objects that must live as long as they are used."""
     if isinstance(value, np.ndarray):
         kinds.append(array_type(value))
         words += (value.size, address_of(value), *value.shape, *value.strides)

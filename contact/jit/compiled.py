@@ -175,7 +175,7 @@ def jit_vectors(function: Function) -> Function:
 
 
 def jit(function: Function) -> Function:
-    """Compile what compiled functions call, else as `jit_entry`; a call from Python compiles it once more."""
+    """Compile a function that compiled functions call, else as `jit_entry`; a call from Python compiles it again."""
     return part(function, OPTIONS)
 
 

@@ -1,4 +1,4 @@
-"""While loops are compiled: say so once when it takes long, let the garbage be, and spare what it can be spared.
+"""Compilation of loops: announce it once if it takes long, pause the garbage collector, and avoid repeated look-ups.
 
 A first run waits for it, later ones do not. Compiling makes millions of objects that live; looking for cycles among
 them again and again took a tenth of the time.
@@ -36,7 +36,7 @@ def to_terminal(words: str) -> None:
 
 
 class Announcement(listener):  # type: ignore[misc]
-    """Calls `say` once when what is compiled, with all that it calls, takes longer than `after` seconds."""
+    """Calls `say` once if the compilation of a function, with all that it calls, takes longer than `after` seconds."""
 
     def __init__(self, after: float = LONG, say: Any = to_terminal) -> None:
         self.after, self.say = after, say
@@ -87,7 +87,7 @@ class Uncollected(listener):  # type: ignore[misc]
 
 
 def announce(*listening: Any) -> None:
-    """Listen to numba from now on; it tells only what is compiled, not what is read from disk."""
+    """Listen to numba from now on; it reports compiled functions, not functions read from disk."""
     register: Any = event.register
     for one in listening:
         register("numba:compile", one)
@@ -106,7 +106,7 @@ def _known(function: Any, context: Any, args: Any, kws: Any) -> Any:
 
 @contextmanager
 def calls_looked_up_once() -> Iterator[None]:
-    """While this lasts calls of numba's operators and functions are looked up once; what others compile as it has it.
+    """Within this context, look up calls of numba's operators and functions once.
 
     At each place of a call numba tries all overloads in turn: in the loop of a rub at 8,079 places, which are 239
     different calls. What it found the first time holds for the others, since it depends on the types alone.

@@ -12,7 +12,7 @@ AWAY = 1e300  # where a zero is put while the others are divided out of its own 
 def first_guess(
     p_re: Array, p_im: Array, a_re: Array, a_im: Array, S: float, s_re: Array, s_im: Array
 ) -> None:  # fmt: skip
-    """Zeros of S + what the others' share is at each pole + a/(s - p), one for each pole; p are all different."""
+    """Zeros of S + the share of the other poles at each pole + a/(s - p), one for each pole; all p are different."""
     for i in range(p_re.size):
         f_re, f_im = S, 0.0
         for part in range(2):  # those before it, those after it

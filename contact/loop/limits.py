@@ -15,5 +15,5 @@ def tip_motion(limits: Array, moved: float) -> None:
 
 @jit_inside
 def outgrown(limits: Array) -> bool:
-    """Whether rim or tip moved too far, which ends a run that diverges; what is no number the energies tell (`run`)."""
+    """Whether rim or tip moved too far, which ends a run that diverges; NaN is found by the energies (`run`)."""
     return not (limits[REACHED + RIM] <= limits[RIM] and limits[REACHED + TIP] <= limits[TIP])

@@ -1,4 +1,4 @@
-"""Compiled passage through one phase: contacts stay as they are, modes move exactly, until a gap or a force is zero.
+"""Compiled passage through one phase: contacts do not change, modes move exactly, until a gap or a force is zero.
 
 In eigenvectors of the phase y' = lam y + beta, so y(t + tau) = e^{lam tau} y + tau phi(lam tau) beta with
 phi(z) = (e^z - 1)/z. What is watched (gaps of open contacts, forces of closed ones, then outputs) is
@@ -33,7 +33,7 @@ class PhaseArrays(NamedTuple):
 
 
 class PhaseWork(NamedTuple):
-    """State and work space; `most` and `least` of what is watched, in and out; `at` the time reached.
+    """State and work space; `most` and `least` of the watched quantities, in and out; `at` the time reached.
 
     What is inf in `most`, or -inf in `least`, stays so, and costs nothing.
     """
@@ -213,7 +213,7 @@ def look(p: PhaseArrays, w: PhaseWork, t: float) -> None:
 
 @jit
 def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
-    """The largest and the smallest of what is watched; those between looks, about time t, where they may be these."""
+    """The largest and the smallest watched quantities, and their extremes between samples near time t."""
     for row in range(w.now.size):
         before, last, now = w.before[row], w.last[row], w.now[row]
         w.most[row], w.least[row] = max(w.most[row], now), min(w.least[row], now)

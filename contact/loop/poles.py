@@ -9,7 +9,7 @@ from contact.jit.compiled import jit, jit_entry
 
 
 class Varied(NamedTuple):
-    """Free poles s_j - i k_j Omega of bodies at one speed, and what the cases change of them.
+    """Free poles s_j - i k_j Omega of bodies at one speed, and their changes in each case.
 
     Case d has the poles scale[d, body[j]] s_j - i k_j Omega, with the residues (a_j + mu[d] b_j)/scale. `real` and
     `imag` are of s, `turned` is k Omega, `a_real`, ... of the residues, (N,); `body` (N,) is a column of `scale`

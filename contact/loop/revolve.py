@@ -57,7 +57,7 @@ def drift(q: Array, v: Array, parts: Drifts, part: int) -> None:
 
 @jit
 def kick(q: Array, v: Array, Q: Array, T: Array, pull: float, strength: float, y: Array) -> None:
-    """Add to v: -strength (Q - pull T) (Q . q): what the closed contact does in a moment; y (columns,) work space."""
+    """Add to v: -strength (Q - pull T) (Q . q), the acceleration by the closed contact; y (columns,) work space."""
     y[:] = 0.0
     for i in range(q.shape[0]):
         for j in range(y.size):

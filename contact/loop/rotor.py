@@ -14,7 +14,7 @@ NODES = 4  # of the interpolation over the speed
 
 
 class RotorState(NamedTuple):
-    """z = (q, v, cos, sin, 1) of t_n, d = 2 m + 3 entries, and what the loop writes."""
+    """z = (q, v, cos, sin, 1) of t_n, d = 2 m + 3 entries, and the outputs of the loop."""
 
     z: Array
     new: Array

@@ -57,7 +57,7 @@ def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force
 @jit_inside
 def note_yielding(sums: Tally, out: Samples, y: Yielding, k: int, h: float, time: float, force: float, gap: float,
                   depth: float, before: float, predicted: float) -> None:  # fmt: skip
-    """As `note_contact`, of a contact whose force is a function of its depth: what the law misses is gap + depth."""
+    """As `note_contact`, for a contact whose force is a function of its depth: the penetration error is gap + depth."""
     slack = abs(gap + depth) if force > 0.0 else max(-gap, 0.0)
     passed(y, k, -gap)
     note_step(sums, out, k, h, force, gap, slack, time, before, predicted, time - 0.5 * h)
@@ -138,7 +138,7 @@ class Sticking(NamedTuple):
 @jit
 def note_sticking(past: Sticking, sums: Tally, out: Samples, i: int, time: float, h: float, mu: float, W: Array,
                   lam: Array, slip: Array) -> None:  # fmt: skip
-    """Note where contact i changes between stick and slip in the step of `time`, and keep what the next one needs.
+    """Note where contact i changes between stick and slip in the step of `time`, and keep data for the next step.
 
     Slips u_n of the step after t_n are velocities at t_n + h/2, forces act at t_n. Sticking begins where the slip
     velocity of the last two steps, continued, is zero. It ends where the force that would hold the slip as it is,

@@ -11,7 +11,7 @@ MOST, MANY = 0.5, 0.2  # of the Nyquist limit: four steps a period, and ten
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rate:
-    """Something with a period or a time of its own: the key that gives it, its frequency [Hz], what it is in words.
+    """A quantity with a period or a time constant: the key that gives it, its frequency [Hz], its name in words.
 
     A rate r [1/s] of decay has the frequency r/(2 pi), an angular frequency alike. Refused where
     `hz` is above `most` of the Nyquist limit 1/(2 dt), flagged above `many` of it.
@@ -79,7 +79,7 @@ def changes(key: str, time: list[float], values: list[float], unit: str) -> tupl
 
 @runtime_checkable
 class Rated(Protocol):
-    """A problem that lists what varies in it; a problem of one's own may."""
+    """A problem that lists its varying quantities; your own problem may."""
 
     def rates(self) -> tuple[Rate | Change, ...]:
         """Every rate and change."""

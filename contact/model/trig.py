@@ -138,7 +138,7 @@ class Terms:
         return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("value", "wave", "start"))
 
     def first(self, sums: int) -> Terms:
-        """So many of the sums alone."""
+        """The first sums alone, as many as given."""
         start = self.start[: sums + 1]
         return Terms(start=start, wave=self.wave[: start[-1]], value=self.value[: start[-1]])
 

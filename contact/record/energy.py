@@ -1,4 +1,4 @@
-"""The energy budget of a run: what was stored, came in, went out, what nobody accounts for; and why a run diverged."""
+"""The energy budget of a run: stored, supplied, dissipated and unaccounted energy; and why a run diverged."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class EnergyBudget:
 
     @property
     def lost_in_contact(self) -> float:
-        """Energy lost in impacts [J], positive; what S stores at the end is not lost."""
+        """Energy lost in impacts [J], positive; energy stored in S at the end is not lost."""
         return -self.contact - (self.end.residual - self.start.residual)
 
     @property
@@ -80,7 +80,7 @@ class EnergyBudget:
 
     @property
     def numerical(self) -> float:
-        """Energy the scheme adds [J]: its algorithmic part, and what its discrete form does not see."""
+        """Energy the scheme adds [J]: its algorithmic part, and the part outside its discrete form."""
         discrete = self.end.discrete - self.start.discrete
         seen = (self.end.total - self.end.residual) - (self.start.total - self.start.residual) - discrete
         return self.algorithmic + seen

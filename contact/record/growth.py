@@ -19,7 +19,7 @@ STANDS = 0.3  # share of one travelling wave below which the motion stands
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cause:
-    """The motion that has most of the energy at the end of a run, and what feeds it.
+    """The motion with most of the energy at the end of a run, and its source of energy.
 
     `body` "casing" or "blades"; `n` its nodal diameters, None of blades that are not evenly spread around; `share` of
     the energy. `travel` from -1 to 1: the part of the wave that runs with the blades (1) or against them (-1) around
@@ -193,7 +193,7 @@ class RunGrowth:
 
     @property
     def at_half_step(self) -> str:
-        """The growth at half the step, and what that means; empty where it was not run."""
+        """The growth at half the step, and its meaning; empty if it was not run."""
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"
         other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
         words: dict[Check, str] = {

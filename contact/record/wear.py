@@ -68,7 +68,7 @@ class Wear(Reported):
 
     @property
     def residual(self) -> float:
-        """Energy dissipated over what the worn profile represents, minus 1; 0 without wear."""
+        """Energy dissipated over the energy of the worn profile, minus 1; 0 without wear."""
         return self.dissipated / self.stated - 1.0 if self.stated else self.dissipated
 
     def columns(self) -> dict[str, Array]:

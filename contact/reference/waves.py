@@ -59,7 +59,7 @@ class Impact:
 
 
 class _End:
-    """A wall at the contact, and what other bodies differ in: their end's `velocity`, pushed in direction `sign`."""
+    """A wall at the contact; other bodies differ in their end's `velocity`, pushed in direction `sign`."""
 
     def __init__(self, velocity: float, sign: int) -> None:
         self.velocity, self.sign = velocity, sign

@@ -1,4 +1,4 @@
-"""Scene files: scene.toml to what runs."""
+"""Scene files: from scene.toml to a runnable scene."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Scene files for `casingfem cycles`: a modal body and a harmonic force, or a rim and its blades; what is varied."""
+"""Scene files for `casingfem cycles`: a modal body with a harmonic force, or a rim and its blades; the varied key."""
 
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> Cycl
 
 
 def _under_tips(table: TurningFile, law: Law) -> float:
-    """Stiffness of what a tip presses into [N/m]: a spring, a coating, or the rim itself."""
+    """Stiffness under a tip [N/m]: of a spring, a coating, or the rim itself."""
     if table.law is not None:
         return table.law.stiffness
     return math.inf if law.coating is None else law.coating.under_tip

@@ -1,4 +1,4 @@
-"""[law] and [coating] of a scene: how its contacts give way; rigid without either."""
+"""[law] and [coating] of a scene: compliance of its contacts; rigid without either."""
 
 from __future__ import annotations
 

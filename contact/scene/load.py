@@ -89,7 +89,7 @@ def read_scene(file: Path) -> tuple[File, bytes]:
 
 
 def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
-    """Read a scene file as it is: its tables and its text. Raises SceneError."""
+    """Read a scene file without interpretation: its tables and its text. Raises SceneError."""
     try:
         text, data = read_toml(file)
         return data, text

@@ -32,7 +32,7 @@ class BladeModeTable(Table):
 
 
 class CasingPairTable(BladeModeTable):
-    """[casing] of a pair: n nodal diameters, and what a blade mode has."""
+    """[casing] of a pair: n nodal diameters, and the numbers of a blade mode."""
 
     n: Annotated[int, Field(ge=1, le=WAVES)] = Field(description="number of nodal diameters")
 

@@ -98,7 +98,7 @@ class ReleaseTable(Table):
 
 @table_of(Unbalance)
 class UnbalanceTable(Table):
-    """[unbalance] of the rotor: mass times eccentricity, where, and what a release adds."""
+    """[unbalance] of the rotor: mass times eccentricity, angle, and its change by a release."""
 
     at: NotNegative | None = Field(
         default=None, description="its place on a [[shaft]], from the first end; that of the first disk if left out [m]"

@@ -112,7 +112,7 @@ class SceneFile(CheckedFile):
 
 
 class RunHead(Table):
-    """[scene] of what has limits: where a run ends, and whether one that passes a limit is an error or a flag."""
+    """[scene] with limits: the end of a run, and whether passing a limit is an error or a flag."""
 
     t_end: Time = Field(description="time at which the run ends [s]")
     on_limit: Literal["stop", "flag"] = Field(
@@ -122,7 +122,7 @@ class RunHead(Table):
 
 
 class ScanTable(Table):
-    """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` examine."""
+    """Speeds from, to [Hz] and their number, which `casingfem stability` and `interactions` examine."""
 
     from_hz: ScannedSpeed = Field(description="first speed [turns/s]")
     to_hz: ScannedSpeed = Field(description="last speed [turns/s]")

@@ -83,7 +83,7 @@ class InteractionScene:
     closed: RotatingRim | Rub | None = None
 
     def solve(self, runs: int = RUNS) -> Interactions:
-        """The table of dangerous speeds, from so many runs evenly over the speeds and one at each peak."""
+        """The table of dangerous speeds, from runs evenly over the speeds and one at each peak."""
         return interactions(self.scene, self.speed_hz, runs=runs, closed=self.closed)
 
 

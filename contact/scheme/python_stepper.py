@@ -97,7 +97,7 @@ class PythonStepper(PlainStepper):
         return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Take steps, store what is due, add to the sums; -1, or the step that failed."""
+        """Take steps, store due samples, add to the sums; -1, or the step that failed."""
         from contact.loop import tally as book
 
         due, store_state = uncompiled(book.state_due), uncompiled(book.store_state)

@@ -1,4 +1,4 @@
-"""Speeds at which a wave of the casing meets a mode of the blades, and the width of what they disturb: closed forms.
+"""Speeds at which a wave of the casing coincides with a mode of the blades, and the affected width, in closed form.
 
 A wave e^(i k theta) of frequency w in the casing's frame is seen by the blade at nu = +-w - k Omega. Of a body that
 turns w depends on the speed, on the stiffening and on the sense of the wave: it is taken as it is at each speed. Near
@@ -111,7 +111,7 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
     modes = np.flatnonzero(~free.casing & (free.sign > 0.0))
 
     def frequencies(found: FreePoles, speed: Array) -> tuple[Array, Array]:
-        """Of waves and of what they shall meet, (speeds, waves), (speeds, modes)."""
+        """Frequencies of waves and of the modes they may meet, (speeds, waves), (speeds, modes)."""
         met = found.met(speed)
         return met[:, waves], met[:, modes]
 
@@ -139,7 +139,7 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
 
 
 def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave: int, mode: int) -> float:
-    """Derivative of the wave's frequency less the mode's by the speed [-]; -k where neither depends on it."""
+    """Derivative of the wave's frequency minus the mode's by the speed [-]; -k if neither depends on it."""
     if below is None or above is None:
         return math.nan
     apart = [

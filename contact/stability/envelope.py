@@ -199,7 +199,7 @@ def _residuals(t: Array, y: Array) -> Array:
 
 
 def bend_of(t: Array, y: Array) -> float:
-    """By how much the slope at the end may differ from the mean: the bend of a parabola, and what scatter hides of it.
+    """Possible difference of the slope at the end from the mean: the bend of a parabola, within its scatter.
 
     >>> t = np.linspace(0.0, 1.0, 20)
     >>> round(bend_of(t, t + 0.2 * t**2), 1)
@@ -219,7 +219,7 @@ def bend_of(t: Array, y: Array) -> float:
 
 
 def slope_of(t: Array, y: Array) -> tuple[float, float, float]:
-    """Slope of a line, and its interval of 95 % with the autocorrelation of what is left.
+    """Slope of a line, and its 95 % interval with the autocorrelation of the residuals.
 
     >>> slope_of(np.arange(6.0), 2.0 * np.arange(6.0))[0]
     2.0

@@ -1,4 +1,4 @@
-"""Growth of closed contact over speed, and in words what grows: read from the poles of the peaks.
+"""Growth of closed contact over speed, and the growing motion in words, from the poles at the peaks.
 
 A wave that the blade overtakes can meet f_c + f_b = n f, where both grow without friction. Where the blade overtakes no
 wave, only friction makes closed contact grow.

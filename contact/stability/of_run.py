@@ -1,4 +1,4 @@
-"""Growth of the motion that a run really makes: windows of its modal energy, the wave that has it, what feeds it."""
+"""Growth of the motion in a run: windows of its modal energy, its dominant wave, its energy source."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Closed contact on a law that gives way: its slope is a spring between each tip and the rim."""
+"""Closed contact with a compliant law: the slope of the law is a spring between each tip and the rim."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ CHUNK = 5_000  # steps between two words on how far a turn is: a second, with so
 
 
 def perfect_mean(casing: ModalBody) -> ModalBody:
-    """A rim whose pairs are equal and turn into themselves; what has no partner is left to the compliance.
+    """A rim with equal pairs that rotate into themselves; modes without a partner go into the compliance.
 
     Modes belong to the n that most of their radial and tangential motion has; those of one n are paired in order of
     frequency. Damping, stiffness and the arrays of rotation are averaged over the angle at which the pairs could be.
@@ -92,7 +92,7 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
 
 
 class _Mean(NamedTuple):
-    """A mode of the perfect rim: its row, what it is of the casing's modes, and n of a cosine, -n of a sine."""
+    """A mode of the perfect rim: its row, its combination of the casing's modes, and n of a cosine, -n of a sine."""
 
     omega: float
     zeta: float

@@ -134,7 +134,7 @@ def waves_of(contact: ClosedContact) -> Waves:
 
 
 def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:
-    """Numbers of what is joined, directly or through others."""
+    """Group numbers of items that are joined, directly or through others."""
     from scipy.sparse.csgraph import connected_components
 
     _, label = connected_components(joined, directed=False)

@@ -1,4 +1,4 @@
-"""The columns of a sweep: what is kept of every run. The varied keys are before them."""
+"""Columns of a sweep, stored for every run. The varied keys are before them."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ PATIENCE = "20s"  # for the scheduler to answer
 
 
 def on_cluster(todo: Sequence[T], work: Callable[[T], R], address: str, tries: int) -> Iterator[R]:
-    """Results as they are done; where workers are killed, a task goes to others, `tries` times.
+    """Results in the order of completion; if workers are killed, a task goes to others, `tries` times.
 
     Raises InputError without the package, where no scheduler answers, or when a task's workers died too often.
     """

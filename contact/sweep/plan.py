@@ -224,7 +224,7 @@ def _as_in_scene(value: Value, whole: bool) -> Value:
 
 
 def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], contents: dict[Path, str]) -> dict[str, Any]:
-    """All that a run's numbers depend on: its tables, the contents of its files, the versions, what is measured.
+    """All inputs of a run: its tables, the contents of its files, the versions, the requested outputs.
 
     `contents` keeps the hashes of the files read so far.
     """

@@ -47,7 +47,7 @@ def sweep_record(steps: int) -> Record:
 
 
 def row_of(scene: Scene | None, outcome: Outcome) -> dict[str, Any]:
-    """One row; a refused, failed or diverged run gives the reason, the last two have what they reached."""
+    """One row; a refused, failed or diverged run has the reason, the last two also their results so far."""
     return dict.fromkeys(COLUMNS) | _ended(outcome, scene)
 
 
@@ -208,7 +208,7 @@ class Store:
         return {digest: row for digest, row in found.items() if row is not None}
 
     def note(self, rows: Mapping[str, Row]) -> None:
-        """Write what no worker has written, because it shares no disk."""
+        """Write a row that no worker has written, because it shares no disk."""
         for digest, row in rows.items():
             if read_run(run_path(self.folder, digest)) is None:
                 write_run(self.folder, digest, row)

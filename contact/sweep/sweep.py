@@ -57,11 +57,11 @@ class SweepResult(Reported):
     resumed: int
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a run: its number, the varied keys, what was measured."""
+        """One plain dictionary a run: its number, the varied keys, results."""
         return records_of(self.described(), self)
 
     def described(self) -> Columns:
-        """The number of the run, the varied keys, what was measured."""
+        """The number of the run, the varied keys, results."""
         number = Column("run", "Number of the run, from 1.", lambda found: range(1, 1 + len(found.rows)), format="d")
         return [number, *(varied(k, name) for k, name in enumerate(columns(self.plan)[1 : 1 + len(self.plan.keys)])),
                 *MEASURED]  # fmt: skip
@@ -94,7 +94,7 @@ def run_sweep(
     scheduler: str | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> SweepResult:
-    """Run what is missing of a sweep.
+    """Run the missing runs of a sweep.
 
     `folder`: the store; without one nothing is kept. `jobs` processes, or a Dask `scheduler` by its address, whose
     workers see the same files. `progress` is called with the number of runs there.
@@ -163,7 +163,7 @@ def _keep(folder: Path | None, digest: str, row: Row) -> None:
 
 
 def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator[Rows]:
-    """Rows of the tasks as they are done, wherever they run."""
+    """Rows of the tasks in the order of completion, wherever they run."""
     if scheduler is not None:
         from contact.sweep.dask_cluster import on_cluster
 
@@ -172,7 +172,7 @@ def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator
 
 
 def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
-    """Rows from worker processes; where one is killed, what it had not finished is given out again."""
+    """Rows from worker processes; if one is killed, its unfinished tasks are given to others."""
     waiting, rounds = dict(enumerate(todo)), 0
     if forks():  # what this process loads or compiles now, its copies have
         _load_loop(todo[0])
@@ -207,7 +207,7 @@ def _load_loop(task: Task) -> None:
 
 
 def columns(plan: SweepPlan) -> tuple[str, ...]:
-    """Names of the table's columns: run, the varied keys with their units, what was measured."""
+    """Names of the table's columns: run, the varied keys with their units, results."""
     return ("run", *(f"{key}{ending(unit_of(plan.base, key))}" for key in plan.keys), *COLUMNS)
 
 

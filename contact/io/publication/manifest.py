@@ -79,7 +79,7 @@ class Publication:
         return "changed" if os.path.lexists(place) and seen(place) != entry.replaces else "missing"
 
     def can_go_back(self, entry: Entry) -> bool:
-        """Whether what was there before is there still, here or in the staging folder, or there was nothing."""
+        """Whether the previous file still exists, here or in the staging folder, or there was none."""
         kept = seen(self.old(entry)) or (None if self.state(entry) == "in place" else seen(self.place(entry)))
         return kept == entry.replaces or entry.replaces is None
 
@@ -146,7 +146,7 @@ def document_of(path: Path) -> Any:
 
 
 def read_manifest(folder: Path) -> Publication | None:
-    """The set that is announced in a folder; None where none is, or what is there is no whole manifest."""
+    """The set that is announced in a folder; None if there is none, or its manifest is incomplete."""
     if not os.path.lexists(folder / MANIFEST):
         return None
     document = document_of(folder / MANIFEST)

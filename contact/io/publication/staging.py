@@ -1,4 +1,4 @@
-"""Files on their way: staging folders and parts, of names that nobody can guess, and what killed writers leave."""
+"""Files in preparation: staging folders and parts with unguessable names, and remains of killed writers."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def may_be_announced(folder: Path, staging: str) -> bool:
 
 
 def parts_left(folder: Path, name: str = "") -> Iterator[Path]:
-    """Files and folders of killed writers in a folder, of what is called `name` alone if given; no links."""
+    """Files and folders of killed writers in a folder, for `name` alone if given; no links."""
     listed = list[os.DirEntry[str]]()
     with suppress(OSError):  # not there, or not to be listed
         listed = list(os.scandir(folder))
@@ -149,7 +149,7 @@ def parts_left(folder: Path, name: str = "") -> Iterator[Path]:
 
 
 def clear_parts(folder: Path, name: str = "") -> list[Path]:
-    """Remove what killed writers left unfinished, of a file or folder `name` alone if given; what was removed."""
+    """Remove unfinished files of killed writers, for a file or folder `name` alone if given; returns their names."""
     found = list(parts_left(folder, name))
     for path in found:
         with suppress(OSError):  # another user's, or gone meanwhile

@@ -1,4 +1,4 @@
-"""One step of eight rims: free motion, forces where a gap would close, what they push, and the sums of the ledger."""
+"""One step of eight rims: free motion, forces of contacts that close, their effect on modes, and the energy sums."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs
 
 @jit_inside
 def move_slots(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
-    """Add the forces to D and D to q; what forces and damping do along D_n + D_{n+1}."""
+    """Add the forces to D and D to q; the work of forces and damping along D_n + D_{n+1}."""
     normal, tangent, damping = same(0.0), same(0.0), same(0.0)
     alike = s.alike.size > 0
     force, drag = load(s.work, FORCE * WIDTH), load(s.work, DRAG * WIDTH)

@@ -70,7 +70,7 @@ class BatchSamples(NamedTuple):
 
 
 class BatchState(NamedTuple):
-    """State and coefficients of eight runs (m, 8), what differs between them (8,), and work space."""
+    """State and coefficients of eight runs (m, 8), quantities of each run (8,), and work space."""
 
     q: Array
     d: Array

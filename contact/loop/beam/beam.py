@@ -18,7 +18,7 @@ INTERNAL, MOMENT = 0, 1  # entries of `ledger`
 
 
 class BeamState(NamedTuple):
-    """Nodes x_n and their last increments (n, 3), ring modes, and what the equations need."""
+    """Nodes x_n and their last increments (n, 3), ring modes, and the coefficients of the equations."""
 
     x: Array
     d: Array

@@ -95,7 +95,7 @@ def add_product(A: Band, scale: float, u: Array, out: Array, work: Array) -> Non
 
 @jit
 def flush(x: Array) -> None:
-    """Set what is tiny to zero: tails of solves ahead of a wave fade into denormals, which cost 100 cycles each."""
+    """Set tiny numbers to zero: solutions ahead of a wave fade into denormals, which cost 100 cycles each."""
     for i in range(x.size):
         x[i] = 0.0 if abs(x[i]) < TINY else x[i]
 

@@ -104,7 +104,7 @@ def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
 
 @jit_inside
 def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: float) -> tuple[float, float]:
-    """Add what the forces of the only tip push to the increments; its motion along them over two steps.
+    """Add the response to the forces of the only tip to the increments; returns its motion along them over two steps.
 
     Without friction `drag` is zero, and `tangent` any row.
     """
@@ -146,7 +146,7 @@ def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, s
 
 @jit_inside
 def push_one(w: Work, normal: Array, tangent: Array, press: float, drag: float, rubs: bool) -> None:
-    """The row of the tip, and what its forces push and strain."""
+    """The row of the tip, and the modal forces and static response by its forces."""
     to, along = same(press), same(drag)
     for i in range(0, w.pushed.size, WIDTH):
         row = load(normal, i)

@@ -1,4 +1,4 @@
-"""Compiled: what modes that are coupled do without forces and under forces, and the work of what couples them."""
+"""Compiled: response of coupled modes without and under forces, and the work of the coupling."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contact.record.record import Tally
 
 @jit
 def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
-    """Add to the increments what coupled modes do, the last ones in `old`, also under `push` and `body`."""
+    """Add the free motion of coupled modes to the increments, the last ones in `old`, also under `push` and `body`."""
     n = s.q.size
     for i in range(0, n, WIDTH):
         put(w.both, i, load(s.old, i))
@@ -30,7 +30,7 @@ def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
 
 @jit
 def answer(s: RubState, blocks: ModalBlocks, w: Work, forces: Array) -> None:
-    """Add what coupled modes do under forces on all modes to the increments."""
+    """Add the response of coupled modes to forces on all modes to the increments."""
     fill_some(blocks.yields, forces, 0, w.moved_by)
     for i in range(0, s.d.size, WIDTH):
         put(s.d, i, load(s.d, i) + load(w.moved_by, i))
@@ -38,7 +38,7 @@ def answer(s: RubState, blocks: ModalBlocks, w: Work, forces: Array) -> None:
 
 @jit
 def works_of_coupling(s: RubState, blocks: ModalBlocks, w: Work, sums: Tally) -> None:
-    """Work of damping and of a skew stiffness on coupled modes, and what their discrete energy errs by.
+    """Work of damping and of a skew stiffness on coupled modes, and the error of their discrete energy.
 
     To be called while q is that of t_n.
     """

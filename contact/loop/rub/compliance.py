@@ -1,4 +1,4 @@
-"""Compiled: residual compliance of the casing where it turns with the tips, and what forces strain of all of it.
+"""Compiled: residual compliance of the casing, rotating with the tips, and the static response to all forces.
 
 S = E(phi) S_w E(phi)^T + still, E the waves at the tips and S_w between waves. Of few tips S is a table by the angle,
 which costs their number squared; of many only S_w E^T is made, for those that close.

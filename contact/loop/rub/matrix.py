@@ -1,4 +1,4 @@
-"""Compiled: W, the matrix of the contacts: what the chosen tips yield to forces within a step.
+"""Compiled: W, the matrix of the contacts: motion of the chosen tips by unit forces within a step.
 
 It is made of products of their rows. At constant speed it depends on the angle alone, smoothly: of many tips it is
 interpolated between `NODES` angles of a cell, at Chebyshev's points, where it is made of products once for all tips.

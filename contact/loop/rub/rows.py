@@ -1,4 +1,4 @@
-"""Compiled: where the tips of a rub stand, what the gap is there, and the casing's rows at that place."""
+"""Compiled: positions of the tips of a rub, their gaps, and the casing's rows there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The forces of one step: rows and compliances of the tips that close, friction, and what the forces push."""
+"""The forces of one step: rows and compliances of the tips that close, friction, and the modal forces."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float
 
 @jit
 def hand_over(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
-    """Forces, gaps and slips to the tips, and what the forces push on the casing."""
+    """Write forces, gaps and slips to the tips, and their modal forces to the casing."""
     for a in range(count * dim):
         s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
     if rows.many:
@@ -218,7 +218,7 @@ def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, c
 
 @jit
 def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
-    """Forces on the modes, and what they add to the increments."""
+    """Apply forces to the modes, and add the response to the increments."""
     for i in range(0, rows.width, WIDTH):
         pushed = load(w.pushed, i)
         put(s.contact, i, pushed)
@@ -244,7 +244,7 @@ def clear(values: Array, first: int) -> None:
 
 @jit
 def update_gaps(s: RubState, w: Work, count: int, dim: int, share: float) -> None:
-    """Add the forces' share to the gaps of q at t_{n+1}: of what the law states, all that is not S lam."""
+    """Add the forces' share to the gaps of q at t_{n+1}: all of the law's gap except S lam."""
     whole = 1.0 / share
     for j in range(s.mu.size):
         if s.inside[j] == 1:

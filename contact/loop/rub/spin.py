@@ -86,7 +86,7 @@ def shared(s: RubState, swing: Swing, t: float, h: float, angles: Array) -> tupl
 @jit
 def spin_on(s: RubState, laws: RubLaws, rows: RubRows, angles: Array, dim: int, base: float, t: float, h: float,
             sums: Tally) -> None:  # fmt: skip
-    """Let the rotor give in this step what unbalance and contact take in it; `base` is the speed without the spin.
+    """Supply, from the rotor's spin, the energy that unbalance and contact take in this step.
 
     The increment has the torque of the last step already. Friction acts on the mode of the spin itself.
     """

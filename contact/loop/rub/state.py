@@ -78,7 +78,7 @@ class RubState(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work space, K tips at P places: rows at t_{n+1} and t_n, the problem of one step, what forces push.
+    """Work space, K tips at P places: rows at t_{n+1} and t_n, the problem of one step, modal forces.
 
     The tips that are solved for are `chosen`, their directions stand in rows `row` of `lam`; the places where they are
     have a slot each, row `column` of `rows`.

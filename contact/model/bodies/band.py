@@ -1,4 +1,4 @@
-"""Symmetric matrices as plain arrays: what the compiled loops multiply and solve with.
+"""Symmetric matrices as plain arrays, which compiled loops multiply and solve with.
 
 A is kept by row sums and off-diagonals, (A u)_i = ground_i u_i + sum_j A_ij (u_j - u_i): a rigid translation
 then strains nothing, whatever its size. The off-diagonals are whole diagonals where the band is narrow, else lists of

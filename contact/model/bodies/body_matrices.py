@@ -1,4 +1,4 @@
-"""C and K of several modal bodies at a speed, one after the other: what is coupled within a body and turns with it."""
+"""C and K of several modal bodies at a speed, one after the other: coupling within a body, and rotation."""
 
 from __future__ import annotations
 

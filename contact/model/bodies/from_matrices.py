@@ -1,4 +1,4 @@
-"""A modal body of someone's matrices, and what they are."""
+"""A modal body from given matrices, and a report on them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from contact.model.bodies.modal_body import ModalBody
 def body_of(
     matrices: Matrices, contact: Contact, *, modes: int | None = None, zeta: float = 0.0
 ) -> tuple[ModalBody, MatrixReport]:
-    """Reduce matrices to a modal body seen at its contact, and state what they are; 20 modes, or all if they are fewer.
+    """Reduce matrices to a modal body seen at its contact, and report on them; 20 modes, or all if they are fewer.
 
     Raises InputError for indefinite matrices, dofs that are not there, or more modes than there are.
 

@@ -153,7 +153,7 @@ def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Arr
 
 
 def _top_sparse(K: Band, M: Band, free: Array | None) -> float:
-    """By Lanczos from a fixed start; the answer is raised by what it may lack, since limits are taken from it."""
+    """By Lanczos from a fixed start; the result is raised by its possible error, since limits depend on it."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import LinearOperator, eigsh, splu
 

@@ -1,4 +1,4 @@
-"""Someone's matrices M, K, C, G, K4, checked and in SI: what their rows mean, unit forces on a contact."""
+"""Given matrices M, K, C, G, K4, checked and in SI: the meaning of their rows, unit forces on a contact."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Contact: TypeAlias = Sequence[int] | Sequence[Dof] | Mapping[str, Any]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Matrices:
-    """Matrices in SI, and what their rows mean.
+    """Matrices in SI, and the meaning of their rows.
 
     `M`, `K` (n, n) sparse; `C` and `K4` (structural damping, the imaginary part of K) likewise or None. `G` is the
     gyroscopic matrix, skew: Omega G beside C at a speed Omega [rad/s]. `cross` is the skew part of a nonsymmetric
@@ -74,7 +74,7 @@ class Matrices:
         nonsymmetric: bool = False,
         axes: Mapping[int, Any] | None = None,
     ) -> Matrices:
-        """Check matrices in any consistent units; raises InputError naming what does not fit.
+        """Check matrices in any consistent units; raises InputError naming each fault.
 
         K and C must be symmetric unless they are given as `nonsymmetric`, such as with cross-coupled bearings.
         """

@@ -33,7 +33,7 @@ def checked_axes(node: int, own: Any) -> Array:
 
 
 def check_minors(M: Any, dofs: Sequence[tuple[int, str]]) -> None:
-    """Refuse what no mass matrix has: M_ii < 0, or |M_ij| above the root of M_ii M_jj, by a millionth of the mean."""
+    """Refuse an impossible mass matrix: M_ii < 0, or |M_ij| above the root of M_ii M_jj, by a millionth of the mean."""
     from scipy.sparse import coo_array
 
     diagonal = M.diagonal()

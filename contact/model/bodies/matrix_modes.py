@@ -49,7 +49,7 @@ NOTHING = 1e-8  # of the static compliance: below it the residual is round-off, 
 def reduced(
     matrices: Matrices, contact: Contact, *, modes: int | None = None, zeta: float = 0.0
 ) -> tuple[dict[str, Any], MatrixReport]:
-    """Fields of the modal body that matrices are at their contact, and what they are; 20 modes, or all if fewer.
+    """Fields of the modal body of matrices at their contact, and a report; 20 modes, or all if fewer.
 
     Raises InputError for indefinite matrices, dofs that are not there, or more modes than there are.
     """
@@ -95,7 +95,7 @@ def reduced(
 
 
 def without_round_off(S: Array, level: float) -> Array:
-    """A residual compliance without what is round-off: all of it, or eigenvalues a little below zero."""
+    """A residual compliance without round-off, which may be all of it, or eigenvalues a little below zero."""
     if np.abs(S).max() <= level:
         return np.zeros_like(S)
     values, vectors = np.linalg.eigh(S)

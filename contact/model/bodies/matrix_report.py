@@ -1,4 +1,4 @@
-"""The facts of someone's matrices and of the modes that are kept: mass, centre, inertia, coupling, what S takes."""
+"""Report on given matrices and the kept modes: mass, centre, inertia, coupling, residual compliance."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class MatrixReport:
 
     @property
     def words(self) -> str:
-        """Whether the basis has residual compliance, and what that means."""
+        """Whether the basis has residual compliance, and the consequences."""
         if self.residual > 0.0:
             return (
                 f"residual compliance: present, {100 * self.residual:.3g} % of the static compliance at the contact; "

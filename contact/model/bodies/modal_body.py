@@ -267,7 +267,7 @@ class ModalBody:
         return replace(self, omega=self.omega * ratio, **scaled)
 
     def detuned(self, scatter: float, *, seed: int) -> ModalBody:
-        """Each frequency times 1 + scatter x, x normal and seeded: what small imperfections do to pairs, at random."""
+        """Each frequency times 1 + scatter x, x normal and seeded: the effect of small imperfections on pairs."""
         require_not_negative(scatter=scatter)
         draw = np.random.default_rng(seed).standard_normal(self.omega.size)
         return replace(self, omega=self.omega * (1.0 + scatter * draw))
@@ -345,7 +345,7 @@ class ModalBody:
 
     @staticmethod
     def of(basis: Basis) -> ModalBody:
-        """The body of a reduced basis in memory, what `load` reads after `basis.save`; raises InputError.
+        """The body of a reduced basis in memory, as `load` reads it after `basis.save`; raises InputError.
 
         >>> class Own:  # cf.reduce(...) gives one
         ...     def arrays(self):

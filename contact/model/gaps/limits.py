@@ -33,7 +33,7 @@ def motion_limits(radius: float, thickness: float) -> Array:
 
 
 def passed(limits: Array | None) -> tuple[str, float, float] | None:
-    """Name of the limit that a run passed, what it reached and what was allowed [m]; None where it kept within.
+    """Name of the limit that a run passed, the value reached and the value allowed [m]; None within all limits.
 
     >>> passed(np.array([1e-3, 0.05, 2e-3, 0.01])), passed(np.array([1e-3, 0.05, 5e-4, 0.01]))
     (('wall', 0.002, 0.001), None)

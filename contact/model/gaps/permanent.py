@@ -1,4 +1,4 @@
-"""Contacts that stay closed: what is left of modal bodies and a rim once no gap can open. Linear, no time stepping."""
+"""Contacts that stay closed: the linear system of modal bodies and a rim, without time stepping."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class ClosedContact:
         return np.where(self.omega > 0.0, self.omega, highest)
 
     def pushes(self, sense: float) -> Array:
-        """W = Q - mu s T, (r, m): what unit contact forces do to the modes, s the sense of rotation."""
+        """W = Q - mu s T, (r, m): modal forces of unit contact forces, s the sense of rotation."""
         return np.asarray(self.Q - self.mu * sense * self.T)
 
     def compliance(self, sense: float) -> Array:
@@ -119,7 +119,7 @@ class ClosedContact:
 
 
 def powers(speed: Array | float, odd: int, even: int) -> tuple[Array, Array]:
-    """1, Omega, Omega^3, ... and 1, Omega^2, Omega^4, ..., so many of each, (..., odd) and (..., even).
+    """1, Omega, Omega^3, ... and 1, Omega^2, Omega^4, ..., (..., odd) and (..., even).
 
     >>> powers(2.0, 3, 4)
     (array([1., 2., 8.]), array([ 1.,  4., 16., 64.]))

@@ -295,7 +295,7 @@ class Rub:
 
 
 def _counts(number: object, count: int) -> bool:
-    """Whether it is the number of one of so many, from 0."""
+    """Whether a value is an index below a count, from 0."""
     return is_whole(number) and number in range(count)
 
 

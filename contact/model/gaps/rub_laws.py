@@ -206,7 +206,7 @@ class RimProfile:
 
     @property
     def lowest(self) -> float:
-        """A bound from below [m]: the table's lowest point less the terms' amplitudes."""
+        """A lower bound [m]: the table's lowest point minus the amplitudes of the terms."""
         table = self.table
         base = float(table[:, 1].min()) if len(table) else 0.0
         return base + sum(a if p == 0 else -math.hypot(a, b) for p, a, b in self.terms)

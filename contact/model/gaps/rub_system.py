@@ -23,7 +23,7 @@ TURN = math.sqrt(2.0)  # [rad], no part of a turn: an S that is the same after i
 
 
 def plane_participation(rub: Rub) -> Array:
-    """Participation of all modes in a force along the casing's x and y, for blades as they are at t = 0, (2, m).
+    """Participation of all modes in a force along the casing's x and y, with the blades at t = 0, (2, m).
 
     A blade at phi with the lean a has its span and flap at a from the radial and tangential directions:
     a_span = cos a a_r - sin a a_t, a_flap = sin a a_r + cos a a_t.
@@ -43,7 +43,7 @@ def plane_participation(rub: Rub) -> Array:
 
 
 def axial_load(rub: Rub) -> Array:
-    """Constant modal forces of what pulls along the axis, (m,): a blade's chord is along it."""
+    """Constant modal forces of loads along the axis, (m,): a blade's chord is along it."""
     parts = []
     for k, body in enumerate(rub.bodies):
         pull = sum(f.axial for f in rub.forces if f.on == "both" or (f.on == "casing") == (k == 0))
@@ -93,7 +93,7 @@ def force_at_start(rub: Rub) -> Array:
 
 
 def varying_force(rub: Rub) -> Array | None:
-    """Modal forces at t = 0 of what varies in time, gravity, whirl and unbalance, (m,); None without any."""
+    """Modal forces at t = 0 of loads that vary in time, gravity, whirl and unbalance, (m,); None without any."""
     rotor = rub.rotor
     if rotor is None or not (rotor.unbalance.acts or rub.spin is not None):
         return force_at_start(rub) if rub.forces else None
@@ -155,7 +155,7 @@ class RimTable:
         return int(self.cos.shape[1]) - 1
 
     def rows(self, blocks: Indices | int, phi: Array | float) -> Array:
-        """Some rows at some angles, (blocks, angles, m): what the compiled loop is tested against."""
+        """Some rows at some angles, (blocks, angles, m); tests compare the compiled loop with them."""
         phases = np.multiply.outer(phi, np.arange(self.n_max + 1))
         return np.asarray(np.cos(phases) @ self.cos[blocks] + np.sin(phases) @ self.sin[blocks])
 

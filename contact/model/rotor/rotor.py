@@ -45,7 +45,7 @@ class Release:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unbalance:
-    """Mass times eccentricity, at an angle in the rotor, and what a release adds.
+    """Mass times eccentricity, at an angle in the rotor, and its change by a release.
 
     The force is U (Omega^2 - i dOmega/dt) e^(i angle(t)) in the plane x + i y, U = moment e^(i angle_deg).
 

@@ -176,7 +176,7 @@ def critical_speeds(rotor: Rotor) -> list[dict[str, Any]]:
 
 
 def unbalance_response(rotor: Rotor, speed_hz: ArrayLike) -> UnbalanceResponse:
-    """Steady orbit at the unbalance, as it is after a release, at each speed [turns/s].
+    """Steady orbit under the unbalance after a release, at each speed [turns/s].
 
     (K + Omega H - Omega^2 + i Omega (C + Omega G)) Q = U Omega^2 rows^T (1, -i).
 

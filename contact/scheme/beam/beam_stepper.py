@@ -212,7 +212,7 @@ class ImplicitBeamStepper(BeamRun):
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
-        """Energies at t_n; the discrete form leaves out what Newmark itself added or took."""
+        """Energies at t_n; the discrete form leaves out the numerical energy of Newmark."""
         from contact.loop.beam.beam import strain_energy_and_forces
 
         s = self.state

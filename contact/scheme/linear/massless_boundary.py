@@ -117,7 +117,7 @@ def _moved(A: Band, K: Band, bare: Indices) -> Band:
 
 
 def _massless(system: LinearSystem, bare: Indices) -> Massless:
-    """Rows of K, K_cc^-1 and what contact forces lift."""
+    """Rows of K, K_cc^-1 and the displacement by contact forces."""
     from contact.loop.linear.leapfrog import Massless
 
     lists = [_pull(system.K, int(i)) for i in bare]

@@ -155,7 +155,7 @@ class ProjectedAlpha(ImpactAlpha):
 
 
 def _projected(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Corrections]:
-    """Arrays of the run; what unit corrections nu and P do to u, v and a, and so to gaps and their rates."""
+    """Arrays of the run; effect of unit corrections nu and P on u, v and a, and so on gaps and their rates."""
     from contact.loop.linear.moreau import Corrections
 
     parts, factored, jump = smooth_parts(system, w, h)

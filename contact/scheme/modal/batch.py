@@ -142,7 +142,7 @@ def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Batch:
-    """BatchState, their sums and what they store; `rubs`: some run has friction."""
+    """BatchState, sums and stored samples of all slots; `rubs`: some run has friction."""
 
     slots: BatchState
     layouts: dict[str, Layout]
@@ -217,7 +217,7 @@ class Batch:
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
 
     def go_on(self, k: int, job: Job, steps: int) -> None:
-        """Let slot k take so many more steps, as far as its run goes."""
+        """Let slot k take a number of further steps, at most to the end of its run."""
         self.slots.end[k] = min(job.steps, int(self.slots.step[k]) + steps)
 
     def read(self, k: int, job: Job) -> None:
@@ -230,7 +230,7 @@ class Batch:
         give_back(run, job.slot, slots.q[:, k], slots.d[:, k], slots.memory[:, k])
 
     def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
-        """End the run of slot k, as `read`; what it stored, views until the next load, with `events`."""
+        """End the run of slot k, as `read`; returns its samples, views until the next load, with `events`."""
         self.read(k, job)
         run, slots, kept = job.run, self.slots, self.kept
         n, states = (int(value) for value in kept.filled[:, k])
@@ -287,7 +287,7 @@ def _rims(jobs: Sequence[Job]) -> RimWaves:
 
 
 def _waves(size: int, largest: int) -> Indices:
-    """Places of so many waves, 1, cos .. cos N, sin .. sin N, among more.
+    """Places of N waves, 1, cos .. cos N, sin .. sin N, among more.
 
     >>> _waves(5, 9).tolist()
     [0, 1, 2, 5, 6]

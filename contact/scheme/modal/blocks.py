@@ -52,7 +52,7 @@ def rows_of_waves(harmonic: Indices, cos: Array, sin: Array, harmonics: int) -> 
 
 
 def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
-    """Rows that are sums of waves (B, 8 blocks, waves), by blocks of eight: what `loop.modal.rows.RowBlocks` contains.
+    """Rows that are sums of waves (B, 8 blocks, waves), by blocks of eight, for `loop.modal.rows.RowBlocks`.
 
     A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
     cos 0, cos 1, ..., sin 0, sin 1, ...
@@ -77,7 +77,7 @@ def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
 
 
 def matrix_blocks(matrices: Array) -> tuple[tuple[Indices, Indices, Array, Indices], Array]:
-    """Matrices of one pattern (V, rows, columns) by blocks of eight rows: what `RowBlocks` contains, and all V values.
+    """Matrices of one pattern (V, rows, columns) by blocks of eight rows, for `RowBlocks`, and all V values.
 
     The values of the first are those of the blocks; values are (V, entries, 8). Columns are whole blocks.
 

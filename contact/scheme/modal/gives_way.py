@@ -1,4 +1,4 @@
-"""Contacts with a force-depth law in an exact-modal run: what loops take, the energy in them, a step that fits."""
+"""Contacts with a force-depth law in an exact-modal run: arguments of loops, stored energy, a suitable step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A modal run in progress: what the laws on one exact propagation share. A law brings its loop and its readings."""
+"""A modal run in progress, common to all laws on one exact propagation. A law adds its loop and its outputs."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class ModalRun(PlainStepper):
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, sums and what a force-depth law needs."""
+        """State, sums and the memory of a force-depth law."""
         return self.state, self.sums, self.steps, self.gives_way
 
     def notes(self) -> Notes:

@@ -133,7 +133,7 @@ class PatchStepper(ExactRun):
         return float(own.max())
 
     def stored(self) -> Stored:
-        """Energy at t_n; what S and contacts that give way store counts as residual."""
+        """Energy at t_n; energy stored in S and in compliant contacts counts as residual."""
         s = self.state
         residual = 0.5 * float(s.lam @ self.rows.still @ s.lam) if s.lam.any() else 0.0
         residual += stored_by(self.law, self.y)

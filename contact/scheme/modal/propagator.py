@@ -57,7 +57,7 @@ class Propagator:
         return np.divide(1.0 - self.al, 2.0 * self.c, out=np.zeros(self.c.size), where=self.c > 0.0)
 
     def yields(self, rows: Array) -> Array:
-        """Rows (R, m) times the matrix c: what a step answers to forces along them."""
+        """Rows (R, m) times the matrix c: the response of a step to forces along them."""
         found = rows * self.c
         if self.coupled is not None:
             found[:, self.coupled.modes] = rows[:, self.coupled.modes] @ self.coupled.c
@@ -74,7 +74,7 @@ class Propagator:
         return np.asarray(found)
 
     def push(self, force: Array) -> Array:
-        """Return c f: what a step answers to forces on the modes."""
+        """Return c f: the response of a step to forces on the modes."""
         found = self.c * force
         if self.coupled is not None:
             found[self.coupled.modes] = self.coupled.c @ force[self.coupled.modes]

@@ -197,7 +197,7 @@ def joined(system: RubSystem) -> int:
 def _casing(
     rim: RimTable, blade_rows: Array, own: Indices, line: Indices, directions: int, width: int, count: int
 ) -> RowBlocks:
-    """Rows of the casing of so many modes: of a single tip, with those of its blade, which do not turn."""
+    """Rows of the casing's modes; for a single tip, with those of its blade, which do not turn."""
     m = rim.cos.shape[2]
     cos, sin = np.zeros((2, *rim.cos.shape[:2], width))
     cos[..., :m], sin[..., :m] = rim.cos, rim.sin

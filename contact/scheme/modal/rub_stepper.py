@@ -44,7 +44,7 @@ NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RubStepper(ExactRun):
-    """State of a rub; `state.counts` shows the solver's iterations, `state.heat` what slip dissipated."""
+    """State of a rub; `state.counts` has the solver's iterations, `state.heat` the heat of slip."""
 
     rub: Rub
     system: RubSystem
@@ -226,7 +226,7 @@ class RubStepper(ExactRun):
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
-        """Energy now; what S stores counts as residual, and what bends a coating or a surface with a law."""
+        """Energy now; energy stored in S, in a coating or in a surface with a law counts as residual."""
         s = self.state
         residual = 0.0
         if s.lam.any():
@@ -243,7 +243,7 @@ class RubStepper(ExactRun):
         return tuple(Motion(kind=k, number=b, mean_velocity=nan, momentum=nan) for b, k in enumerate(kinds))
 
     def notes(self) -> Notes:
-        """Heat and drive of friction, and what the run went through that its theory does not have."""
+        """Heat and drive of friction, and events of the run beyond its theory."""
         deflection, tangential = float(self.limits[LARGEST]), float(self.state.peaks[0])
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         solver = self.made[0].solver if self.made else None

@@ -64,7 +64,7 @@ def _reach(table: RowTable, casing: int) -> Array:
 
 
 def give_back(run: RubStepper, slot: Slot, q: Array, d: Array, memory: Array) -> None:
-    """Write where a slot ended into its run: motion, the force of the last step and what it did."""
+    """Write the end of a slot into its run: motion, the force of the last step and its work."""
     s, (force, pull) = run.state, memory[2:4]
     s.q[:], s.d[:] = q, d
     s.heat[0], s.drive[0] = memory[8:10]

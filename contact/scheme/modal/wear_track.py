@@ -26,7 +26,7 @@ MOST_AROUND = 1_000_000  # bars of a track: the maps of more fill the memory
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Track:
-    """Bars under way: `coating` is what the compiled loop changes, `memory` (K, 3) that of all tips, `tips` its own."""
+    """Bars of a run: `coating` is changed by the compiled loop, `memory` (K, 3) is that of all tips, `tips` its own."""
 
     law: Abradable
     coating: Coating
@@ -109,7 +109,7 @@ class Tracks:
         return sum(track.memorised(1) for track in self.tracks)
 
     def watch(self, h: float, first: int, steps: int, loop: Callable[[int, int], int]) -> int:
-        """Run the loop, keeping a map every so many steps; -1, or the step that failed."""
+        """Run the loop, keeping a map at regular steps; -1, or the step that failed."""
         start, end = first, first + steps
         while start < end:
             every = int(self.pace[1])
@@ -164,7 +164,7 @@ def track_tips(rub: Rub, length: float) -> list[list[int]]:
 
 
 def rub_tracks(rub: Rub, law: Abradable) -> tuple[Tracks, Coats]:
-    """The tracks of a rub's tips, and what the compiled loop changes of them. Raises as `track_tips` and `Track.of`."""
+    """The tracks of a rub's tips, and the arrays that the loop changes. Raises as `track_tips` and `Track.of`."""
     memory = np.zeros((len(rub.tips), 3))
     tracks = [
         Track.of(law, rub.casing.line_radius(rub.tips[tips[0]].line), rub.profile, tips, memory)

@@ -1,4 +1,4 @@
-"""A tip on a coating of bars: what they bear at a depth, where the tip comes to rest, what flows.
+"""A tip on a coating of bars: force at a depth, rest position of the tip, and yielding.
 
 m bars lie under the tip, each with its surface at the depth cut + w, w what is worn. Pressed by d a bar carries
 f = k (d - cut - w) >= 0 and flows where that exceeds Y + H w, so that w' = (k (d - cut) - Y)/(k + H); at the bare
@@ -102,7 +102,7 @@ def settled(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
 
 @jit
 def wear(c: Coating, first: int, cut: float, depth: float) -> None:
-    """Let the bars under the tip flow, and add what that dissipates: integral of (Y + H w) dw over each bar."""
+    """Let the bars under the tip yield, and add the dissipated energy: integral of (Y + H w) dw over each bar."""
     c.memory[1], c.memory[2] = 0.0, depth
     for j in range(c.under):
         i = (first + j) % c.worn.size

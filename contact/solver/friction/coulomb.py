@@ -1,4 +1,4 @@
-"""The one-step problem of contacts with Coulomb friction: Newton's method, and what helps it where it fails.
+"""The one-step problem of contacts with Coulomb friction: Newton's method, and fallbacks if it fails.
 
     u = W force + b,   0 <= u_N, force_N >= 0, u_N force_N = 0,
     |force_T| <= mu force_N,  force_T = -mu force_N u_T/|u_T| where u_T != 0,
@@ -123,7 +123,7 @@ def lemke(M: Array, q: Array, d: Array) -> Array | None:
 
 
 def exchanged(inverse: Array, column: Array, row: int) -> Array:
-    """Inverse of a basis whose entry `row` is exchanged for a variable; `column` what `inverse` makes of that."""
+    """Inverse of a basis whose entry `row` is exchanged for a variable; `column` is `inverse` times its column."""
     entered = inverse[row] / column[row]
     found = inverse - np.outer(column, entered)
     found[row] = entered

@@ -77,7 +77,7 @@ def follow_path(W: Array, b: Array, mu: Array, count: int, start: Array, force: 
 
 @jit
 def begin(mu: Array, count: int, force: Array, u: Array, added: Array, state: Indices, side: Array) -> None:
-    """States that `force` has, and what is to be added to the motion so that it is right."""
+    """States of the contacts in `force`, and a correction of the motion with which `force` is exact."""
     for k in range(count):
         i = 2 * k
         spread = 1.0 + (GOLDEN * (k + 1)) % 1.0  # tips alike do not change at once
@@ -109,7 +109,7 @@ def condition(mu: Array, force: Array, u: Array, state: Indices, side: Array, nu
 
 @jit
 def change(state: Indices, side: Array, number: int, slip: float) -> int:
-    """Next state of the contact whose condition reached zero, and the condition that is zero there; `slip` as it is."""
+    """Next state of the contact whose condition reached zero, and the condition that is zero there; same `slip`."""
     k, second = number // 2, number % 2
     if state[k] == OPEN:
         state[k], side[k, 0] = SLIPS, 1.0 if slip >= 0.0 else -1.0

@@ -84,7 +84,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
 
 @jit
 def polish(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> None:
-    """Newton steps without the hair while they halve the error as motion; notes in `room.left` what is left."""
+    """Newton steps without regularisation while they halve the error as motion; the rest is noted in `room.left`."""
     size, rho, u, miss = count * dim, room.pairs, room.vectors[U], room.vectors[MISS]
     step, trial, trial_miss = room.vectors[STEP], room.vectors[TRIAL], room.vectors[TRIAL_MISS]
     J, inside, closed = room.matrices[JACOBIAN], room.matrices[INNER], room.whole[CLOSED]
@@ -154,7 +154,7 @@ def free_motion(b: Array, dim: int, count: int, k: int) -> float:
 
 @jit
 def otherwise(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room, sweeps: int) -> float:
-    """Improve `force` by so many sweeps, or by pivoting where there are none; returns the residual after pivoting."""
+    """Improve `force` by sweeps, or by pivoting if their number is 0; returns the residual after pivoting."""
     hard, size = room.matrices[INNER], count * dim
     for i in range(size):
         assign(hard[i], W[i], size)
@@ -168,7 +168,7 @@ def otherwise(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array,
 
 @jit
 def release(rho: Array, dim: int, count: int, u: Array, force: Array) -> None:
-    """Set what is left of the forces in open contacts to zero."""
+    """Set the remaining forces in open contacts to zero."""
     for k in range(count):
         i = k * dim
         if force[i] <= rho[k, 0] * u[i]:
@@ -281,7 +281,7 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Arra
 @jit
 def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, room: Room, step: Array,
                 size: int, hair: float) -> None:  # fmt: skip
-    """Solve J step = miss, J regularised by a hair, what does not press first; NaN where J is singular."""
+    """Solve J step = miss, J slightly regularised, open contacts first; NaN where J is singular."""
     right = room.vectors[RIGHT]
     assign(step, miss, size)
     for a in range(n):

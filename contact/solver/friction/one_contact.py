@@ -1,4 +1,4 @@
-"""One contact, frictionless or with Coulomb friction along one line, in closed form: what nearly every step asks for.
+"""One contact, frictionless or with Coulomb friction along one line, in closed form: the case of nearly every step.
 
 u = W force + b with b_N < 0. It sticks where W force = -b lies inside the cone; else it slips, u_N = 0,
 force_T = -mu s force_N and force_N = -b_N/(W_NN - mu s W_NT), s the sign of u_T. W_NN > mu |W_NT| leaves one answer.

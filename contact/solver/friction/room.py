@@ -60,7 +60,7 @@ class Otherwise(protocol):  # type: ignore[misc]
         self.call = self.kind(improve)
 
     def pass_on(self) -> None:
-        """Raise what interrupted Python inside a loop, Ctrl-C above all, now that the loop has ended."""
+        """Raise an interruption of Python inside a loop, Ctrl-C above all, now that the loop has ended."""
         if self.interrupted:
             raise self.interrupted.pop()
 
@@ -74,7 +74,7 @@ class Otherwise(protocol):  # type: ignore[misc]
 
 
 class Room(NamedTuple):
-    """Arrays for problems of up to N unknowns in K contacts, and what to call where Newton's method fails."""
+    """Arrays for problems of up to N unknowns in K contacts, and the fallback if Newton's method fails."""
 
     vectors: Array  # (15, N)
     matrices: Array  # (3, N, N and some columns)
@@ -86,7 +86,7 @@ class Room(NamedTuple):
 
 
 def staggered(size: int) -> int:
-    """So many columns, or some more, that entries of a column lie in different parts of the cache.
+    """A number of columns, or a few more, so that entries of a column lie in different parts of the cache.
 
     >>> staggered(5), staggered(128), staggered(130)
     (5, 136, 136)

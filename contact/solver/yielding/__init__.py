@@ -1,1 +1,1 @@
-"""Contacts that give way: force-depth laws, and the step of a contact with one."""
+"""Compliant contacts: force-depth laws, and the step of a contact with one."""

@@ -1,4 +1,4 @@
-"""The one-step problem of contacts that give way, in a coating or by a force-depth law: depths and forces together.
+"""The one-step problem of compliant contacts, on a coating or with a force-depth law: depths and forces together.
 
     u = W force + b,   contact j gives way to d_j = -u_Nj where force_Nj = F_j(d_j) > 0,
 

@@ -43,13 +43,13 @@ class ByDepth(ByAddress):
         return force, slope
 
     def compile(self) -> None:
-        """Compile it, where numba compiles; raises what numba raises."""
+        """Compile the law if numba compiles; raises numba's error."""
         if not configured.DISABLE_JIT:
             self.__wrapper_address__()
 
 
 class Yielding(NamedTuple):
-    """The law of K contacts, and for each its depths [m] of the last two steps and what its rate is made of."""
+    """The law of K contacts, with the depths [m] of the last two steps and the terms of the rate of each."""
 
     law: ByDepth
     values: Array
