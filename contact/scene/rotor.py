@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
 from contact.base.arrays import readonly
 from contact.base.errors import InputError
@@ -34,6 +34,7 @@ from contact.scene.scheme import (
     ModalScheme,
     Name,
     Ratio,
+    Rpm,
     RunHead,
     SceneFile,
     Stiffness,
@@ -44,8 +45,6 @@ from contact.scene.scheme import (
 )
 from contact.scheme.modal.exact_modal import ExactModal
 
-MOST_RPM = 600_000.0  # the smallest turbochargers turn half as fast
-Rpm = Annotated[FiniteFloat, Field(ge=-MOST_RPM, le=MOST_RPM)]
 MODES = 24  # of a shaft that are kept where nothing is stated
 
 

@@ -31,6 +31,7 @@ from contact.scene.scheme import (
     Gap,
     ModalScheme,
     Name,
+    Rpm,
     RunHead,
     ScanTable,
     SceneFile,
@@ -38,6 +39,7 @@ from contact.scene.scheme import (
     Thickness,
     Time,
     TurnsPerSecond,
+    hz_of_rpm,
 )
 from contact.scene.turns import MEANING, Side
 
@@ -145,15 +147,20 @@ class RubContact(GapTable):
 
 
 class RubSpeed(Table):
-    """[speed]: turns per second, one number, or as many as there are times [s], straight between them.
+    """[speed]: turns per second or a minute, one number, or as many as there are times [s], straight between them.
 
     `turning` names the side that turns; `scan` the speeds of interactions.
     """
 
-    hz: TurnsPerSecond | list[TurnsPerSecond] = Field(description="speed, one number or one for each time [turns/s]")
+    hz: TurnsPerSecond | list[TurnsPerSecond] = Field(
+        description="speed, or rpm, one number or one for each time [turns/s]"
+    )
+    rpm: Rpm | list[Rpm] | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
     time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
     turning: Side | None = Field(default=None, description=MEANING)
     scan: ScanTable | None = Field(default=None, description="speeds that interactions examine")
+
+    _hz = model_validator(mode="before")(hz_of_rpm)
 
     @model_validator(mode="after")
     def _fits(self) -> RubSpeed:

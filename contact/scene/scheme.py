@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
@@ -37,6 +37,8 @@ Thickness = Annotated[Positive, CHECKS["thickness"]]
 Gap = Annotated[FiniteFloat, CHECKS["clearance"]]
 Deviation = Annotated[FiniteFloat, CHECKS["roundness"]]
 TurnsPerSecond = Annotated[FiniteFloat, CHECKS["speed"]]
+MOST_RPM = 600_000.0  # the smallest turbochargers turn half as fast
+Rpm = Annotated[FiniteFloat, Field(ge=-MOST_RPM, le=MOST_RPM)]
 ScannedSpeed = Annotated[FiniteFloat, SCANNED]
 Frequency = Annotated[Positive, CHECKS["frequency"]]
 Mass = Annotated[Positive, CHECKS["mass"]]
@@ -146,12 +148,31 @@ class ModalScheme(Table):
     most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
 
 
-class SpeedTable(Table):
-    """[speed]: turns per second; `turning` which side turns; `scan` the speeds that are examined."""
+def hz_of_rpm(data: Any) -> Any:
+    """The keys of a [speed] with hz, where rpm is given instead; ValueError where both are.
 
-    hz: TurnsPerSecond = Field(description="speed [turns/s]")
+    >>> hz_of_rpm({"rpm": 300.0}), hz_of_rpm({"rpm": [0.0, 60.0]})["hz"]
+    ({'rpm': 300.0, 'hz': 5.0}, [0.0, 1.0])
+    """
+    if not isinstance(data, dict) or "rpm" not in data:
+        return data
+    if "hz" in data:
+        raise ValueError("hz and rpm both found, expected one")
+    rpm = data["rpm"]
+    if not all(isinstance(one, int | float) for one in (rpm if isinstance(rpm, list) else [rpm])):
+        return data
+    return data | {"hz": [one / 60.0 for one in rpm] if isinstance(rpm, list) else rpm / 60.0}
+
+
+class SpeedTable(Table):
+    """[speed]: turns per second, or a minute; `turning` which side turns; `scan` the speeds that are examined."""
+
+    hz: TurnsPerSecond = Field(description="speed, or rpm [turns/s]")
+    rpm: Rpm | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
     turning: Side | None = Field(default=None, description=MEANING)
     scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions examine")
+
+    _hz = model_validator(mode="before")(hz_of_rpm)
 
 
 class Waviness(Table):
