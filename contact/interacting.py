@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.columns import WIDE, Column, table_lines
 from contact.io.outfiles import finite
@@ -23,7 +24,7 @@ from contact.io.progress import tell
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.model.law import Unilateral
 from contact.prepared import Scene
 from contact.speed_runs import SpeedRun, Verdict, speed_runs
@@ -31,6 +32,7 @@ from contact.stability.peaks import Peak, Peaks, growth_at, peaks
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
+AROUND, STEPS = 2.0, 200  # times the scene's highest speed, in so many steps, where no range is stated
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,9 +172,25 @@ class Interactions(Reported):
         }  # fmt: skip
 
 
+def speeds_of(scene: Scene | HandPair) -> Array:
+    """Speeds [turns/s] up to AROUND times the highest speed of a scene, in STEPS steps.
+
+    Raises InputError for a pair, and for a scene that does not turn.
+    """
+    if isinstance(scene, HandPair):
+        raise InputError("speed_hz: found none for a pair by hand, expected the speeds to examine")
+    what = scene.what
+    hz = rub_of(what).speed.hz if isinstance(what, RotatingRim | Rub) else np.zeros(1)
+    top = float(np.max(hz))
+    if isinstance(what, RotatingRim | Rub) and not top > 0.0:
+        raise InputError("speed_hz: found none for a scene that does not turn, expected the speeds to examine")
+    return np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
+
+
 def interactions(
-    scene: Scene | HandPair, speed_hz: ArrayLike, *, runs: int = RUNS, closed: RotatingRim | Rub | None = None
-) -> Interactions:
+    scene: Scene | HandPair, speed_hz: ArrayLike | None = None, *, runs: int = RUNS,
+    closed: RotatingRim | Rub | None = None,
+) -> Interactions:  # fmt: skip
     """Find the dangerous speeds of a scene within a range.
 
     Parameters
@@ -180,7 +198,8 @@ def interactions(
     scene
         A scene whose `what` is a RotatingRim or a Rub, with `t_end`; or a pair by hand, of which nothing is run.
     speed_hz
-        Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0.
+        Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0. If left out, 200
+        speeds up to twice the highest speed of the scene.
     runs
         Number of runs evenly over the range, at least 2, beside one at each peak.
     closed
@@ -201,12 +220,12 @@ def interactions(
     ('unstable', 8, 'with', 52.69, 52.99)
     """
     if isinstance(scene, HandPair):
-        proposed = peaks(scene, speed_hz)
+        proposed = peaks(scene, speeds_of(scene) if speed_hz is None else speed_hz)
         return Interactions(rows=_ranked([_by_poles(peak) for peak in proposed.rows]), runs=(), peaks=proposed)
     what = _turning(scene, runs)
     mu = (scene.law or Unilateral()).mu
     tell("growth of closed contact")
-    proposed = peaks(closed or what, speed_hz, mu=mu)
+    proposed = peaks(closed or what, speeds_of(scene) if speed_hz is None else speed_hz, mu=mu)
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
     at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
     poles = growth_at(closed or what, at, mu=mu)

@@ -55,9 +55,9 @@ class Cause:
         return f"Its energy comes from {self.source} ({self.work:.3g} J). The contact is closed {share}."
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class RunGrowth:
-    """Growth of the motion of a run.
+    """Growth of the motion of a run; `print` and a notebook show `words`.
 
     `rate` [1/s] of the amplitude, as the real part of a pole; that of the energy is twice as much. `low` and `high`:
     its interval of 95 %, from scatter, autocorrelation and bend of the windows that it was fitted to. `state`: "grows",
@@ -83,6 +83,9 @@ class RunGrowth:
     half_step_width: float = math.nan
     check_share: float = math.nan
     same_step: float = math.nan
+
+    def __repr__(self) -> str:
+        return self.words
 
     @property
     def energy_rate(self) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.interacting import RUNS, Interactions, interactions
+from contact.interacting import RUNS, Interactions, interactions, speeds_of
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from contact.scene.laws import AnyLaw
     from contact.scene.pair import PairFile
     from contact.scene.scheme import ScanTable
-
-AROUND, STEPS = 2.0, 200  # times the scene's speed, in so many steps, where nothing else is stated
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -88,7 +86,7 @@ class InteractionScene:
 
 
 def load_interactions(path: str | Path) -> InteractionScene:
-    """Read a scene of kind "pair", "rim", "rub" or "disk"; without speed.scan, speeds up to AROUND times the scene's.
+    """Read a scene of kind "pair", "rim", "rub" or "disk"; without speed.scan, those of `speeds_of`.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -116,7 +114,7 @@ def load_interactions(path: str | Path) -> InteractionScene:
             raise SceneError([f"{file}: speed.scan.from_hz: {found}"])
         speeds = _speeds(table.speed.scan)
     elif top > 0.0:
-        speeds = np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
+        speeds = speeds_of(scene)
     else:
         expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])

@@ -88,6 +88,33 @@ def test_a_rim_is_checked_over_its_scan_or_up_to_twice_its_speed(tmp_path):
         ct.scene.load_interactions(file)
 
 
+def test_a_speed_in_rpm_is_the_same_scene_as_in_hz(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM.replace("hz = 5.0", "rpm = 300.0"))
+    assert ct.load_scene(file).what.speed == pytest.approx(10.0 * math.pi, rel=1e-15)
+    for words, expected in (
+        ("hz = 5.0\nrpm = 300.0", "hz and rpm both found, expected one"),
+        ("rpm = 9e9", r"speed\.rpm: found 9.*, expected .*600000"),
+    ):
+        file.write_text(RIM.replace("hz = 5.0", words))
+        with pytest.raises(ct.scene.SceneError, match=expected):
+            ct.load_scene(file)
+
+
+def test_speeds_of_interactions_that_are_left_out_are_those_of_the_command(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM.replace("t_end = 1.0", "t_end = 0.01").replace("clearance = 1e-4", "clearance = 1e-2"))
+    scene = ct.scene.load_interactions(file)
+    found = ct.interactions(scene.scene, runs=2)
+    np.testing.assert_array_equal(found.peaks.map.speed_hz, scene.speed_hz)
+    with pytest.raises(ct.InputError, match="speed_hz: found none for a pair by hand"):
+        ct.interactions(ct.scene.load_interactions("data/scenes/pair.toml").scene)
+
+
 def test_the_source_of_a_scene_is_the_hash_of_its_file_and_bases_in_their_order(tmp_path):
     ring().save(tmp_path / "casing.npz")
     blade().save(tmp_path / "blade.npz")
