@@ -86,7 +86,7 @@ def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None
     at = np.array([speed_hz])
     f_c = np.array([float(wave_hz(n, freq, at, found.turning, -1)[0]) for n, _, freq in found.pairs])
     axes.plot(n, f_c, "o", color=MEASURED, markersize=4, label="casing f_c")
-    axes.plot([0, n.max()], [0.0, n.max() * speed_hz], color=PERFECT, linestyle=":", label="n f")
+    axes.plot([0, n.max()], [0.0, n.max() * speed_hz], color=PERFECT, linestyle=":", label="order n: n f")
     fast = n * speed_hz > f_c
     axes.plot(n[fast], (n * speed_hz - f_c)[fast], "^", color=AFTER, ms=6, label="blade that flutters, n f - f_c")
     axes.plot(
@@ -254,7 +254,9 @@ def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], sp
     n, casing = (np.array(part) for part in zip(*pairs, strict=True))
     speed = abs(speed_hz)
     axes.plot(n, casing, "o", color=MEASURED, markersize=4, label="casing alone, f_c")
-    axes.plot([0, n.max(initial=1)], [0.0, n.max(initial=1) * speed], color=PERFECT, linestyle=":", label="n f")
+    axes.plot(
+        [0, n.max(initial=1)], [0.0, n.max(initial=1) * speed], color=PERFECT, linestyle=":", label="order n: n f"
+    )
     met = n * speed - casing
     for kept, mark, face, label in (
         (met > 0.0, "^", AFTER, "n f - f_c: flutter if f_b"), (met <= 0.0, "v", "white", "f_c - n f: resonance if f_b"),

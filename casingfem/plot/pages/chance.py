@@ -41,6 +41,13 @@ def chance_page(name: str, found: Any, runs: str = "") -> str:
     return render_page(f"Chances of {name}", sections, verdict=verdict(found, runs), source=origin(source))
 
 
+def subject(line: str) -> str:
+    """What a sentence of the verdict is about, as the name of its row."""
+    names = {"The rim touches": "Touch", "Some speed": "Dangerous", "The most likely": "Speed"}
+    found = [name for begin, name in names.items() if line.startswith(begin)]
+    return found[0] if found else "Inputs" if " matters most " in line else "Runs"
+
+
 def verdict(found: Any, runs: str) -> Verdict:
     """Probability of a dangerous speed, its uncertainty, and next steps; `runs` is a sentence on the runs."""
     words: str = found.words
@@ -55,5 +62,5 @@ def verdict(found: Any, runs: str) -> Verdict:
         "Run the worst casings: `casingfem interactions worst/01/scene.toml`. More draws narrow the intervals: raise "
         "draws and run the same command again."
     )
-    facts = [(f"Answer {k}", line) for k, line in enumerate(others, 1)]
+    facts = [(subject(line), line) for line in others]
     return Verdict(found=first, sure=sure, further=further, facts=tuple(facts), state=state)
