@@ -10,21 +10,23 @@ from contact.loop.modal.rows import RowBlocks, fill_some, rotate
 
 
 class TurnRows(NamedTuple):
-    """Rows of the modes of a rim with the compliance at the contact, where it stands, and work space."""
+    """What the closed contact reads and pushes of the coordinates (q, v) as sums of waves, its place, and work space.
 
-    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt, S_tt
-    tangent: RowBlocks
-    modes: int
+    `gap`: what each of the 2 m coordinates adds to the gap, then the compliance S_nn - mu S_nt. `push`: what a unit
+    force along the contact's pull adds to each coordinate in a unit of time.
+    """
+
+    gap: RowBlocks
+    push: RowBlocks
     angle: float
     speed: float
-    mu: float
     waves: Array  # (2, harmonics)
 
 
 class Drifts(NamedTuple):
-    """Free motion over each part of a step: blocks of modes that move alone.
+    """Free motion over each part of a step: blocks of coordinates that move alone.
 
-    Block b has the modes `mode[start[b]:start[b + 1]]`, s of them, and its matrices (2 s, 2 s) of (q, q') begin at
+    Block b has the pairs `mode[start[b]:start[b + 1]]` of (q, v), s of them, and its matrices (2 s, 2 s) begin at
     `first[b]` of each row of `value` (parts, entries); `work` (2 s, columns) has room for the largest.
     """
 
@@ -40,6 +42,15 @@ def drift(q: Array, v: Array, parts: Drifts, part: int) -> None:
     """Free motion of every block: q, v (m, columns)."""
     for b in range(parts.first.size):
         begin, size = parts.start[b], parts.start[b + 1] - parts.start[b]
+        if size == 1:
+            mode, at = parts.mode[begin], parts.first[b]
+            qq, qv, vq, vv = (
+                parts.value[part, at], parts.value[part, at + 1], parts.value[part, at + 2], parts.value[part, at + 3],
+            )  # fmt: skip
+            for j in range(q.shape[1]):
+                x, y = q[mode, j], v[mode, j]
+                q[mode, j], v[mode, j] = qq * x + qv * y, vq * x + vv * y
+            continue
         for i in range(size):
             mode = parts.mode[begin + i]
             for j in range(q.shape[1]):
@@ -56,21 +67,23 @@ def drift(q: Array, v: Array, parts: Drifts, part: int) -> None:
 
 
 @jit
-def kick(q: Array, v: Array, Q: Array, T: Array, pull: float, strength: float, y: Array) -> None:
-    """Add to v: -strength (Q - pull T) (Q . q), the acceleration by the closed contact; y (columns,) work space."""
+def kick(q: Array, v: Array, gap: Array, push: Array, strength: float, y: Array) -> None:
+    """Add -strength push (gap . (q, v)): the change by the closed contact; y (columns,) work space."""
     y[:] = 0.0
-    for i in range(q.shape[0]):
+    m = q.shape[0]
+    for i in range(m):
         for j in range(y.size):
-            y[j] += Q[i] * q[i, j]
-    for i in range(q.shape[0]):
-        push = strength * (Q[i] - pull * T[i])
+            y[j] += gap[i] * q[i, j] + gap[m + i] * v[i, j]
+    for i in range(m):
+        along, across = strength * push[i], strength * push[m + i]
         for j in range(y.size):
-            v[i, j] -= push * y[j]
+            q[i, j] -= along * y[j]
+            v[i, j] -= across * y[j]
 
 
 @jit_entry
 def revolve(
-    q: Array, v: Array, rows: TurnRows, Q: Array, T: Array, y: Array,
+    q: Array, v: Array, rows: TurnRows, gap: Array, push: Array, y: Array,
     drifts: Drifts, times: Array, kicks: Array, h: float, steps: int,
 ) -> None:  # fmt: skip
     """Splitting of order four: six free motions around kicks at `times` (5,) of a step, weights `kicks` (5,)."""
@@ -78,9 +91,7 @@ def revolve(
         for k in range(times.size):
             drift(q, v, drifts, k)
             rotate(rows.waves, rows.angle - rows.speed * (step + times[k]) * h)
-            fill_some(rows.normal, rows.waves, 0, Q)
-            if rows.mu != 0.0:
-                fill_some(rows.tangent, rows.waves, 0, T)
-            S = Q[rows.modes + 1] - rows.mu * Q[rows.modes + 2]
-            kick(q, v, Q, T, rows.mu, kicks[k] * h / S, y)
+            fill_some(rows.gap, rows.waves, 0, gap)
+            fill_some(rows.push, rows.waves, 0, push)
+            kick(q, v, gap, push, kicks[k] * h / gap[y.size], y)
         drift(q, v, drifts, times.size)

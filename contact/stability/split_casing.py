@@ -37,6 +37,7 @@ KICKS = np.array([P, P, 1.0 - 4.0 * P, P, P])
 PHASE = 0.4  # of the fastest vibration in one step, in radians
 MOST_STEPS = 5_000_000
 CHUNK = 5_000  # steps between two words on how far a turn is: a second, with some hundred modes
+WELL = 1e6  # condition of the eigenvectors of free motion up to which it is taken apart by them
 
 
 def perfect_mean(casing: ModalBody) -> ModalBody:
@@ -192,9 +193,9 @@ def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
 
 
 def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float = PHASE) -> Array:
-    """State (q, q'/scale) after one turn for each unit state before, (2 m, 2 m); `mu` with the sign of the speed.
+    """State after one turn for each unit state before, (2 m, 2 m), in the coordinates of `free_motion`.
 
-    C [1/s] and K [1/s^2] (m, m) of the bodies at the speed of the system.
+    `mu` has the sign of the speed; C [1/s] and K [1/s^2] (m, m) are those of the bodies at the speed of the system.
     """
     from contact.loop.revolve import revolve
 
@@ -204,51 +205,102 @@ def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float =
     if steps > MOST_STEPS:
         raise LimitError(f"speed_hz: found {steps} steps a turn, expected at most {MOST_STEPS}: raise the speed")
     h = period / steps
-    q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), scale * np.eye(m)])
+    q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
-    rows = _rows(system, mu)
-    Q, T = aligned(2, whole(m + 4))
+    free = free_motion(C, K, scale)
+    rows = _rows(system, mu, free.shapes, scale)
+    gap, push = aligned(2, whole(2 * m + 1))
     edges = np.concatenate(([0.0], KICKS, [0.0]))
-    parts = _drifts(C, K, np.array([0.5 * (a + b) * h for a, b in pairwise(edges)]))
+    parts = _drifts(free, np.array([0.5 * (a + b) * h for a, b in pairwise(edges)]))
     for first in range(0, steps, CHUNK):
         tell("", first / steps)
         on = rows._replace(angle=system.angle - system.speed * first * h)
-        revolve(q, v, on, Q, T, np.zeros(2 * m), parts, times, KICKS, h, min(CHUNK, steps - first))
-    return np.vstack([q, v / scale])
+        revolve(q, v, on, gap, push, np.zeros(2 * m), parts, times, KICKS, h, min(CHUNK, steps - first))
+    return np.vstack([q, v])
 
 
-def _rows(system: ModalSystem, mu: float) -> TurnRows:
+def _rows(system: ModalSystem, mu: float, shapes: Array, scale: float) -> TurnRows:
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.revolve import TurnRows
 
     m, (normal, tangent) = system.omega.size, system.sums()
     count = whole(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1)
-    blocks = np.zeros((2, whole(m + 4), 2 * count))
-    for block, part in zip(blocks, (normal, tangent), strict=True):
-        block[: part.sums] = part.full(2 * count)
+    Q, T = (part.full(2 * count) for part in (normal, tangent))
+    gap, push = np.zeros((2, 1, whole(2 * m + 1), 2 * count))
+    gap[0, : 2 * m], gap[0, 2 * m] = shapes[:m].T @ Q[:m], Q[m + 1] - mu * Q[m + 2]
+    push[0, : 2 * m] = np.linalg.inv(shapes)[:, m:] @ (Q[:m] - mu * T[:m]) / scale
     return TurnRows(
-        RowBlocks(*row_blocks(blocks[:1])), RowBlocks(*row_blocks(blocks[1:])), m, system.angle, system.speed, mu,
-        aligned(2, count),
-    )  # fmt: skip
+        RowBlocks(*row_blocks(gap)), RowBlocks(*row_blocks(push)), system.angle, system.speed, aligned(2, count)
+    )
 
 
-def _drifts(C: Array, K: Array, times: Array) -> Drifts:
-    """Exact free motion over each of some times, in blocks of modes that C or K couple."""
+class Free(NamedTuple):
+    """Free motion: (q, q'/scale) = `shapes` (2 m, 2 m) times coordinates z, and z' = A z in each of `blocks`.
+
+    A block is the modes whose pairs of coordinates, numbers i and m + i of z, move together, and their A (2 s, 2 s).
+    """
+
+    shapes: Array
+    blocks: list[tuple[Indices, Array]]
+
+
+def free_motion(C: Array, K: Array, scale: float) -> Free:
+    """Take free motion apart into pairs of coordinates, one for each mode, where its eigenvectors allow.
+
+    For an eigenvalue a + i b with the vector w, z -> Re(w) z_1 + Im(w) z_2 and A = [[a, b], [-b, a]]; two real
+    eigenvalues share a pair. A mode that nothing couples, and modes with eigenvectors of a condition above WELL, stay as
+    they are.
+
+    >>> free = free_motion(np.array([[0.0, 6.0], [-6.0, 0.0]]), np.diag([16.0, 16.0]), 4.0)
+    >>> sorted(round(float(A[0, 1]), 9) for _, A in free.blocks)  # rad/s, of the two waves
+    [2.0, 8.0]
+    """
+    m = len(K)
+    groups = joined_groups((np.abs(C) > COUPLED * np.abs(C).max()) | (np.abs(K) > COUPLED * np.abs(K).max()))
+    shapes, blocks = np.eye(2 * m), list[tuple[Indices, Array]]()
+    for group in groups:
+        own, none = np.ix_(group, group), np.zeros((group.size, group.size))
+        A = np.block([[none, scale * np.eye(group.size)], [-K[own] / scale, -C[own]]])
+        W, parts = _pairs(A) if group.size > 1 else (np.eye(2), [A])
+        if np.linalg.cond(W) > WELL:
+            blocks.append((group, A))
+            continue
+        both = np.concatenate([group, m + group])
+        shapes[np.ix_(both, both)] = W
+        blocks += [(group[i : i + 1], part) for i, part in enumerate(parts)]
+    return Free(shapes, blocks)
+
+
+def _pairs(A: Array) -> tuple[Array, list[Array]]:
+    """Real vectors of each eigenvalue or two of A (2 s, 2 s): first ones, then second ones; and its 2 x 2 form."""
+    values, vectors = np.linalg.eig(A)
+    first, second, parts = list[Array](), list[Array](), list[Array]()
+    for k in np.flatnonzero(values.imag > 0.0):
+        a, b = float(values[k].real), float(values[k].imag)
+        first.append(vectors[:, k].real)
+        second.append(vectors[:, k].imag)
+        parts.append(np.array([[a, b], [-b, a]]))
+    real = np.flatnonzero(values.imag == 0.0)
+    for i, j in zip(real[::2], real[1::2], strict=True):
+        first.append(vectors[:, i].real)
+        second.append(vectors[:, j].real)
+        parts.append(np.diag(values[[i, j]].real))
+    return np.array([*first, *second]).T, parts
+
+
+def _drifts(free: Free, times: Array) -> Drifts:
+    """Exact free motion over each of some times, block by block."""
     from scipy.linalg import expm
 
     from contact.loop.revolve import Drifts
 
-    groups = joined_groups((np.abs(C) > COUPLED * np.abs(C).max()) | (np.abs(K) > COUPLED * np.abs(K).max()))
-    values = []
-    for group in groups:
-        own, none = np.ix_(group, group), np.zeros((group.size, group.size))
-        A = np.block([[none, np.eye(group.size)], [-K[own], -C[own]]])
-        values.append(expm(times[:, None, None] * A).reshape(times.size, -1))
-    sizes = np.array([group.size for group in groups])
+    values = [expm(times[:, None, None] * A).reshape(times.size, -1) for _, A in free.blocks]
+    sizes = np.array([modes.size for modes, _ in free.blocks])
     start = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(4 * sizes**2)[:-1]]).astype(np.int64)
-    work = np.zeros((2 * int(sizes.max()), 2 * len(K)))
-    return Drifts(start, np.concatenate(groups).astype(np.int64), first, np.hstack(values), work)
+    work = np.zeros((2 * int(sizes.max()), len(free.shapes)))
+    modes = np.concatenate([modes for modes, _ in free.blocks]).astype(np.int64)
+    return Drifts(start, modes, first, np.hstack(values), work)
 
 
 def fastest(system: ModalSystem, C: Array, K: Array, mu: float) -> float:
