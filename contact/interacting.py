@@ -1,8 +1,9 @@
 """One table of dangerous speeds: closed contact proposes them, runs of the scene decide.
 
 The growth of closed contact (`contact.stability.peaks`) states at which speeds contact can feed a motion, and which
-one. Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, and at speeds evenly
-over the range, where contact that opens may feed a motion that closed contact does not (`contact.speed_runs`).
+one. Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, at its own speed and
+at speeds evenly over the range. There contact that opens may feed a motion that closed contact does not
+(`contact.speed_runs`).
 """
 
 from __future__ import annotations
@@ -201,7 +202,7 @@ def interactions(
         Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0. If left out, 200
         speeds up to twice the highest speed of the scene.
     runs
-        Number of runs evenly over the range, at least 2, beside one at each peak.
+        Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds.
     closed
         The same bodies with the springs of a law at the tips (`ct.stability.on_springs`); the scene's if left out.
 
@@ -227,7 +228,8 @@ def interactions(
     tell("growth of closed contact")
     proposed = peaks(closed or what, speeds_of(scene) if speed_hz is None else speed_hz, mu=mu)
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
-    at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
+    own = [hz for hz in np.unique(rub_of(what).speed.hz).tolist() if low <= hz <= high]
+    at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows), *own])
     poles = growth_at(closed or what, at, mu=mu)
     taken = speed_runs(scene, at, poles)
     return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)

@@ -102,9 +102,9 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
     """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub or a disk.
 
-    Poles of closed contact propose speeds, and state which motion grows. The scene is run at each of them and at --runs
-    speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice the scene's speed.
-    --out DIR gets the table, its picture and the page interactions.html.
+    Poles of closed contact propose speeds, and state which motion grows. The scene is run at each of them, at its own
+    speed and at --runs speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice
+    the scene's speed. --out DIR gets the table, its picture and the page interactions.html.
     """
     from contact.scene.stability import load_interactions
 
