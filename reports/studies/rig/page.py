@@ -21,7 +21,7 @@ from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 from casingfem.study import Study
 from contact.model.gaps.limits import WALL
 from reports.studies.rig.blade import BladeFit, rms
-from reports.studies.rig.rub import Rub
+from reports.studies.rig.rub import LONGER_STEP, Rub
 from reports.studies.rig.tuning import RubPlan, Tuning
 from reports.tables import Row, text
 
@@ -165,6 +165,8 @@ def causes(rows: Sequence[Row], rubs: Sequence[Rub], plan: RubPlan) -> Section:
         "Friction feeds the motion while the contact is closed, and only if it is above tan(lean). "
         f"The contact is closed {closed}.",
         "A growing motion opens the contact. Impacts then bound it.",
+        f"The rubs have a step of {plan.dt:g} s. The rows below the first and the runs over speed have one of "
+        f"{LONGER_STEP * plan.dt:g} s.",
     )
     return Section("What the rub needs to grow", words, tables=(table,))
 

@@ -23,6 +23,8 @@ from reports.studies.rig.tuning import RubPlan, Tuning, band_of_n, leading, tune
 from reports.studies.rim_levels import excess_db, rim_levels
 from reports.tables import Row
 
+LONGER_STEP = 3.0  # times the plan's step: of the runs over speed and of those with a cause taken away
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rub:
@@ -127,15 +129,16 @@ def planned(rim: ct.RotatingRim, plan: RubPlan) -> ct.Scene:
 
 
 def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
-    """The dangerous speeds up to twice the plan's, by runs at every tenth of that range."""
-    highest = 2.0 * plan.speed_hz
-    return ct.interactions(scene, np.linspace(0.1 * highest, highest, 91), runs=10)
+    """The dangerous speeds from half to twice the plan's, by runs at nine of them and at peaks, with LONGER_STEP."""
+    scene = replace(scene, dt=LONGER_STEP * plan.dt)
+    return ct.interactions(scene, np.linspace(0.5 * plan.speed_hz, 2.0 * plan.speed_hz, 91), runs=9)
 
 
 def controls(files: tuple[Path, Path], plan: RubPlan, rims: dict[str, list[dict[str, float]]]) -> list[Row]:
-    """Level of n over the next nodal diameter [dB] of each rim with a cause taken away, and with half the step."""
+    """Level of n over the next nodal diameter [dB] of each rim with a cause taken away, all with LONGER_STEP."""
+    plan = replace(plan, dt=LONGER_STEP * plan.dt)
     without = {
-        "digging blade, half the step": replace(plan, dt=0.5 * plan.dt),
+        f"digging blade, {LONGER_STEP:g} times the step": plan,
         "no friction": replace(plan, friction=0.0),
         "friction 0.15, below tan(lean)": replace(plan, friction=0.15),
         "trailing blade": replace(plan, lean_deg=-plan.lean_deg),
