@@ -20,7 +20,10 @@ A run that passed half its wall or a tenth of the radius before its growth could
 
 Each difference is tested. "start": a change of the start by 1e-9 to 3e-9 of it changes the verdict of the short run, or
 what becomes of the long one, so that neither run decides; a table has both for each change. "later": in the last
-stretch of the short run the level of the long run does what the verdict states; it changes afterwards. "step": the
+stretch of the short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at
+the step of the short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after
+its end, and grows to half the wall before the end of the long run. When it does depends on the start and the step.
+"step": the
 short run at half its step has the verdict of the long one. "short": the run states that it is too short. A difference
 that no test explains is a FAIL.
 """
@@ -45,6 +48,7 @@ WINDOWS, CHANGED, SAME = 480, 0.5, 0.3
 WITHIN, CLOSED = 0.1, 0.99
 COPIES, MOVED = 3, 1e-9
 SOME = 100  # states of a rate
+AFTER = 0.25  # of the short run: for so long a motion that escapes later keeps its level
 STATES = ("grows", "passed", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
 
 
@@ -199,11 +203,21 @@ def by_start(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: floa
     return [(verdict_of(ended(one, mu, planned, STEP)), fate(one, mu, planned, end)[0]) for one in others]
 
 
+def escapes(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: float) -> bool:
+    """Whether the motion at the step of the short run keeps its level after `end` [s] and grows later."""
+    more = ended(what, mu, LONGER * planned, STEP, record=ct.Record(every=FINER, state_every=FINER), on_limit="flag")
+    t, level = levels(what, more, WINDOWS)
+    now, after = level[(t > 0.8 * end) & (t <= end)], level[(t > end) & (t <= (1.0 + AFTER) * end)]
+    if not (far(more) and after.size and now.mean() > 0.0):
+        return False
+    return bool(np.abs(np.log(after / now.mean())).max() < CHANGED)
+
+
 def explained(
     what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, long: ct.Result, verdict: str, becomes: str,
     planned: float,
 ) -> tuple[str, list[tuple[str, str]]]:  # fmt: skip
-    """Why a verdict differs from what becomes of the motion: "start", "short", "later", "step" or "NOT"; `by_start`."""
+    """Why a verdict differs from what becomes of the motion, as in the module, or "NOT"; and `by_start`."""
     grown, end = short.growth, short.steps * short.dt
     assert grown is not None
     others = by_start(what, mu, end, planned)
@@ -219,6 +233,8 @@ def explained(
         folds = rate_in(what, long, grown.since, end) * (end - grown.since)
         if verdict == ("grows" if folds > SAME else "decays" if folds < -SAME else "bounded"):
             return "later", others
+    if becomes == "grows" and not grows(verdict) and escapes(what, mu, end, planned):
+        return "escapes", others
     fine = verdict_of(ended(what, mu, planned, 0.5 * STEP))
     return ("step" if (grows(fine) and becomes == "grows") or fine == becomes else "NOT"), others
 
