@@ -23,9 +23,8 @@ what becomes of the long one, so that neither run decides; a table has both for 
 stretch of the short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at
 the step of the short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after
 its end, and grows to half the wall before the end of the long run. When it does depends on the start and the step.
-"step": the
-short run at half its step has the verdict of the long one. "short": the run states that it is too short. A difference
-that no test explains is a FAIL.
+"step": the short run at its half step has the verdict of the long one. "short": the run states that it is too short. A
+difference that no test explains is a FAIL.
 """
 
 import math
