@@ -248,8 +248,8 @@ def free_motion(C: Array, K: Array, scale: float) -> Free:
     """Take free motion apart into pairs of coordinates, one for each mode, where its eigenvectors allow.
 
     For an eigenvalue a + i b with the vector w, z -> Re(w) z_1 + Im(w) z_2 and A = [[a, b], [-b, a]]; two real
-    eigenvalues share a pair. A mode that nothing couples, and modes with eigenvectors of a condition above WELL, stay as
-    they are.
+    eigenvalues share a pair. A mode that nothing couples stays as it is, as do modes with eigenvectors of a condition
+    above WELL.
 
     >>> free = free_motion(np.array([[0.0, 6.0], [-6.0, 0.0]]), np.diag([16.0, 16.0]), 4.0)
     >>> sorted(round(float(A[0, 1]), 9) for _, A in free.blocks)  # rad/s, of the two waves
