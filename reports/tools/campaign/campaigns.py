@@ -63,6 +63,10 @@ CAMPAIGNS = (
     Campaign(
         "verification.modes.corner", "a cylinder and a cone: chart, imported shell and solid, CalculiX", STRUCTURE
     ),
+    Campaign(
+        "verification.outside", "published values, measurements, other programs in one table",
+        (*STRUCTURE, "contact/cycles"),
+    ),
     Campaign("verification.modes.branching", "shells that branch: a published box, a T against bricks", STRUCTURE),
     Campaign("verification.modes.cutouts", "a casing with a hole and a window: imported shell, CalculiX", STRUCTURE),
     Campaign("verification.modes.stiffeners", "ring stiffeners against bricks of wall and rings", STRUCTURE),

@@ -1,0 +1,1 @@
+"""Results of others: published values, measurements and other programs, each with what its source leaves open."""
