@@ -4,14 +4,19 @@ A rare event y >= y* is reached by way of events that are each `PART` as likely 
 Probabilistic Engineering Mechanics 16, 2001, 263). Within each, Markov chains start at the draws of the last level that
 are beyond its threshold. They propose normal numbers that are correlated with the last ones, r u + sqrt(1 - r^2) v (I.
 Papaioannou et al., Probabilistic Engineering Mechanics 41, 2015, 89). r is adapted to an acceptance of 0.44.
+
+Chains that are as good as independent draws leave a variation of -ln(P)/sqrt(runs), 12 % for 1e-5 by 1e4 runs. So half
+of the runs are importance sampling around the points that the last level has found (`importance_sampling`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from scipy.stats import norm
 
+from casingfem.chance.importance_sampling import density_of, directions_of
 from casingfem.errors import InputError, NumericsError
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
@@ -19,6 +24,9 @@ PART = 0.1  # of the draws start the next level
 ACCEPTED = 0.44
 LEVELS = 30
 ROUNDS = 10  # in which the chains of a level adapt
+SHARES = (0.3, 0.7)  # of importance sampling: the first draws give the density of the others, which are the estimate
+FEWEST = 10  # independent points of the last level that a density is fitted to
+AGREED = 3.0  # standard deviations by which the logarithm may be below that of the subsets
 Response = Callable[[FloatArray], FloatArray]
 
 
@@ -32,16 +40,21 @@ class RareEvent:
     variation : estimated coefficient of variation of it [-]
     thresholds : of the levels on the way, the last is y*
     runs : evaluations of y
+    by : "subset", or "importance": importance sampling, where it is more certain
+    subset, subset_variation : probability and variation by the subsets alone
     """
 
     probability: float
     variation: float
     thresholds: tuple[float, ...]
     runs: int
+    by: Literal["subset", "importance"]
+    subset: float
+    subset_variation: float
 
 
 def subset_simulation(
-    response: Response, dimension: int, threshold: float, *, seed: int, size: int = 2000
+    response: Response, dimension: int, threshold: float, *, seed: int, size: int = 1000, more: int = 5000
 ) -> RareEvent:
     """Probability that y(u) >= `threshold` for independent standard normal u.
 
@@ -51,23 +64,26 @@ def subset_simulation(
         y of points u (points, dimension), vectorised: (points,).
     size
         Evaluations in each level; a level makes the event ten times rarer.
+    more
+        Evaluations of importance sampling after the last level; 0 for subset simulation alone.
 
     Raises
     ------
     InputError
-        No dimension, or less than 100 evaluations in a level.
+        No dimension, less than 100 evaluations in a level, or from 1 to 99 more.
     NumericsError
         If y is not finite, or the threshold is not reached within 30 levels.
 
     Examples
     --------
     >>> found = subset_simulation(lambda u: u.sum(axis=1), 4, 6.0, seed=7)  # exactly 1.3e-3
-    >>> 1e-3 < found.probability < 1.8e-3, found.runs
-    (True, 5600)
+    >>> abs(found.probability / 1.35e-3 - 1.0) < 0.1, found.by, found.runs
+    (True, 'importance', 7800)
     """
-    if dimension < 1 or size < 100:
-        found = f"dimension {dimension}, size {size}"
-        raise InputError(f"subset_simulation: found {found}, expected at least 1 number and 100 evaluations a level")
+    if dimension < 1 or size < 100 or not (more == 0 or more >= 100):
+        found = f"dimension {dimension}, size {size}, more {more}"
+        expected = "at least 1 number, 100 evaluations a level, and 0 or at least 100 more"
+        raise InputError(f"subset_simulation: found {found}, expected {expected}")
     rng = np.random.default_rng(seed)
     u = rng.standard_normal((size, dimension))
     y = finite_response(response, u)
@@ -85,14 +101,50 @@ def subset_simulation(
         chance *= part
         thresholds.append(level)
         if last or part == 0.0:
-            return RareEvent(
-                probability=chance, variation=float(np.sqrt(squares)), thresholds=tuple(thresholds), runs=runs
-            )
+            variation = float(np.sqrt(squares))
+            subsets = RareEvent(
+                probability=chance, variation=variation, thresholds=tuple(thresholds), runs=runs, by="subset",
+                subset=chance, subset_variation=variation,
+            )  # fmt: skip
+            return sharpened(subsets, response, (u, y, chains), threshold, more, rng)
         kept = rng.permutation(order[:starts])
         u, y, chains = next_level(response, u[kept], y[kept], level, size, rng)
         runs += size - starts
     found = f"y = {thresholds[-1]:g} after {LEVELS} levels"
     raise NumericsError(f"subset_simulation: found {found}, expected {threshold:g}: the event cannot be reached")
+
+
+def sharpened(
+    subsets: RareEvent, response: Response, level: tuple[FloatArray, FloatArray, IntArray], threshold: float,
+    more: int, rng: np.random.Generator,
+) -> RareEvent:  # fmt: skip
+    """The probability by importance sampling, where that is not below the subsets' and is more certain.
+
+    `level` has the points, the responses and the chains of the last level.
+    """
+    u, y, chains = level
+    found, independent = u[y >= threshold], len(np.unique(chains[y >= threshold]))
+    if not more or independent < FEWEST:
+        return subsets
+    directions = directions_of(u, y, independent)
+    if directions is None:
+        return subsets
+    runs, variation, mean = subsets.runs, float("inf"), 0.0
+    for share in SHARES:
+        density = density_of(found, directions, independent, rng)
+        u = density.drawn(int(share * more), rng)
+        weight = np.where(finite_response(response, u) >= threshold, np.exp(density.log_weights(u)), 0.0)
+        mean, runs = float(weight.mean()), runs + len(u)
+        if not mean > 0.0:
+            return replace(subsets, runs=runs)
+        variation = float(weight.std(ddof=1)) / (mean * np.sqrt(len(u)))
+        part = weight / weight.sum()
+        independent = max(int(1.0 / np.sum(part**2)), 1)
+        found = u[rng.choice(len(u), len(u), p=part)]
+    less = np.log(subsets.subset / mean)  # a part of the event may have no kernel
+    if not variation < subsets.variation or less > AGREED * np.hypot(subsets.variation, variation):
+        return replace(subsets, runs=runs)
+    return replace(subsets, probability=mean, variation=variation, runs=runs, by="importance")
 
 
 def next_level(
