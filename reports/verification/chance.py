@@ -6,7 +6,7 @@
   quotient) and against full solutions of the shell; the time of 100,000 casings.
 - The same casing with a thousandth of its imperfections: first-order theory gives the split of a pair of n diameters as
   a constant times the amplitude of harmonic 2n, whose distribution is known. Quantiles of the draws, how often their
-  intervals have the true probability in 200 repetitions, and an event of 1e-5 by subset simulation with importance sampling.
+  intervals have the true probability in 200 repetitions, and an event of 1e-5 by importance sampling after subsets.
 """
 
 import time
