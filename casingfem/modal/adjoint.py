@@ -7,18 +7,21 @@ A reading b^T phi_i of mode i changes with a parameter by z^T (K' - lambda_i M')
 (Fox & Kapoor, AIAA J. 6, 1968, 2426, with the modes not computed by their static response). Among the computed modes
 the solution is explicit. What is left lies in span[F b, F M F b, ...], F = (K - s M)^-1: one Galerkin space serves all
 lambda_i, and each more depth multiplies its error by about (lambda_i/lambda_m)^2, m the first mode left out.
+
+Many sensors read the same motions: of a block only the directions are kept that are more than `SMALL` of its largest.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh, qr
+from scipy.linalg import eigh, qr, svd
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.neighbour import Solution
 
 DEPTH = 3
+SMALL = 1e-5  # a combination of sensors below it reads motions of modes at 300 times the frequency and above
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,10 +58,7 @@ def adjoint_space(solution: Solution, loads: FloatArray, depth: int = DEPTH) -> 
     X = solution.vectors[:, : len(modes)]
     basis, block = X, b
     for _ in range(depth):
-        block = solution.old.apply(pencil, block)
-        for _ in range(2):
-            block = block - basis @ (basis.T @ block)
-        block = qr(block, mode="economic")[0]
+        block = directions(solution.old.apply(pencil, block), basis)
         basis = np.hstack([basis, block])
     V = basis[:, len(modes) :]
     values, turn = eigh(V.T @ (pencil.A @ V))
@@ -70,3 +70,13 @@ def adjoint_space(solution: Solution, loads: FloatArray, depth: int = DEPTH) -> 
         values=np.concatenate([modes.omega**2, values]),
         readings=np.concatenate([np.einsum("ncr,ncm->rm", loads, modes.fields), b.T @ V], axis=1),
     )
+
+
+def directions(block: FloatArray, basis: FloatArray) -> FloatArray:
+    """Orthonormal directions of a block (dofs, any) beyond a basis, those of more than `SMALL` of the block."""
+    R = qr(block, mode="r")[0][: block.shape[1]]
+    least = SMALL * np.linalg.norm(R, 2)
+    block = block - basis @ (basis.T @ block)
+    left, sizes, _ = svd(block - basis @ (basis.T @ block), full_matrices=False)
+    kept = left[:, sizes > least]
+    return np.asarray(kept - basis @ (basis.T @ kept))

@@ -53,6 +53,19 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     assert fit.free == fit.residuals - 2 * ROWS - 2  # two modes a shape, two parameters
 
 
+@pytest.mark.slow
+def test_eight_sensors_at_each_place_give_the_fit_of_one(frustum):
+    """A shape has unit norm and sigma is that of its values: eight of each value, an eighth of the square each."""
+    truth, start = casing(frustum, c8=0.0025), casing(frustum)
+    table, once = measured(truth, turn=0.4)
+    angles, shapes = np.repeat(THETA, 8), np.repeat(once.shapes, 8, axis=0)
+    often = cf.updating.SensorShapes.on_edge(start, "top", angles, shapes, 0.01)
+    vary = [cf.Parameter(name="radius.p8.cos", lower=-0.01, upper=0.01)]
+    one, many = (cf.update(start, table, vary, shapes=given) for given in (once, often))
+    assert many.value[0] == pytest.approx(0.0025, abs=1e-7)
+    assert many.sigma[0] == pytest.approx(one.sigma[0], rel=1e-4)
+
+
 def test_sensors_without_labels_are_numbered_from_1(frustum):
     shapes = cf.updating.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.01)
     assert shapes.labels.tolist() == list(range(1, 25))
