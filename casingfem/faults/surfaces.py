@@ -78,7 +78,10 @@ SURFACES = {
         "the field has finer waves than the mesh can resolve",
         "leave out finer harmonics, or ask for more elements around",
     ),
-    "field-no-radius": ("a flat surface has no radius to be defective", "use a Panel, or a thickness field"),
+    "field-no-radius": (
+        "a radius defect is given for a flat surface, which has no radius",
+        "use a Panel, or a thickness field",
+    ),
     "field-not-finite": (
         "the field is nan or infinite somewhere on the surface",
         "correct the field there; a survey's fit must cover the whole surface",

@@ -3,11 +3,11 @@
 Residuals are those of an update (`targets.py`): means and split vectors. The uncertainty of a measured orientation
 widens the split vector across itself: its covariance is sigma^2 I + (2 n |d| sigma_psi)^2 t t^T, t across d.
 
-What a baseline leaves unknown are the couplings that manufacture makes between pairs of different n. It shows what
-manufacture does within each pair, its split 2 c f. What it does between pairs is as large, but only their distance D
-shows it, by c^2 f^2/D. A change mixes the pairs, and then it shows to first order: let mode i after the change have the
-shares p_iP in the pairs P of the casing before, and let the unknown couplings be random, of the size of those within
-pairs. Of omega_i^2 = sum a_ki a_li (Lambda + W)_kl the part over different pairs has
+A baseline measures the effect of manufacture within each pair, its split 2 c f. Manufacture also couples pairs of
+different n, by the same amount. The baseline hardly shows these couplings: they change a frequency by c^2 f^2/D, with D
+the distance of the pairs. A change mixes the pairs, and then the couplings have an effect of first order. Let mode i
+after the change have the shares p_iP in the pairs P of the casing before, and let the unknown couplings be random, of
+the size of those within pairs. Of omega_i^2 = sum a_ki a_li (Lambda + W)_kl the part over different pairs has
 
     (sigma_f/f)_i = c sqrt((sum_P p_iP)^2 - sum_P p_iP^2),   p_iP = sum_(k in P) a_ki^2,   a = Y0^T M Y,
 

@@ -121,7 +121,7 @@ class Signs(NamedTuple):
 
 
 def signs(at: Orbit, along: Tangent) -> Signs:
-    """Signs of an orbit whose branch goes along a tangent."""
+    """Signs of an orbit at which the branch has this tangent."""
     mu = at.multipliers
     real = mu.imag == 0.0
     return Signs(

@@ -1,8 +1,8 @@
 """Compiled passage through one phase: contacts do not change, modes move exactly, until a gap or a force is zero.
 
 In eigenvectors of the phase y' = lam y + beta, so y(t + tau) = e^{lam tau} y + tau phi(lam tau) beta with
-phi(z) = (e^z - 1)/z. What is watched (gaps of open contacts, forces of closed ones, then outputs) is
-Re(rows y) + rest + Re(sum wave e^{i harmonic w t}), without approximation; the step only says where one looks.
+phi(z) = (e^z - 1)/z. The watched quantities (gaps of open contacts, forces of closed ones, then outputs) are
+Re(rows y) + rest + Re(sum wave e^{i harmonic w t}). This is exact; the step determines only when they are evaluated.
 """
 
 from __future__ import annotations

@@ -193,7 +193,7 @@ class RubClosing(Table):
     def _one(self) -> RubClosing:
         listed = np.ndim(self.by) > 0
         if listed == (self.time is None) or listed == (self.time_constant is not None):
-            raise ValueError("expected one by with time_constant, or a list of them with time")
+            raise ValueError("expected a number as by with time_constant, or lists of by and time")
         return self
 
     def law(self) -> Closing:

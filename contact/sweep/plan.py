@@ -96,7 +96,7 @@ def load_sweep(path: str | Path) -> SweepPlan:
 
 
 def _of_vary(problem: str, table: SweepTable, file: Path) -> str:
-    """A problem of the first run; where its key is varied, the place of its value in [sweep] is before it."""
+    """A problem of the first run; if its key is varied, it begins with the place of the value in [sweep]."""
     for k, vary in enumerate(table.vary, 1):
         if problem.startswith(f"{file}: {vary.key}: "):
             place = "key" if ": unknown key" in problem else "from" if vary.values is None else "values"

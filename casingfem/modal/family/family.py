@@ -69,7 +69,7 @@ class Family:
 
     @classmethod
     def of(cls, shell: Shell, count: int) -> "Family | None":
-        """The family of a casing: all that its fields could be; None where a family cannot be made (`is_family`).
+        """The family of a casing: all casings with other values of its fields; None if there is none (`is_family`).
 
         Parameters
         ----------

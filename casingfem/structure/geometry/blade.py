@@ -50,7 +50,10 @@ class TwistedPlate(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, y = b."""
         if defect is not None:
-            raise ModelError("field-no-radius", "radius_defect: a twisted plate has no radius to be defective")
+            raise ModelError(
+                "field-no-radius",
+                "radius_defect: found one on a twisted plate, expected none: a twisted plate has no radius",
+            )
         rate = self.twist / self.length
         x, y, angle = np.broadcast_arrays(a, b, rate * np.asarray(a))
         c, s = np.cos(angle), np.sin(angle)
@@ -178,7 +181,7 @@ class Blade(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, eta = b."""
         if defect is not None:
-            raise ValueError("radius_defect: a blade has no radius to be defective; use a Panel")
+            raise ValueError("radius_defect: found one on a blade, expected none: a blade has no radius; use a Panel")
         x, eta = jets(a, b)
         xi = x * (1.0 / self.length)
         p, q = self.section(xi, eta)

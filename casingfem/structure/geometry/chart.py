@@ -324,7 +324,9 @@ class Plate(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, y = b."""
         if defect is not None:
-            raise ModelError("field-no-radius", "radius_defect: a flat plate has no radius to be defective")
+            raise ModelError(
+                "field-no-radius", "radius_defect: found one on a flat plate, expected none: a flat plate has no radius"
+            )
         a, b = np.broadcast_arrays(a, b)
         zero, one = np.zeros_like(a), np.ones_like(a)
         flat = np.stack([zero, zero, zero])

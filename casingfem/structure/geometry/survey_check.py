@@ -63,7 +63,7 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
 
 
 def surveys(field: Field) -> list[SurveyField]:
-    """The surveys in a field, be it one or a sum, whose terms are none."""
+    """The surveys in a field: the field itself, or the terms of a sum; empty if there are none."""
     terms = field.fields if isinstance(field, SumField) else (field,)
     return [term for term in terms if isinstance(term, SurveyField)]
 

@@ -57,7 +57,7 @@ def law(c: Array, row: Array, share: float, out: Array) -> None:
 
 @jit_inside
 def add_part(row: Array, share: float, out: Array) -> None:
-    """Add share row to `out`."""
+    """Add `share` times `row` to `out`."""
     part = same(share)
     for i in range(0, out.size, WIDTH):
         put(out, i, load(out, i) + part * load(row, i))

@@ -65,7 +65,7 @@ def memory_of(y: Yielding | None) -> tuple[Any, ...]:
 
 
 def too_long(y: Yielding | None, H: float, dt: float) -> tuple[Flag, ...]:
-    """A flag where the stiffest moment of the contact is too quick for the step; H [m/N] of the modes in one step.
+    """Flag if the step is too long for the largest stiffness of the contact; H [m/N] of the modes in one step.
 
     Within a step the modes move by H force; a mass m on a spring k has H k = (omega dt)^2.
     """

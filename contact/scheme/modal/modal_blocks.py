@@ -52,6 +52,6 @@ def _matrices(part: Coupled, modes: int, casing: int) -> tuple[Array, ...]:
 
 
 def fill_blocks(blocks: ModalBlocks, weights: Array, values: tuple[Array, ...]) -> None:
-    """Put in the values between the nodes, by their weights."""
+    """Fill blocks with values interpolated between nodes, by the weights of the nodes."""
     for part, at_nodes in zip(blocks, values, strict=True):
         part.value[...] = np.tensordot(weights, at_nodes, axes=1)

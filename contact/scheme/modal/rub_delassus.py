@@ -133,6 +133,6 @@ def _around_rim(
 
 
 def _around(n_max: int, angle: Array, turned: Array, form: Array) -> Array:
-    """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at tips, by the angles turned."""
+    """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at the tips, for each angle of rotation."""
     E = turned_back(harmonics(n_max, angle), turned)
     return np.asarray(np.sum(E @ form * E, axis=-1))

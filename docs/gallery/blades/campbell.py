@@ -8,6 +8,7 @@ Centrifugal tension stiffens a blade. Where a frequency crosses a multiple of th
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.interaction import figure_speeds
 
 strip = cf.Plate(length=0.11, width=0.04)
@@ -19,6 +20,11 @@ blade = cf.Shell(
     mesh=cf.ShellMesh(order=6, rows=2, around=2),
     rotation=cf.Rotation.of_blade(strip, omega=0.0, hub_radius=0.3, stagger=np.radians(30.0)),
 )
+figure = figure_shapes(cf.modes(blade, count=3), [0, 1, 2])
+
+# %%
+# The first three modes at rest: two of bending, one of torsion. Their frequencies over the speed:
+
 found = cf.campbell(blade, 2.0 * np.pi * np.array([0.0, 25.0, 50.0, 75.0, 100.0]), count=3)
 figure = figure_speeds(found)
 

@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 x, y = np.meshgrid(np.linspace(0.0, 110.0, 23), np.linspace(-20.0, 20.0, 9), indexing="ij")
 number = np.arange(x.size).reshape(x.shape) + 1
@@ -31,7 +32,13 @@ imported = cf.MeshShell(mesh=mesh, thickness=5e-3, material=steel, supports={"RO
 chart = cf.Shell(
     chart=cf.Plate(length=0.11, width=0.04), thickness=5e-3, material=steel, supports={"root": cf.Clamped()}
 )
-freq = {"imported": cf.modes(imported, 5).freq, "on a chart": cf.modes(chart, 5).freq}
+modes = cf.modes(imported, 5)
+figure = figure_shapes(modes, [0, 1, 2])
+
+# %%
+# Modes of the imported mesh. The frequencies of both models:
+
+freq = {"imported": modes.freq, "on a chart": cf.modes(chart, 5).freq}
 
 figure, axes = plt.subplots(layout="constrained")
 for shift, (name, values) in enumerate(freq.items()):

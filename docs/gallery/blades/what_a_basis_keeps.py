@@ -2,14 +2,15 @@
 What a reduced basis keeps
 ==========================
 
-Few modes do not carry all of the flexibility of a tip. The residual compliance S holds the rest, so that the basis is
-as soft as the blade itself, whatever the number of modes.
+A few modes have only a part of the compliance of a tip. The residual compliance S adds the rest: the static compliance
+of the basis is that of the blade, whatever the number of modes.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 strip = cf.Plate(length=0.11, width=0.04)
 blade = cf.Shell(
@@ -19,6 +20,11 @@ blade = cf.Shell(
     supports={"root": cf.Clamped()},
     mesh=cf.ShellMesh(order=6, rows=2, around=2),
 )
+figure = figure_shapes(cf.modes(blade, count=3), [0, 1, 2])
+
+# %%
+# The first modes of the blade. The share of the tip's compliance that they have:
+
 counts = [1, 2, 4, 8]
 carried, whole = [], []
 for count in counts:

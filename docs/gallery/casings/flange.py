@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 parts = {
     "chart": cf.Frustum(r_base=0.50, r_top=0.45, height=0.25),
@@ -22,10 +23,15 @@ walls = {
     "12 mm flange at the rim": cf.Shell(**parts, strips=(cf.Strip(start=0.24, end=0.25, thickness=12e-3),)),
 }
 
+found = {name: cf.modes(casing, count=24) for name, casing in walls.items()}
+figure = figure_shapes(found["12 mm flange at the rim"], [0, 2, 4])
+
+# %%
+# Modes of the casing with the flange. The lowest frequency of each number of nodal diameters, without and with it:
+
 figure, axes = plt.subplots(layout="constrained")
 lowest = {}
-for name, casing in walls.items():
-    modes = cf.modes(casing, count=24)
+for name, modes in found.items():
     lowest[name] = modes.freq[0]
     first = modes.meridional == 1
     order = np.argsort(modes.nodal_diameters[first], kind="stable")

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 stiffness = np.logspace(8, 16, 9)
 freq = []
@@ -20,7 +21,12 @@ for k_face in stiffness:
         material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
         supports={"base": cf.ElasticEdge(k_face=k_face)},
     )
-    freq.append(cf.modes(casing, count=1).freq[0])
+    modes = cf.modes(casing, count=1)
+    freq.append(modes.freq[0])
+figure = figure_shapes(modes, [0])
+
+# %%
+# The lowest mode on the stiffest foundation. Its frequency over the stiffness of the foundation:
 
 figure, axes = plt.subplots(layout="constrained")
 axes.semilogx(stiffness, freq, "o-")

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 
 def lowest(order):
@@ -21,12 +22,17 @@ def lowest(order):
         supports={"base": cf.Clamped()},
         mesh=cf.ShellMesh(order=order, rows=1, around=21),
     )
-    return cf.modes(casing, 8).freq
+    return cf.modes(casing, 8)
 
 
 orders = range(4, 9)
 finest = lowest(11)
-worst = [np.abs(lowest(order) / finest - 1.0).max() for order in orders]
+figure = figure_shapes(finest, [0, 2, 4])
+
+# %%
+# Three of the eight modes on elements of order 11. The error of lower orders against them:
+
+worst = [np.abs(lowest(order).freq / finest.freq - 1.0).max() for order in orders]
 
 figure, axes = plt.subplots(layout="constrained")
 axes.semilogy(orders, 100.0 * np.array(worst), "o-")

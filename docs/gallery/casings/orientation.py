@@ -2,13 +2,15 @@
 A defect fixes where the antinodes are
 ======================================
 
-The modes of a perfect casing may be at any angle. A defect holds them: turn the defect, and they turn with it.
+The modes of a perfect casing may be at any angle. A defect fixes it: if the defect turns, the modes
+turn with it.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 defect = cf.FourierField.of({6: 1e-3})
 turns = np.radians([0.0, 10.0, 20.0])
@@ -26,6 +28,11 @@ for turn in turns:
     mode = int(np.flatnonzero(modes.nodal_diameters == 3)[0])
     angles.append(modes.angle_deg[mode])
     freq.append(modes.freq[mode])
+
+figure = figure_shapes(modes, [mode, mode + 1])
+
+# %%
+# The pair of three nodal diameters, for the defect turned by 20 degrees. The antinode follows the defect:
 
 figure, axes = plt.subplots(layout="constrained")
 axes.plot(np.degrees(turns), angles, "o-")

@@ -9,6 +9,7 @@ On a body of revolution the modes of :math:`n \geq 1` nodal diameters come twice
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.modes import figure_frequencies
 
 casing = cf.Shell(
@@ -18,6 +19,11 @@ casing = cf.Shell(
     supports={"base": cf.Clamped()},
 )
 modes = cf.modes(casing, count=24)
+figure = figure_shapes(modes, [0, 1, 2])
+
+# %%
+# The first two shapes are one pair: the same waves, turned by a quarter of a wave.
+
 print(modes)
 figure = figure_frequencies(modes)
 

@@ -9,6 +9,7 @@ a 90th percentile. The splits of a batch are then a distribution.
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.modes import figure_splits
 
 usual = cf.field.Spectrum(p=np.arange(2, 9), median=np.full(7, 2e-4), high=np.full(7, 5e-4))
@@ -20,6 +21,11 @@ casing = cf.Shell(
     radius_defect=cf.field.RandomField(spectrum=usual, seed=20261),
     mesh=cf.ShellMesh(order=6, rows=1, around=9),
 )
+figure = figure_shapes(cf.modes(casing, count=4), [0, 1, 2])
+
+# %%
+# The modes of one drawn casing. The splits of ten of them:
+
 batch = cf.modal.mistune(casing, draws=10, count=4)
 figure = figure_splits(batch)
 

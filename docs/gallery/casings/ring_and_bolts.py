@@ -9,10 +9,11 @@ whose 2n is a multiple of their number. A bolt that is missing splits the others
 import matplotlib.pyplot as plt
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 
 def splits(loose):
-    """Splits of the lowest pairs by nodal diameters, with some bolts loosened to a factor of their stiffness."""
+    """Modes with some bolts loosened to a factor of their stiffness, and splits of the pairs by nodal diameters."""
     bolts = cf.Bolts(count=12, k=5e7, k_rot=5e4, loose=loose)  # N/m and N m/rad of each
     ring = cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02), support=bolts)
     casing = cf.Shell(
@@ -23,10 +24,14 @@ def splits(loose):
         mesh=cf.ShellMesh(order=6, rows=1, around=12),
     )
     modes = cf.modes(casing, count=8)
-    return {int(modes.nodal_diameters[low]): split for (low, _), split in zip(modes.doublets, modes.splits)}
+    return modes, {int(modes.nodal_diameters[low]): split for (low, _), split in zip(modes.doublets, modes.splits)}
 
 
-whole, broken = splits({}), splits({3: 0.0})
+(modes, whole), (_, broken) = splits({}), splits({3: 0.0})
+figure = figure_shapes(modes, [0, 2, 4])
+
+# %%
+# Modes of the casing on twelve equal bolts. The splits of its pairs, with all bolts and without one:
 
 figure, axes = plt.subplots(layout="constrained")
 for shift, (name, found) in enumerate({"all twelve": whole, "bolt 3 missing": broken}.items()):

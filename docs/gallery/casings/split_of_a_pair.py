@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 
 
 def split(p, epsilon):
@@ -24,12 +25,19 @@ def split(p, epsilon):
     )
     modes = cf.modes(casing, count=4)
     pair = next(k for k, (low, _) in enumerate(modes.doublets) if modes.nodal_diameters[low] == 3)
-    return modes.splits[pair]
+    return modes, modes.splits[pair]
 
 
 sizes = np.array([2.5e-4, 5e-4, 1e-3])
-first = np.array([split(6, size) for size in sizes])
-second = np.array([split(3, size) for size in sizes])
+modes = split(6, sizes[-1])[0]
+low, high = next(pair for pair in modes.doublets if modes.nodal_diameters[pair[0]] == 3)
+figure = figure_shapes(modes, [low, high])
+
+# %%
+# The two members of the pair: antinodes of one are nodes of the other. Their split over the size of the harmonic:
+
+first = np.array([split(6, size)[1] for size in sizes])
+second = np.array([split(3, size)[1] for size in sizes])
 
 figure, axes = plt.subplots(layout="constrained")
 axes.loglog(100 * sizes, 100 * first, "o-", label="cos 6θ: 2n")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import casingfem as cf
 import contact as ct
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.contact import figure_contact
 
 steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -27,6 +28,11 @@ blade = cf.Shell(
     supports={"root": cf.Clamped()},
     mesh=cf.ShellMesh(order=6, rows=2, around=2),
 )
+figure = figure_shapes(cf.modes(casing, count=6), [0, 2, 4])
+
+# %%
+# The lowest modes of the casing. Both bodies are reduced and run:
+
 with tempfile.TemporaryDirectory() as folder:  # only files of arrays cross from one package to the other
     rim = cf.reduce(casing, cf.Rim("top", n_max=16), modes=30, zeta=0.005).save(Path(folder, "casing.npz"))
     tip = cf.reduce(blade, cf.Tip(), modes=4, zeta=0.005).save(Path(folder, "blade.npz"))

@@ -9,6 +9,7 @@ little in the other one too, a quarter of a period late: some of the wave travel
 
 import casingfem as cf
 from casingfem import rig
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.experiment import figure_scan
 
 casing = cf.Shell(
@@ -19,7 +20,13 @@ casing = cf.Shell(
     radius_defect=cf.FourierField.of({6: 1e-3}),
     mesh=cf.ShellMesh(order=6, rows=1, around=9),
 )
-bench = rig.rig_of(cf.modes(casing, count=8), [rig.Place(at=(0.25, 0.3)), *rig.circle(0.25, 24)], zeta=0.002)
+modes = cf.modes(casing, count=8)
+figure = figure_shapes(modes, [0, 1])
+
+# %%
+# The pair of three nodal diameters; the force drives its first member.
+
+bench = rig.rig_of(modes, [rig.Place(at=(0.25, 0.3)), *rig.circle(0.25, 24)], zeta=0.002)
 tone = rig.Tone(bench.freq[0])
 turning = rig.Turning(mirror=4.1)  # turns a second
 test = rig.scan(bench, turning, [tone], circle=range(1, 25), drive=0, fs=4096.0, seconds=2.0, seed=20261, snr_db=20.0)

@@ -11,6 +11,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem import rig
+from casingfem.plot.body.shapes import figure_shapes
 
 casing = cf.Shell(
     chart=cf.Cylinder(radius=0.10, height=0.25),
@@ -21,7 +22,13 @@ casing = cf.Shell(
     mesh=cf.ShellMesh(order=6, rows=1, around=9),
 )
 places = [rig.Place(at=(0.25, 0.3)), rig.Place(at=(0.25, 1.4))]
-bench = rig.rig_of(cf.modes(casing, count=8), places, zeta=0.01)
+modes = cf.modes(casing, count=8)
+figure = figure_shapes(modes, [0, 2, 4])
+
+# %%
+# Modes of the casing that is struck. The force, and the response at the second place:
+
+bench = rig.rig_of(modes, places, zeta=0.01)
 hammer = rig.Impact(peak=200.0, width=3e-4)  # N, s
 test = rig.record(bench, [hammer], drives=[0], sensors=[0, 1], fs=20480.0, block=4096, blocks=1, seed=20261)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem import rig
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.identify import figure_stabilisation
 
 casing = cf.Shell(
@@ -21,6 +22,11 @@ casing = cf.Shell(
     mesh=cf.ShellMesh(order=6, rows=1, around=9),
 )
 modes = cf.modes(casing, count=8)
+figure = figure_shapes(modes, [0, 1])
+
+# %%
+# The two modes in the band. They are found again from noisy responses:
+
 bench = rig.rig_of(modes, [rig.Place(at=(0.25, 0.3)), *rig.circle(0.25, 16)], zeta=0.002)
 low, high = modes.freq[0] - 60.0, modes.freq[1] + 60.0
 frfs = rig.noisy(bench.frfs(np.arange(low, high, 0.5), sensors=range(1, 17), drives=[0]), 40.0, seed=20261)

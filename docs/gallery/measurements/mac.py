@@ -12,6 +12,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem import rig
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.correlation import figure_mac
 
 model = cf.Shell(
@@ -24,6 +25,11 @@ model = cf.Shell(
 )
 real = replace(model, thickness=1.53e-3, supports={"base": cf.ElasticEdge(k_face=1e13)})
 truth = cf.modes(real, count=6)
+figure = figure_shapes(truth, [0, 2, 4])
+
+# %%
+# The shapes that are measured, at 24 places of the rim:
+
 bench = rig.rig_of(truth, rig.circle(0.25, 24), zeta=0.002)
 points = np.array([probe.point for probe in bench.probes])
 radial = points * [1.0, 1.0, 0.0]

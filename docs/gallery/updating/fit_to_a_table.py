@@ -7,6 +7,7 @@ The fan blade of Olson and Lindberg: seven MEASURED frequencies, three unknowns 
 
 import casingfem as cf
 from casingfem.examples import DATA
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.update import Paired, figure_errors
 
 blade = cf.Shell(
@@ -22,6 +23,11 @@ vary = [
     cf.Parameter(name="chart.radius", lower=0.55, upper=0.67, sigma=0.015),
 ]
 fit = cf.update(blade, table, vary, model_error=0.01)
+figure = figure_shapes(fit.after, [0, 1, 2])
+
+# %%
+# The first modes of the updated blade. The parameters, and the frequencies before and after:
+
 print(fit)
 models = {"imperfect": Paired(fit.before, fit.pairing_before), "updated": Paired(fit.after, fit.pairing)}
 figure = figure_errors(table, models)

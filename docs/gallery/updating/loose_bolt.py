@@ -9,6 +9,7 @@ apart is named. The table is SYNTHETIC.
 import numpy as np
 
 import casingfem as cf
+from casingfem.plot.body.shapes import figure_shapes
 from casingfem.plot.correlation import figure_located
 
 
@@ -26,6 +27,11 @@ def casing(loose):
 
 
 truth = cf.modes(casing({4: 0.3}), count=8)
+figure = figure_shapes(truth, [0, 1])
+
+# %%
+# The lowest pair of the casing with a loose bolt. Its table, and the search:
+
 noise = 1e-4 * np.random.default_rng(20261).normal(size=8)
 table = cf.FrequencyTable.from_arrays(
     freq_hz=truth.freq * (1.0 + noise),

@@ -73,7 +73,7 @@ def ringing_left(response: FloatArray, pulse: Pulse) -> float:
 def longer(left: float, seconds: float) -> tuple[float, float]:
     """Record length [s], or time constant of a window [s], that leaves one per cent of the ringing.
 
-    `left` is what `seconds` of record leave. Exponential decay is assumed.
+    `left` is the share of the ringing after a record of `seconds`. Exponential decay is assumed.
 
     >>> [round(value, 3) for value in longer(0.1, 2.0)]
     [4.0, 0.869]
