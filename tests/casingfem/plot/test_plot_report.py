@@ -98,7 +98,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
         return embed(figure, alt, kind=kind)
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("page", "shapes"):
+        for module in ("page", "body.shapes"):
             patch.setattr(f"casingfem.plot.{module}.embed", kept)
         result = CliRunner().invoke(main, ["report", str(study), "--out", str(folder / "out"), "--json"])
     assert result.exit_code == 0, result.stderr
