@@ -39,6 +39,7 @@ RESULTS = {
     "Bars of a coating": "contact.record.wear.COLUMNS",
     "Motions reached from random starts": "contact.cycles.basins.MOTIONS",
     "Growth over speed": "contact.stability.growth_map.COLUMNS",
+    "Stability of a rotor": "contact.stability.whirling.COLUMNS",
     "Whirl of a rotor": "contact.model.rotor.whirl.WHIRL",
     "Unbalance response of a rotor": "contact.model.rotor.whirl.RESPONSE",
     "Engine order over speed": "casingfem.modal.cyclic.engine_orders.RESPONSE",

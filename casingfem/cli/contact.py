@@ -22,6 +22,7 @@ STABILITY = (
     "This is a contact that stays closed. `casingfem interactions SCENE` lists the dangerous speeds; those of a rim "
     "follow from runs of the scene."
 )
+ROTOR = "These are poles and steady motions. `casingfem interactions SCENE` runs the scene at each speed."
 ORBITS = (
     "These are periodic motions. `casingfem interactions SCENE`, with a run in the scene, lists the dangerous speeds "
     "of all motions."
@@ -78,21 +79,28 @@ def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool, p
 @SCENE
 @options
 def stability(file: Path, as_json: bool, out: Path | None) -> None:
-    """Growth over speed of a contact that stays closed: SCENE is a pair, or a rim with speed.scan."""
+    """Growth over speed of a contact that stays closed, or of a rotor: SCENE is a pair, a rim with speed.scan, a rotor.
+
+    Of a rotor: growth without contact; on its casing synchronous rub with its growth, and dry backward whirl.
+    """
     from contact.scene.stability import load_stability
+    from contact.stability.growth_map import StabilityMap
 
     scene = load_stability(file)
     with ProgressMessage(f"stability {file.name}"):
         found = scene.solve()
+    closed = isinstance(found, StabilityMap)
     document = found.to_dict()
     files: dict[str, Content] = {"stability.json": json_text(document)}
     if out is not None:
         from casingfem.plot.interaction import figure_stability
+        from casingfem.plot.rotor import figure_rotor_stability
         from casingfem.plot.style import png
 
-        files["stability.csv"] = csv_text(found.records(), "COMPUTED: growth of closed contact, by poles")
-        files["stability.png"] = png(figure_stability(found))
-    deliver(document, f"{found!r}\n{STABILITY}", as_json=as_json, out=out, files=files)
+        card = f"COMPUTED: growth of {'closed contact' if closed else 'a rotor'}, by poles"
+        files["stability.csv"] = csv_text(found.records(), card)
+        files["stability.png"] = png(figure_stability(found) if closed else figure_rotor_stability(found))
+    deliver(document, f"{found!r}\n{STABILITY if closed else ROTOR}", as_json=as_json, out=out, files=files)
 
 
 @click.command()

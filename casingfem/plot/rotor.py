@@ -40,6 +40,37 @@ def figure_whirl(found: Any, response: Any, critical_hz: Sequence[float]) -> Fig
 
 
 @styled
+def figure_rotor_stability(found: Any) -> Figure:
+    """Growth of a rotor over speed, free and in a synchronous rub (top); orbit of the rub and dry whirl (below).
+
+    `found` is a `contact.stability.RotorStability`.
+    """
+    panels = 3 if found.in_casing else 1
+    figure = new_figure(7.6, 2.0 + 1.6 * panels)
+    axes: Any = figure.subplots(panels, 1, sharex=True, squeeze=False)[:, 0]
+    axes[0].axhline(0.0, color="#777777", linewidth=0.8)
+    axes[0].plot(found.speed_hz, found.free.growth, color=BEFORE, label="free rotor")
+    for low, high in found.free.bands_hz:
+        axes[0].axvspan(low, high, color=AFTER, alpha=0.12, linewidth=0.0)
+    axes[0].set_ylabel("growth [1/s]")
+    if found.in_casing:
+        axes[0].plot(found.speed_hz, found.rub_growth, color=AFTER, label="synchronous rub")
+        axes[1].plot(found.speed_hz, 1e3 * found.rub_orbit, color=AFTER)
+        axes[1].set_ylabel("rub orbit [mm]")
+        axes[2].plot(found.speed_hz, found.dry_hz, color=BEFORE)
+        axes[2].set_ylabel("dry whirl [Hz]")
+    for axis in axes:
+        for one in found.critical:
+            if found.speed_hz[0] <= one["speed_hz"] <= found.speed_hz[-1]:
+                axis.axvline(one["speed_hz"], color=PERFECT, linestyle=":", linewidth=0.9)
+    axes[0].plot([], [], color=PERFECT, linestyle=":", label="critical speed")
+    axes[-1].set_xlabel("speed [Hz]")
+    rpm_above(axes[0])
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
+    return figure
+
+
+@styled
 def figure_rotor_run(history: Any, clearance: float = 0.0) -> Figure:
     """Speed, distance of the disk from its place, forces of bearings and mounts over time; right: the disk's orbit.
 

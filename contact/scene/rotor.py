@@ -36,6 +36,7 @@ from contact.scene.scheme import (
     Ratio,
     Rpm,
     RunHead,
+    ScanTable,
     SceneFile,
     Stiffness,
     Table,
@@ -117,6 +118,10 @@ class RotorSpeed(Table):
     )
     rpm: Rpm | list[Rpm] | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
     time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
+    scan: ScanTable | None = Field(
+        default=None,
+        description="speeds that stability and interactions examine; up to twice the highest speed if left out",
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> RotorSpeed:

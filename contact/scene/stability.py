@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
+from contact.model.rotor.rotor import Rotor
 from contact.prepared import Scene
 from contact.scene.load import load_scene, read_scene
 from contact.scene.plausible import require_plausible
@@ -22,6 +23,7 @@ from contact.scene.problems import SceneError
 from contact.stability.growing import of_contact, of_rim
 from contact.stability.growth_map import StabilityMap
 from contact.stability.on_springs import Turning, on_springs
+from contact.stability.whirling import RotorStability, rotor_stability
 
 if TYPE_CHECKING:
     from contact.scene.laws import AnyLaw
@@ -31,21 +33,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class StabilityScene:
+<<<<<<< HEAD
     """A problem in permanent contact, and the speeds [Hz] to examine; `mu` is a rim's friction."""
+=======
+    """What stays in contact, or a rotor, and the speeds [Hz] to examine; `mu` is the friction of a rim or a rotor."""
+>>>>>>> f7b41ecf (stability: growth of a rotor over speed, synchronous rub with its growth, dry backward whirl)
 
-    what: HandPair | RotatingRim
+    what: HandPair | RotatingRim | Rotor | Rub
     speed_hz: Array
     mu: float = 0.0
 
-    def solve(self) -> StabilityMap:
-        """Growth map over the speeds."""
+    def solve(self) -> StabilityMap | RotorStability:
+        """Growth over the speeds."""
+        if isinstance(self.what, Rotor | Rub):
+            return rotor_stability(self.what, self.speed_hz, mu=self.mu)
         if isinstance(self.what, HandPair):
             return of_contact(self.what.contact(), self.speed_hz)
         return of_rim(self.what, self.speed_hz, mu=self.mu)
 
 
 def load_stability(path: str | Path) -> StabilityScene:
-    """Read a scene of kind "pair", or of kind "rim" with `scan` in [speed].
+    """Read a scene of kind "pair", of kind "rim" with `scan` in [speed], or of kind "rotor".
+
+    Without a scan a rotor has speeds up to AROUND times its highest one.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -59,9 +69,15 @@ def load_stability(path: str | Path) -> StabilityScene:
     table, _ = read_scene(file)
     if table.scene.kind == "pair":
         return StabilityScene(what=_pair(table, file), speed_hz=_speeds(table.speed))
+    if table.scene.kind == "rotor":
+        scene = load_scene(file)
+        rotor = cast("Rotor | Rub", scene.what)
+        closed = rotor if isinstance(rotor, Rotor) else _on_law(rotor, table.law, file)
+        mu = (scene.law or Unilateral()).mu
+        return StabilityScene(what=closed, speed_hz=_speeds_around(table, file), mu=mu)
     if table.scene.kind != "rim":
         more = ": use casingfem interactions" if table.scene.kind in ("rub", "disk") else ""
-        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair' or 'rim'{more}"])
+        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim' or 'rotor'{more}"])
     scan = table.speed.scan
     if scan is None:
         expected = "{from_hz = ..., to_hz = ..., steps = ...}; casingfem interactions needs none"
@@ -103,22 +119,32 @@ def load_interactions(path: str | Path) -> InteractionScene:
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim', 'rub' or 'disk'"])
     scene = load_scene(file)
     closed = _on_law(cast("RotatingRim | Rub", scene.what), table.law, file)
-    hz = np.atleast_1d(table.speed.hz)
-    if hz.min() < 0.0:
+    return InteractionScene(scene=scene, speed_hz=_speeds_around(table, file), closed=closed)
+
+
+def _speeds_around(table: Any, file: Path) -> Array:
+    """The speeds of speed.scan [Hz]; without it up to AROUND times the highest one of the scene."""
+    hz = np.atleast_1d(table.speed.turns if table.scene.kind == "rotor" else table.speed.hz)
+    if hz.min() < 0.0 and table.scene.kind != "rotor":
         expected = "no speed below 0: mirror the scene (lean_deg and shape)"
         raise SceneError([f"{file}: speed.hz: found {hz.min():g} turns/s, expected {expected}"])
-    top = float(hz.max())
+    top = float(np.abs(hz).max())
     if table.speed.scan is not None:
         if not table.speed.scan.from_hz > 0.0:
             found = f"found {table.speed.scan.from_hz:g} turns/s, expected a speed above 0"
             raise SceneError([f"{file}: speed.scan.from_hz: {found}"])
+<<<<<<< HEAD
         speeds = _speeds(table.speed.scan)
     elif top > 0.0:
         speeds = speeds_of(scene)
     else:
+=======
+        return _speeds(table.speed.scan)
+    if not top > 0.0:
+>>>>>>> f7b41ecf (stability: growth of a rotor over speed, synchronous rub with its growth, dry backward whirl)
         expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
-    return InteractionScene(scene=scene, speed_hz=speeds, closed=closed)
+    return np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
 
 
 def _on_law(what: Turning, law: AnyLaw | None, file: Path) -> Turning:

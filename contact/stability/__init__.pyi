@@ -7,10 +7,12 @@ from .peaks import Peaks, peaks
 from .rotor import of_rotor
 from .split_casing import perfect_mean
 from .varied import Cases, growth_of_cases
+from .whirling import RotorStability, rotor_stability
 
 __all__ = [
     "Cases",
     "Peaks",
+    "RotorStability",
     "StabilityMap",
     "growth_of_cases",
     "of_contact",
@@ -21,5 +23,6 @@ __all__ = [
     "peaks",
     "perfect_mean",
     "poles",
+    "rotor_stability",
     "slope_of",
 ]

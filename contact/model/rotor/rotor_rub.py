@@ -125,6 +125,50 @@ def joined(casing: ModalBody, rotor: Rotor, spin: Spin | None = None) -> ModalBo
     return found if spin is None else _with_spin(found, spin)
 
 
+def casing_of(rub: Rub) -> ModalBody:
+    """The casing of a rub on a rotor, without the modes of rotor and spin; that of another rub as it is.
+
+    >>> from contact.model.rotor.jeffcott import Jeffcott
+    >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6), 30.0)
+    >>> casing = rigid_casing(radius=0.25, mass=20.0, stiffness=2e8)
+    >>> casing_of(rotor_rub(rotor, casing, [rigid_tip()], clearance=1e-3, spin=Spin(inertia=0.3))).omega.size
+    2
+    """
+    if rub.rotor is None:
+        return rub.casing
+    whole, m, body = rub.casing, rub.flexible, rub.rotor.body
+    seen = [body.channel(f"{rub.rotor.at}.{axis}") for axis in "xy"]
+    moved = _rim_motion(whole)
+    parts: dict[str, Any] = {
+        name: None if (part := getattr(whole, name)) is None or not part[..., :m, :m].any() else part[..., :m, :m]
+        for name in (*SQUARES, *HIGHER)
+    }
+    parts |= {
+        name: None if (rows := getattr(whole, name)) is None else rows[:, :m] for name in (*PADDED, "participation")
+    }
+    return replace(
+        whole, omega=whole.omega[:m], zeta=whole.zeta[:m], rows=whole.rows[:, :m], spin=0.0,
+        S=whole.S - moved @ body.S[np.ix_(seen, seen)] @ moved.T, **parts,
+    )  # fmt: skip
+
+
+def at_constant_speed(rub: Rub, hz: float) -> Rub:
+    """The same rotor, blades and casing at one constant speed [turns/s] of the rotor.
+
+    >>> from contact.model.rotor.jeffcott import Jeffcott
+    >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6), 30.0)
+    >>> casing = rigid_casing(radius=0.25, mass=20.0, stiffness=2e8)
+    >>> rub = rotor_rub(rotor, casing, [rigid_tip()], clearance=1e-3, spin=Spin(inertia=0.3))
+    >>> at_constant_speed(rub, 50.0).spin, at_constant_speed(rub, 50.0).speed.hz.tolist()
+    (None, [-50.0])
+    """
+    assert rub.rotor is not None
+    return rotor_rub(
+        replace(rub.rotor, speed=Speed.constant(hz)), casing_of(rub), rub.blades, rub.tips, clearance=rub.clearance,
+        profile=rub.profile, closing=rub.closing, thickness=rub.thickness, stiffening=rub.stiffening,
+    )  # fmt: skip
+
+
 def _with_spin(casing: ModalBody, spin: Spin) -> ModalBody:
     """One more mode, of stiffness 0: sqrt(inertia) times an angle, by which tips move along the rim."""
     m, size = casing.omega.size, 2 * casing.n_max + 1
