@@ -27,6 +27,7 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.law import Unilateral
+from contact.model.rotor.rotor import Rotor
 from contact.prepared import Scene
 from contact.speed_runs import SpeedRun, Verdict, speed_runs
 from contact.stability.peaks import Peak, Peaks, growth_at, peaks
@@ -181,9 +182,13 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     if isinstance(scene, HandPair):
         raise InputError("speed_hz: found none for a pair by hand, expected the speeds to examine")
     what = scene.what
-    hz = rub_of(what).speed.hz if isinstance(what, RotatingRim | Rub) else np.zeros(1)
+    rotor = what if isinstance(what, Rotor) else getattr(what, "rotor", None)
+    if rotor is not None:
+        hz = np.abs(rotor.speed.hz)
+    else:
+        hz = rub_of(what).speed.hz if isinstance(what, RotatingRim | Rub) else np.zeros(1)
     top = float(np.max(hz))
-    if isinstance(what, RotatingRim | Rub) and not top > 0.0:
+    if isinstance(what, RotatingRim | Rub | Rotor) and not top > 0.0:
         raise InputError("speed_hz: found none for a scene that does not turn, expected the speeds to examine")
     return np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
 

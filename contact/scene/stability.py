@@ -33,11 +33,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class StabilityScene:
-<<<<<<< HEAD
-    """A problem in permanent contact, and the speeds [Hz] to examine; `mu` is a rim's friction."""
-=======
-    """What stays in contact, or a rotor, and the speeds [Hz] to examine; `mu` is the friction of a rim or a rotor."""
->>>>>>> f7b41ecf (stability: growth of a rotor over speed, synchronous rub with its growth, dry backward whirl)
+    """A problem in permanent contact, or a rotor, and the speeds [Hz] to examine; `mu` is the friction."""
 
     what: HandPair | RotatingRim | Rotor | Rub
     speed_hz: Array
@@ -55,7 +51,7 @@ class StabilityScene:
 def load_stability(path: str | Path) -> StabilityScene:
     """Read a scene of kind "pair", of kind "rim" with `scan` in [speed], or of kind "rotor".
 
-    Without a scan a rotor has speeds up to AROUND times its highest one.
+    Without a scan a rotor has the speeds of `speeds_of`.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -74,7 +70,7 @@ def load_stability(path: str | Path) -> StabilityScene:
         rotor = cast("Rotor | Rub", scene.what)
         closed = rotor if isinstance(rotor, Rotor) else _on_law(rotor, table.law, file)
         mu = (scene.law or Unilateral()).mu
-        return StabilityScene(what=closed, speed_hz=_speeds_around(table, file), mu=mu)
+        return StabilityScene(what=closed, speed_hz=_speeds_around(table, scene, file), mu=mu)
     if table.scene.kind != "rim":
         more = ": use casingfem interactions" if table.scene.kind in ("rub", "disk") else ""
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim' or 'rotor'{more}"])
@@ -119,11 +115,11 @@ def load_interactions(path: str | Path) -> InteractionScene:
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim', 'rub' or 'disk'"])
     scene = load_scene(file)
     closed = _on_law(cast("RotatingRim | Rub", scene.what), table.law, file)
-    return InteractionScene(scene=scene, speed_hz=_speeds_around(table, file), closed=closed)
+    return InteractionScene(scene=scene, speed_hz=_speeds_around(table, scene, file), closed=closed)
 
 
-def _speeds_around(table: Any, file: Path) -> Array:
-    """The speeds of speed.scan [Hz]; without it up to AROUND times the highest one of the scene."""
+def _speeds_around(table: Any, scene: Scene, file: Path) -> Array:
+    """The speeds of speed.scan [Hz]; without it those of `speeds_of`."""
     hz = np.atleast_1d(table.speed.turns if table.scene.kind == "rotor" else table.speed.hz)
     if hz.min() < 0.0 and table.scene.kind != "rotor":
         expected = "no speed below 0: mirror the scene (lean_deg and shape)"
@@ -133,18 +129,11 @@ def _speeds_around(table: Any, file: Path) -> Array:
         if not table.speed.scan.from_hz > 0.0:
             found = f"found {table.speed.scan.from_hz:g} turns/s, expected a speed above 0"
             raise SceneError([f"{file}: speed.scan.from_hz: {found}"])
-<<<<<<< HEAD
-        speeds = _speeds(table.speed.scan)
-    elif top > 0.0:
-        speeds = speeds_of(scene)
-    else:
-=======
         return _speeds(table.speed.scan)
     if not top > 0.0:
->>>>>>> f7b41ecf (stability: growth of a rotor over speed, synchronous rub with its growth, dry backward whirl)
         expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
-    return np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
+    return speeds_of(scene)
 
 
 def _on_law(what: Turning, law: AnyLaw | None, file: Path) -> Turning:
