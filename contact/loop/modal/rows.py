@@ -56,9 +56,9 @@ def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
     block, end = first, first + row.size // WIDTH
     while block < end:
         begin, last = entry(rows.start, block), entry(rows.start, block + 1)
-        a, b, c, d = same(0.0), same(0.0), same(0.0), same(0.0)
         place = WIDTH * (block - first)
         if entry(rows.alike, block) == 1:
+            a, b, c, d = same(0.0), same(0.0), same(0.0), same(0.0)
             next_block = WIDTH * (last - begin)
             for j in range(begin, last, 2):
                 wave, at = same(entry(waves, entry(rows.wave, j))), WIDTH * j
@@ -77,17 +77,25 @@ def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
             put(row, place + 3 * WIDTH, d)
             block += 4
         else:
-            for j in range(begin, last - 3, 4):  # four sums, so that none waits for the last product
-                at = WIDTH * j
-                a = a + load(rows.value, at) * same(entry(waves, entry(rows.wave, j)))
-                b = b + load(rows.value, at + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
-                c = c + load(rows.value, at + 2 * WIDTH) * same(entry(waves, entry(rows.wave, j + 2)))
-                d = d + load(rows.value, at + 3 * WIDTH) * same(entry(waves, entry(rows.wave, j + 3)))
-            if (last - begin) % 4 > 0:  # two are left
-                a = a + load(rows.value, WIDTH * last - 2 * WIDTH) * same(entry(waves, entry(rows.wave, last - 2)))
-                b = b + load(rows.value, WIDTH * last - WIDTH) * same(entry(waves, entry(rows.wave, last - 1)))
-            put(row, place, (a + b) + (c + d))
+            fill_one(rows, waves, block, row, place)
             block += 1
+
+
+@jit_inside
+def fill_one(rows: RowBlocks, waves: Array, block: int, row: Array, place: int) -> None:
+    """The eight sums of a block, from `place` of the row on."""
+    begin, last = entry(rows.start, block), entry(rows.start, block + 1)
+    a, b, c, d = same(0.0), same(0.0), same(0.0), same(0.0)
+    for j in range(begin, last - 3, 4):  # four sums, so that none waits for the last product
+        at = WIDTH * j
+        a = a + load(rows.value, at) * same(entry(waves, entry(rows.wave, j)))
+        b = b + load(rows.value, at + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
+        c = c + load(rows.value, at + 2 * WIDTH) * same(entry(waves, entry(rows.wave, j + 2)))
+        d = d + load(rows.value, at + 3 * WIDTH) * same(entry(waves, entry(rows.wave, j + 3)))
+    if (last - begin) % 4 > 0:  # two are left
+        a = a + load(rows.value, WIDTH * last - 2 * WIDTH) * same(entry(waves, entry(rows.wave, last - 2)))
+        b = b + load(rows.value, WIDTH * last - WIDTH) * same(entry(waves, entry(rows.wave, last - 1)))
+    put(row, place, (a + b) + (c + d))
 
 
 @jit_inside

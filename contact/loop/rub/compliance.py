@@ -9,7 +9,7 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
-from contact.loop.modal.rows import RowBlocks, fill_some
+from contact.loop.modal.rows import RowBlocks, fill_one, fill_some
 from contact.loop.rub.motion import felt, press_waves
 from contact.loop.rub.rows import BEFORE, NOW, RubRows, waves_at
 from contact.loop.rub.state import RubState, Work
@@ -33,9 +33,18 @@ def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
             continue
         if w.S_at[j] != step - 1:
             waves_at(rows, j, w.angles, BEFORE, w.turn)
-            fill_some(rows.S, w.turn, j * blocks, w.S[1 - now, j])
+            fill_S(rows, w.turn, j * blocks, w.S[1 - now, j])
         w.S_at[j] = step
-        fill_some(rows.S, w.waves[now, rows.place[j]], j * blocks, w.S[now, j])
+        fill_S(rows, w.waves[now, rows.place[j]], j * blocks, w.S[now, j])
+
+
+@jit_inside
+def fill_S(rows: RubRows, waves: Array, first: int, row: Array) -> None:
+    """S of one tip, from block `first`: a single block where there is one tip."""
+    if row.size == WIDTH:
+        fill_one(rows.S, waves, first, row, 0)
+    else:
+        fill_some(rows.S, waves, first, row)
 
 
 @jit

@@ -19,7 +19,7 @@ class RimWaves(NamedTuple):
     soft: Array  # (lines, lines d)
     rows: Array  # (lines, 2 N + 1, width)
     S: Array  # (lines, 2 N + 1, lines d, 2 N + 1 and zeros to whole blocks), may be empty
-    places: Array  # (2, points) cosine and sine of `places`
+    places: Array  # (2, points) cosine and sine of the first half of `places`
     force: Array  # (lines d, 2 N + 1 and zeros) forces of the tips by waves
     z: Array  # (2 N + 1,) motion by waves
     top: Array  # (8,)
@@ -54,17 +54,30 @@ def largest_of_waves(z: Array) -> float:
 
 @jit
 def largest_around(z: Array, places: Array, top: Array) -> float:
-    """Largest magnitude of the sum of waves at the places and at minus the same angles."""
+    """Largest magnitude of the sum of waves at the places theta, at pi - theta, and at minus the same angles.
+
+    At theta and -theta together it is |sum of cosines| + |sum of sines|. At pi - theta, cosines of odd waves and sines
+    of even ones change sign.
+    """
     N, count, none = z.size // 2, places.shape[1], same(0.0)
     most = none
     for p in range(0, count, WIDTH):
         c, s = load(places, p), load(places, count + p)
-        x, y, even, odd = same(1.0), same(0.0), same(entry(z, 0)), none
-        for n in range(1, N + 1):
-            x, y = x * c - y * s, y * c + x * s
-            even = even + x * same(entry(z, n))
-            odd = odd + y * same(entry(z, N + n))
-        most = larger(larger(even, none - even) + larger(odd, none - odd), most)
+        c2, s2 = c * c - s * s, (c + c) * s
+        x, y, u, v = c, s, c2, s2  # cos n theta and sin n theta of an odd wave, and of the even one after it
+        odd_cos, odd_sin, even_cos, even_sin = none, none, same(entry(z, 0)), none
+        for n in range(1, N, 2):
+            odd_cos = odd_cos + x * same(entry(z, n))
+            odd_sin = odd_sin + y * same(entry(z, N + n))
+            even_cos = even_cos + u * same(entry(z, n + 1))
+            even_sin = even_sin + v * same(entry(z, N + n + 1))
+            x, y = x * c2 - y * s2, y * c2 + x * s2
+            u, v = u * c2 - v * s2, v * c2 + u * s2
+        if N % 2 == 1:
+            odd_cos = odd_cos + x * same(entry(z, N))
+            odd_sin = odd_sin + y * same(entry(z, 2 * N))
+        most = larger(magnitude(even_cos + odd_cos) + magnitude(even_sin + odd_sin), most)
+        most = larger(magnitude(even_cos - odd_cos) + magnitude(even_sin - odd_sin), most)
     put(top, 0, most)
     found = 0.0
     for i in range(WIDTH):
@@ -73,12 +86,18 @@ def largest_around(z: Array, places: Array, top: Array) -> float:
 
 
 @jit_inside
+def magnitude(x: Array) -> Array:
+    """|x|, by entry."""
+    found: Array = larger(x, same(0.0) - x)
+    return found
+
+
+@jit_inside
 def most_of(reach: Array, q: Array) -> float:
     """Sum of reach |q|: a line's modes deflect it by no more."""
-    part, none = same(0.0), same(0.0)
+    part = same(0.0)
     for i in range(0, reach.size, WIDTH):
-        moved = load(q, i)
-        part = part + load(reach, i) * larger(moved, none - moved)
+        part = part + load(reach, i) * magnitude(load(q, i))
     found: float = total(part)
     return found
 

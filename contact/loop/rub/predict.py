@@ -127,9 +127,7 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
         w.bound[line] = -1.0
     if laws.swing.plane.shape[1] > 0:
         find_disk(s, laws.swing, w)
-    if solver is not None:
-        if rows.many:
-            see(rows, w, s.q, s.d, dim, 0, 1)
+    unseen = True
     if not rows.steady:
         for p in range(1 if solver is None else w.fresh.shape[1]):
             w.fresh[side, p] = 0
@@ -152,7 +150,10 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
             w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p]) - closing
             w.fresh[side, p] = 1
             w.filled[side, p] = 0
-            if rows.many:
+            if solver is not None and rows.many:
+                if unseen:
+                    see(rows, w, s.q, s.d, dim, 0, 1)
+                    unseen = False
                 w.moved[p] = felt(w.motion_waves, line * dim * w.turn.size, w.waves[side, p])
             else:
                 place_row(rows, w, j, side)

@@ -6,12 +6,14 @@ import math
 from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
-from contact.jit.compiled import jit
-from contact.jit.vector import WIDTH
+from contact.jit.compiled import jit, jit_inside
+from contact.jit.vector import WIDTH, entry
 from contact.loop.modal.rows import RowBlocks, fill_some, multiples, product
 from contact.loop.rub.deflection import RimWaves
 
-BEFORE, NOW, AHEAD = 0, 1, 2  # rows of `angles`: what is turned at t_{n-1}, t_n, t_{n+1}, with cosine and sine
+# rows of `angles`: what is turned at t_{n-1}, t_n, t_{n+1}, and the middle of the cell of t_{n+1}; with cosine and sine
+BEFORE, NOW, AHEAD, MIDDLE = 0, 1, 2, 3
+CELL = 1.0 / 16.0  # [rad]
 
 
 class Terms(NamedTuple):
@@ -130,6 +132,22 @@ def look_at(angles: Array, when: int, angle: float) -> None:
 
 
 @jit
+def look_ahead(angles: Array, angle: float) -> None:
+    """Fill the row of t_{n+1}: from the middle of the cell that contains the angle, by series exact to round-off.
+
+    The middle depends on the angle alone, so that a run in parts is the same run.
+    """
+    middle = CELL * math.floor(angle / CELL + 0.5)
+    if not middle == angles[MIDDLE, 0]:
+        look_at(angles, MIDDLE, middle)
+    x, c, s = angle - middle, angles[MIDDLE, 1], angles[MIDDLE, 2]
+    y = x * x
+    sin = x - x * y * (1.0 / 6.0 - y * (1.0 / 120.0 - y * (1.0 / 5040.0 - y / 362880.0)))
+    less = y * (0.5 - y * (1.0 / 24.0 - y * (1.0 / 720.0 - y / 40320.0)))  # 1 - cos x
+    angles[AHEAD, 0], angles[AHEAD, 1], angles[AHEAD, 2] = angle, c - (c * less + s * sin), s - (s * less - c * sin)
+
+
+@jit
 def waves_at(rows: RubRows, j: int, angles: Array, when: int, waves: Array) -> None:
     """Waves at tip j by the addition theorem: one sine and cosine a step serve all tips."""
     cos, sin, c, s = rows.heading[j, 0], rows.heading[j, 1], angles[when, 1], angles[when, 2]
@@ -205,21 +223,21 @@ def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
     return float(gap)
 
 
-@jit
+@jit_inside
 def blade_dot(rows: RubRows, modes: Indices, row: int, j: int, values: Array) -> float:
     """Share of `modes` of the tip's own blade, `rows.own` or `rows.apart`, in one of its directions."""
-    total, begin = 0.0, rows.own[j, 0]
-    for i in range(modes[j, 0], modes[j, 1]):
-        total += rows.blade[row, i - begin] * values[i]
+    total, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
+    for i in range(entry(modes, 2 * j), entry(modes, 2 * j + 1)):
+        total += entry(rows.blade, first + i) * entry(values, i)
     return total
 
 
-@jit
+@jit_inside
 def blade_dot_of_sum(rows: RubRows, modes: Indices, row: int, j: int, some: Array, others: Array) -> float:
     """The same of the sum of two."""
-    total, begin = 0.0, rows.own[j, 0]
-    for i in range(modes[j, 0], modes[j, 1]):
-        total += rows.blade[row, i - begin] * (some[i] + others[i])
+    total, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
+    for i in range(entry(modes, 2 * j), entry(modes, 2 * j + 1)):
+        total += entry(rows.blade, first + i) * (entry(some, i) + entry(others, i))
     return total
 
 

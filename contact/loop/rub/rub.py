@@ -14,7 +14,15 @@ from contact.loop.modal.rows import move, product, product_of_sum
 from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
 from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
-from contact.loop.rub.deflection import add_waves, matters, most_of, note_deflection, strained
+from contact.loop.rub.deflection import (
+    add_waves,
+    largest_around,
+    largest_of_waves,
+    matters,
+    most_of,
+    note_deflection,
+    strained,
+)
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
 from contact.loop.rub.matrix import enter_cell
 from contact.loop.rub.motion import felt, see
@@ -22,11 +30,13 @@ from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import (
     AHEAD,
     BEFORE,
+    MIDDLE,
     NOW,
     RubLaws,
     RubRows,
     blade_dot,
     blade_dot_of_sum,
+    look_ahead,
     look_at,
     spun,
     turned,
@@ -115,6 +125,9 @@ def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding
          dim: int, slid: float, sums: Tally, out: Samples, h: float, time: float) -> None:  # fmt: skip
     """Forces, gaps and events of this step; the gaps of q move on."""
     for j in range(tips(s, solver)):
+        if y is None:
+            if s.inside[j] == 0 and sums.closed[j] == 0 and sums.stuck[j] == 0:
+                continue  # far without force in the last step, too
         R = j * dim
         s.force[j] = s.lam[R]
         before, predicted = 0.0, 0.0
@@ -150,21 +163,25 @@ def note_rim(s: RubState, rows: RubRows, w: Work, dim: int, ends: bool) -> None:
     """Note the rim's deflection by q and the forces of this step, where it may be larger than before."""
     rim = rows.rim
     for line in range(rim.reach.shape[0]):
-        bound = most_of(rim.reach[line], s.q)
+        strain = 0.0
         for j in range(s.mu.size):
             for i in range(dim):
-                bound += rim.soft[line, rows.line[j] * dim + i] * abs(s.lam[j * dim + i])
-        if matters(s.limits, bound, ends):
-            note_line(s, rows, w, dim, line, ends)
+                strain += rim.soft[line, rows.line[j] * dim + i] * abs(s.lam[j * dim + i])
+        if matters(s.limits, most_of(rim.reach[line], s.q) + strain, ends):
+            note_line(s, rows, w, dim, line, strain, ends)
 
 
 @jit
-def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, ends: bool) -> None:
-    """Note the deflection of one line."""
+def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, strain: float, ends: bool) -> None:
+    """Note the deflection of one line; the forces deflect it by no more than `strain`."""
     rim, c, t = rows.rim, w.angles[NOW, 1], w.angles[NOW, 2]
     for a in range(rim.z.size):
         rim.z[a] = product(rim.rows[line, a], s.q)
-    if rim.S.size > 0:
+    if strain > 0.0:  # how far the modes deflect it bounds the sum, and its waves are few
+        if not matters(s.limits, largest_of_waves(rim.z) + strain, ends):
+            return
+        if not matters(s.limits, largest_around(rim.z, rim.places, rim.top) + strain, ends):
+            return
         rim.force[:] = 0.0
         for j in range(s.mu.size):
             cos, sin = rows.heading[j, 0], rows.heading[j, 1]
@@ -262,6 +279,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
     look_at(w.angles, BEFORE, before)
     look_at(w.angles, NOW, angle)
+    look_at(w.angles, MIDDLE, 0.0)
     step, end, retry = first, first + steps, first if flight.powers.shape[0] > 0 else first + steps
     while step < end:
         if step >= retry and may_skip(s, sums):
@@ -282,7 +300,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if laws.spin.mode >= 0:
             ahead = spun(laws.spin, ahead, s.q[laws.spin.mode] + s.d[laws.spin.mode])
             omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
-        look_at(w.angles, AHEAD, ahead)
+        look_ahead(w.angles, ahead)
         propagate(s, laws, w.angles, t, omega, h)
         if blocks is not None:
             fly_coupled(s, blocks, w)

@@ -95,7 +95,7 @@ class Work(NamedTuple):
     moved: Array  # (P,) motion of the casing there
     spare: Array  # (width,) any other row
     turn: Array  # (2, harmonics) and its waves
-    angles: Array  # (3, 3) what is turned at t_{n-1}, t_n and t_{n+1}, its cosine and sine
+    angles: Array  # (4, 3) what is turned at t_{n-1}, t_n and t_{n+1}, and the middle of a cell; cosine and sine
     slot: Indices  # (P,) -1 for a place without a chosen tip
     slots: Indices  # (1,) how many
     rows: Array  # (P d, width) all rows at t_n, by slot
@@ -179,7 +179,7 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
         filled=whole(2, P), motion_waves=aligned(d * lines if rows.many else 0, 2, n),
         bound=aligned(lines), disk=aligned(2), rigid=aligned(P), moved=aligned(P), spare=aligned(width),
         turn=aligned(2, n),
-        angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
+        angles=aligned(4, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
         soft=aligned(D, waves), row_columns=aligned(made[1], made[2]), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),
         casing=aligned(made[0], d * made[2]), W=aligned(solved, solved),

@@ -182,8 +182,10 @@ def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
     rows[:, :, :m], reach[:, :m] = rim.rows, rim.reach
     S = aligned(*rim.S.shape[:3], whole(size)) if rim.S.size else rim.S
     S[..., :size] = rim.S
+    theta = places(size)
+    theta = theta[: theta.size // 2]
     return RimWaves(
-        reach=reach, soft=rim.soft, rows=rows, S=S, places=np.array([np.cos(places(size)), np.sin(places(size))]),
+        reach=reach, soft=rim.soft, rows=rows, S=S, places=np.array([np.cos(theta), np.sin(theta)]),
         force=aligned(lines * dimensions, whole(size)), z=np.zeros(size), top=aligned(BLOCK),
     )  # fmt: skip
 
