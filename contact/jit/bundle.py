@@ -22,6 +22,7 @@ WORD = ir.IntType(64)
 BYTES = ir.IntType(8).as_pointer()
 FUNCTION: Any = types.WrapperAddressProtocol
 # numba's extension points are not typed
+configured: Any = numba.config
 extending: Any = numba.extending
 typeof: Any = numba.typeof
 Type: Any = types.Type
@@ -70,8 +71,8 @@ class BundleType(Type):  # type: ignore[misc]
 
 
 def bundled(value: Any) -> Any:
-    """Return a NamedTuple as a bundle, anything else unchanged."""
-    return Bundle(value) if hasattr(value, "_fields") else value
+    """Return a NamedTuple as a bundle, anything else unchanged; everything unchanged where numba does not compile."""
+    return Bundle(value) if hasattr(value, "_fields") and not configured.DISABLE_JIT else value
 
 
 def _size(kind: Any) -> int:

@@ -244,6 +244,10 @@ class ByAddress(protocol):  # type: ignore[misc]
     def __init__(self, *, used: bool) -> None:
         self.used = used
 
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it where numba does not compile."""
+        return type(self).function(*arguments)
+
     def __wrapper_address__(self) -> int:
         """Address of the function; 0 if the run never calls it."""
         return address_of(self.function, self.kind) if self.used else 0

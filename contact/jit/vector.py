@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator
 from typing import Any
 
+import numba
 from llvmlite import ir
 from numba import types
 from numba.core.imputils import lower_builtin
@@ -16,7 +17,10 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numba.extending import intrinsic, models, register_model
 from numba.np import arrayobj
 
-WIDTH = 8
+from contact.jit import plain
+from contact.jit.plain import WIDTH
+
+configured: Any = numba.config
 SHAPE: Any = ir.VectorType(ir.DoubleType(), WIDTH)
 FAST = ("contract", "nsz")  # as the loops: products may be contracted
 
@@ -149,6 +153,11 @@ total: Any = intrinsic(_total)
 larger: Any = intrinsic(_larger)
 below_zero: Any = intrinsic(_below_zero)
 entry: Any = intrinsic(_entry)
+
+
+if configured.DISABLE_JIT:
+    load, put, same, eight, total = plain.load, plain.put, plain.same, plain.eight, plain.total
+    larger, below_zero, entry = plain.larger, plain.below_zero, plain.entry
 
 
 make_signature: Any = signature

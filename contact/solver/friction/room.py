@@ -59,6 +59,11 @@ class Otherwise(protocol):  # type: ignore[misc]
         self.interrupted: list[BaseException] = []
         self.call = self.kind(improve)
 
+    def __call__(self, count: int, dim: int, sweeps: int) -> float:
+        """Run it where numba does not compile."""
+        residual: float = self.call(count, dim, sweeps)
+        return residual
+
     def pass_on(self) -> None:
         """Raise an interruption of Python inside a loop, Ctrl-C above all, now that the loop has ended."""
         if self.interrupted:
