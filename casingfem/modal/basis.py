@@ -26,7 +26,7 @@ TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 ARRAYS = (
     "omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines",
     "line_thickness", "output_rows", "output_S", "gyroscopic", "stiffness_by_speed", "gyroscopic_higher",
-    "stiffness_higher", "damping", "stiffness", "participation", "out_of_roundness",
+    "stiffness_higher", "damping", "stiffness", "participation", "out_of_roundness", "known_speeds",
 )  # fmt: skip
 
 
@@ -63,6 +63,9 @@ class ModalBasis(Reported):
         equation, and (Omega^2 - spin^2) stiffness_by_speed its stiffness, both (modes, modes). `spin` is the speed
         [rad/s] at which the modes were computed. Omega is positive from x to y about the axis of a casing, and in the
         direction of the study's rotation of any other part.
+    known_speeds
+        Lowest and highest speed [rad/s] at which `stiffness_by_speed` holds, (2,): of a part whose steady shape follows
+        the speed; empty where it holds at every speed. Contact refuses other speeds.
     damping, stiffness
         Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes). A reduced structure has no `damping`,
         and `stiffness` only with modes at a speed: what Coriolis forces of that speed do through motions left out.
@@ -114,6 +117,7 @@ class ModalBasis(Reported):
     stiffness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     participation: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     out_of_roundness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    known_speeds: FloatArray = field(default_factory=lambda: np.zeros(0))
     spin: float = 0.0
     provenance: dict[str, Any] = field(default_factory=dict)
 

@@ -70,14 +70,14 @@ class ModalTurning:
         system, load = self.part.system, self.part.load
         K = system.stiffness if isinstance(system, System) else system.K
         u = balanced(K, static[:, 0], load) if static.shape[1] else solve_held(K, load)
-        times = self.part.products(u)
+        times, speeds = self.part.products(u)
         if modes.solve is None:
             G, added, _ = (modes.vectors.T @ part for part in times(modes.vectors))
             found = {"gyroscopic": 0.5 * (G - G.T), "stiffness_by_speed": 0.5 * (added + added.T)}
         else:
             found = series(small_model(modes, times, self.spin))
         turned = {name: self.sense * part if name.startswith("gyroscopic") else part for name, part in found.items()}
-        return {**turned, "spin": self.spin}
+        return {**turned, "spin": self.spin, "known_speeds": np.array(speeds)}
 
 
 def modal_turning(

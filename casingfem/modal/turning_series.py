@@ -26,7 +26,7 @@ from scipy.sparse import csc_array
 
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.entries import Symmetric
-from casingfem.structure.shell.prestress import Products
+from casingfem.structure.shell.prestress import Times
 
 SWEEPS = 4  # inverse iterations
 TURNS = 4  # rotations towards a zero first block; each squares it
@@ -77,7 +77,7 @@ class SmallModel:
         return {"gyroscopic": self.coriolis[:m, :m], "stiffness_by_speed": slope}
 
 
-def small_model(modes: Kept, times: Products, spin: float) -> SmallModel:
+def small_model(modes: Kept, times: Times, spin: float) -> SmallModel:
     """The modes of a basis and the motions that follow them; `times` gives G, K1 and K2 times motions."""
     assert modes.solve is not None
     follow = independent(modes.vectors, modes.solve(np.hstack(times(modes.vectors))), modes.mass)

@@ -18,8 +18,8 @@ from numba.extending import intrinsic, models, register_model
 from numba.np import arrayobj
 
 from contact.jit import plain
-from contact.jit.plain import WIDTH
 
+WIDTH = plain.WIDTH
 configured: Any = numba.config
 SHAPE: Any = ir.VectorType(ir.DoubleType(), WIDTH)
 FAST = ("contract", "nsz")  # as the loops: products may be contracted

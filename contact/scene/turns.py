@@ -9,10 +9,12 @@ from typing import Literal
 
 import numpy as np
 
+from contact.base.errors import InputError
 from contact.io.trust import FAST, SceneWarning
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import matrices_of
+from contact.scene.problems import SceneError
 
 Side = Literal["casing", "blades"]
 MEANING = (
@@ -21,7 +23,10 @@ MEANING = (
 
 
 def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
-    """Warn where `turning` is left out and matters, and of bodies that turn fast or without their matrices."""
+    """Warn where `turning` is left out and matters, and of bodies that turn fast or without their matrices.
+
+    Raises SceneError for a body at a speed at which its matrices are not known.
+    """
     if not rub.speed.hz.any():
         return
     turning = [name for name, body in zip(rub.names, rub.bodies, strict=True) if body.varies]
@@ -31,6 +36,11 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
         _warn("turning-unstated", file, words)
     omega = rub.speed.fastest
     for name, body, sense in zip(rub.names, rub.bodies, matrices_of(rub).senses, strict=True):
+        for hz in rub.speed.hz:
+            try:
+                body.require_known(2.0 * math.pi * sense * float(hz))
+            except InputError as error:
+                raise SceneError([f"{file}: {name}: {error}"]) from None
         if sense and (moved := moved_by_speed(body, omega)) > FAST:
             rpm = 30.0 * omega / math.pi
             found = f"found a frequency of the basis that changes by {100.0 * moved:.3g} % at {rpm:.4g} rpm"

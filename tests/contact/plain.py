@@ -10,6 +10,7 @@ from typing import Any
 
 import numba
 
+
 def ours(name: str) -> bool:
     """Whether a module belongs to the package, or makes bodies of it for tests."""
     return name == "contact" or name.startswith(("contact.", "tests.contact.synthetic"))

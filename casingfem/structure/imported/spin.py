@@ -160,12 +160,13 @@ class MeshTurning:
         added, square = self.spin(u), self.rotation.omega**2
         if added.steady is None or square * added.nonlinear <= LARGE:
             return products_of(added)
-        low, high = np.sqrt([1.0 - ASIDE, 1.0 + ASIDE]) * np.sqrt(square) / (2.0 * np.pi)
-        warn("reduce-steady", f"rotation: the stiffness over speed is that from {low:.4g} to {high:.4g} turns a second")
+        low, high = (np.sqrt([1.0 - ASIDE, 1.0 + ASIDE]) * np.sqrt(square)).tolist()
+        hz = f"{low / (2.0 * np.pi):.4g} to {high / (2.0 * np.pi):.4g} turns a second"
+        warn("reduce-steady", f"rotation: the stiffness over speed is that from {hz}")
         apart = ASIDE * square
         below, here, above = (added.steady(float(np.sqrt(square + side * apart))) for side in (-1.0, 0.0, 1.0))
         slope, bend = (above - below) / (2.0 * apart), (above - 2.0 * here + below) / (2.0 * apart**2)
-        return products_of(replace(added, K1=csc_array(slope - 2.0 * square * bend), K2=csc_array(bend)))
+        return products_of(replace(added, K1=csc_array(slope - 2.0 * square * bend), K2=csc_array(bend)), (low, high))
 
 
 def mesh_spin(turning: MeshTurning) -> MeshSpin:

@@ -26,6 +26,7 @@ Dynamics of Rotating Systems, 2005.)
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import block_diag, csc_array
@@ -43,8 +44,15 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
 
-Products = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]  # motions -> G, K1 and K2 times them
+Times = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]  # motions -> G, K1 and K2 times them
 LINEAR = 0.3  # quadratic strains of the steady state above this part of the linear ones call for a warning
+
+
+class Products(NamedTuple):
+    """What rotation adds to motions, and the lowest and highest speed [rad/s] at which it is known; none: at each."""
+
+    times: Times
+    speeds: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,12 +179,12 @@ class Turning:
             )
             return coriolis, stiffening, further
 
-        return times
+        return Products(times)
 
 
-def products_of(spin: Spin) -> Products:
-    """G, K1 and K2 times motions (free, k)."""
-    return lambda vectors: (spin.G @ vectors, spin.K1 @ vectors, spin.K2 @ vectors)
+def products_of(spin: Spin, speeds: tuple[float, ...] = ()) -> Products:
+    """G, K1 and K2 times motions (free, k), known between two `speeds` [rad/s] or at every speed."""
+    return Products(lambda vectors: (spin.G @ vectors, spin.K1 @ vectors, spin.K2 @ vectors), speeds)
 
 
 def carries_more(system: System) -> bool:

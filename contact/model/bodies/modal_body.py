@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
+ROUND = 1e-9  # of a speed: round-off beyond a range
 
 
 class Basis(Protocol):
@@ -57,6 +58,8 @@ class ModalBody:
     cross-coupled bearings; they may be nonsymmetric. `gyroscopic_higher` and `stiffness_higher` (k, m, m): what modes
     that are left out do to those kept at higher powers of the speed; the former are skew, too. `matrices` gives C and K
     at a speed.
+    `known_speeds` (2,) [rad/s]: the lowest and the highest speed at which these matrices hold, of a part whose steady
+    shape follows the speed; None where they hold at every speed.
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
     axis of a rim, along span, flap and chord of a blade.
     `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
@@ -98,6 +101,7 @@ class ModalBody:
     stiffness: Array | None = None
     participation: Array | None = None
     out_of_roundness: Array | None = None
+    known_speeds: Array | None = None
     spin: float = 0.0
 
     def __post_init__(self) -> None:
@@ -160,6 +164,7 @@ class ModalBody:
         >>> [part.tolist() for part in pair.matrices(0.5)]
         [[[0.0, -1.0], [1.0, 0.0]], [[9.0, 0.0], [0.0, 9.0]]]
         """
+        self.require_known(omega_rotation)
         C, K = np.diag(2.0 * self.zeta * self.omega), np.diag(self.omega**2)
         if self.damping is not None:
             C += self.damping
@@ -181,10 +186,34 @@ class ModalBody:
         """Whether C or K depends on the speed."""
         return any(getattr(self, name) is not None for name in ("gyroscopic", "stiffness_by_speed", *HIGHER))
 
+    def require_known(self, omega_rotation: float) -> None:
+        """Raise InputError at a speed [rad/s] where the matrices of the body are not known.
+
+        >>> part = ModalBody(omega=[9.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], spin=6.0,
+        ...                  stiffness_by_speed=[[0.5]], known_speeds=[2.0 * np.pi, 4.0 * np.pi])
+        >>> part.require_known(3.0 * np.pi)
+        >>> part.require_known(0.0)
+        Traceback (most recent call last):
+        contact.base.errors.InputError: speed: found 0 Hz (0 rpm), expected 1 to 2 Hz (60 to 120 rpm), where the ...
+        """
+        if self.known_speeds is None:
+            return
+        low, high = np.asarray(self.known_speeds) / (2.0 * math.pi)
+        hz = abs(omega_rotation) / (2.0 * math.pi)
+        if low * (1.0 - ROUND) <= hz <= high * (1.0 + ROUND):
+            return
+        found = f"found {hz:.4g} Hz ({60.0 * hz:.5g} rpm)"
+        expected = f"expected {low:.4g} to {high:.4g} Hz ({60.0 * low:.5g} to {60.0 * high:.5g} rpm)"
+        raise InputError(
+            f"speed: {found}, {expected}, where the stiffness of this basis is known: set rotation.speed_hz of its "
+            "study nearer to the speed and reduce it again"
+        )
+
     def without_rotation(self) -> ModalBody:
         """The body with the stiffness of its modes at every speed, and without Coriolis forces."""
         return replace(
-            self, gyroscopic=None, stiffness_by_speed=None, gyroscopic_higher=None, stiffness_higher=None
+            self, gyroscopic=None, stiffness_by_speed=None, gyroscopic_higher=None, stiffness_higher=None,
+            known_speeds=None,
         )  # fmt: skip
 
     def powers_of_speed(self) -> tuple[Array, Array]:

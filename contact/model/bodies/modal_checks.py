@@ -15,7 +15,7 @@ from contact.model.bodies.channels import rim_channels
 OPTIONAL = (
     "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "line_thickness", "output_rows", "output_S",
     "gyroscopic", "stiffness_by_speed", "gyroscopic_higher", "stiffness_higher", "damping", "stiffness",
-    "participation", "out_of_roundness",
+    "participation", "out_of_roundness", "known_speeds",
 )  # fmt: skip
 SQUARES = ("gyroscopic", "stiffness_by_speed", "damping", "stiffness")  # (m, m), of the modes
 HIGHER = ("gyroscopic_higher", "stiffness_higher")  # (k, m, m)
@@ -44,6 +44,7 @@ def check(body: Any) -> None:
         ("output_S", (wanted, K)),
         *((square, (m, m)) for square in SQUARES),
         ("participation", (3, m)),
+        ("known_speeds", (2,)),
         ("out_of_roundness", (max(body.rim_lines, 1) if body.kind == "rim" else 0, 2 * body.n_max + 1)),
     ):
         if getattr(body, name) is not None:

@@ -116,7 +116,7 @@ class Turned:
     def __init__(self, shell: Shell, n_max: int) -> None:
         system = assemble(resolving(shell, n_max))
         part = turning(system, Rotation(omega=0.0))
-        self.system, self.times = system, part.products(solve_held(system.stiffness, part.load))
+        self.system, self.times = system, part.products(solve_held(system.stiffness, part.load)).times
 
     def matrices(self, meridian: Meridian, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Gyroscopic matrix and stiffness by speed of the cosines and then the sines of one n, (modes, modes) each."""

@@ -35,7 +35,8 @@ def scenes():
     )  # fmt: skip
     rough = ct.Coulomb(mu=0.2)
     return {
-        "rim": (rim, rough, 2e-5), "rub": (rub, rough, 2e-5), "patch": (patch(ct, soft=True, friction=True), rough, 0.01),
+        "rim": (rim, rough, 2e-5), "rub": (rub, rough, 2e-5),
+        "patch": (patch(ct, soft=True, friction=True), rough, 0.01),
         "law": (rim, ct.laws.ForceLaw(ct.laws.Response(bumper, (1e9,))), 2e-5), "rotor": (rotor, rough, 2e-5),
     }  # fmt: skip
 

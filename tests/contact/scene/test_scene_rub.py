@@ -402,3 +402,20 @@ def test_basis_far_from_the_speed_of_its_modes_is_named(rpm, warns, write, tmp_p
     if warns:
         words = f"casing: found a frequency of the basis that changes by 95.3 % at {rpm:g} rpm, expected at most 40 %"
         assert words in found[0]
+
+
+@pytest.mark.parametrize(
+    ("hz", "fault"), [(5.0, None), (7.0, "found 7 Hz (420 rpm), expected 4 to 6 Hz (240 to 360 rpm)")]
+)
+def test_a_scene_at_a_speed_at_which_a_basis_is_not_known_is_refused(hz, fault, write, tmp_path):
+    known = 2.0 * np.pi * np.array([4.0, 6.0])
+    turning = {"gyroscopic": np.zeros((10, 10)), "stiffness_by_speed": np.eye(10), "known_speeds": known}
+    replace(ring(), spin=10.0 * np.pi, **turning).save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    text = write(RIM.replace("hz = 5.0", f'hz = {hz!r}\nturning = "casing"'))
+    if fault is None:
+        assert ct.load_scene(text).what.casing.known_speeds.tolist() == known.tolist()
+        return
+    with pytest.raises(ct.InputError, match="casing: speed: ") as refused:
+        ct.load_scene(text)
+    assert fault in str(refused.value)

@@ -163,3 +163,6 @@ def test_the_basis_of_a_blade_that_untwists_has_the_frequencies_near_its_speed()
     for omega in (1350.0, 1650.0):
         found = np.sqrt(np.linalg.eigvalsh(body.matrices(omega)[1])[:3]) / (2.0 * np.pi)
         np.testing.assert_allclose(found, cf.modes(block(axis.at(omega)), 3).freq, rtol=5e-3)
+    for omega in (0.0, 2.0 * np.pi * 199.0, 2.0 * np.pi * 273.0):
+        with pytest.raises(ct.InputError, match=r"speed: found .* expected 199.7 to 272.2 Hz"):
+            body.matrices(omega)
