@@ -50,7 +50,7 @@ class SpeedRun:
     step", or "" of motions that do not grow. `state` is the end state of the motion, `steady` by how much the largest
     deflection of a window differs in the last stretch, relatively; `contact` the fraction of the time in which the
     contact that touches most was closed. `limit_m` is the largest deflection that the linear model allows the rim, of
-    a run that passed a limit and was stopped; nan of the others.
+    a run that passed a limit and was stopped; nan of the others. `allowed_m` is that deflection for every run.
     """
 
     speed_hz: float
@@ -71,6 +71,7 @@ class SpeedRun:
     steady: float = math.nan
     contact: float = math.nan
     limit_m: float = math.nan
+    allowed_m: float = math.nan
 
     @property
     def stopped(self) -> bool:
@@ -136,9 +137,7 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     >>> found.verdict, found.amplitude_m  # nothing touches
     ('safe', 0.0)
     """
-    rub = rub_of(scene.what)
-    allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
-    return _decided(_longer(scene, _ran(scene, speed_hz, poles)), allowed)
+    return _decided(_longer(scene, _ran(scene, speed_hz, poles)))
 
 
 def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
@@ -157,10 +156,8 @@ def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tu
     """
     own = [at_speed(scene, hz) for scene, hz in zip(scenes, speed_hz.tolist(), strict=True)]
     found = []
-    for scene, run in zip(own, _judged(own, speed_hz, poles, "runs"), strict=True):
-        rub = rub_of(scene.what)
-        allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
-        small = run.verdict == "resonance" and not run.amplitude_m > allowed
+    for run in _judged(own, speed_hz, poles, "runs"):
+        small = run.verdict == "resonance" and not run.amplitude_m > run.allowed_m
         found.append(replace(run, verdict="safe") if small else run)
     return tuple(found)
 
@@ -242,9 +239,11 @@ def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:
 def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> SpeedRun:
     """The verdict of one run."""
     none = math.nan
+    rub = rub_of(what)
+    allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
     run = SpeedRun(
         speed_hz=speed_hz, verdict="not decided", closed=pole, growth=none, low=none, high=none, amplitude_m=none,
-        half_wall_s=none, n=None, wave="", body="",
+        half_wall_s=none, n=None, wave="", body="", allowed_m=allowed,
     )  # fmt: skip
     if isinstance(outcome, InputError):
         return replace(run, why=f"the scene is refused: {outcome}")
@@ -263,11 +262,10 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
         )  # fmt: skip
     passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
     if passed:
-        rub = rub_of(what)
-        run = replace(run, limit_m=float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM]))
+        run = replace(run, limit_m=allowed)
     if isinstance(outcome, NumericsError) and not passed:
         return replace(run, why=f"the numerics failed: {outcome}")
-    if growth is not None and growth.amplitude < STILL * rub_of(what).casing.line_radius(0):
+    if growth is not None and growth.amplitude < STILL * rub.casing.line_radius(0):
         return replace(run, verdict="safe")
     verdict, why = _of_growth(growth, passed=passed)
     return replace(run, verdict=verdict, why=why)
@@ -291,14 +289,16 @@ def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]
     return ("safe" if growth.state == "at rest" else "resonance"), ""
 
 
-def _decided(runs: Sequence[SpeedRun], allowed: float) -> tuple[SpeedRun, ...]:
+def _decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
     """Runs whose motion does not grow: a resonance where it is large, else safe.
 
     Large is beyond `RESONANT` times the median amplitude, or beyond what the rim is allowed [m], half of its wall.
     """
     calm = [run.amplitude_m for run in runs if run.verdict in ("resonance", "safe")]
-    limit = min(RESONANT * float(np.median(calm)), allowed) if calm else allowed
+    most = RESONANT * float(np.median(calm)) if calm else math.inf
     return tuple(
-        replace(run, verdict="safe") if run.verdict == "resonance" and not run.amplitude_m > limit else run
+        replace(run, verdict="safe")
+        if run.verdict == "resonance" and not run.amplitude_m > min(most, run.allowed_m)
+        else run
         for run in runs
     )

@@ -78,6 +78,8 @@ def deflection_words(runs: Sequence[Any]) -> str:
         largest = max(whole, key=lambda run: float(run.amplitude_m))
         others = " in the others" if stopped else ""
         words.append(f"The rim moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}.")
+        if not stopped and math.isfinite(largest.allowed_m):
+            words.append(f"The linear model is valid up to {1e3 * largest.allowed_m:.3g} mm.")
     if stopped:
         ran = "run was" if len(stopped) == 1 else "runs were"
         limit = f"the limit of the linear model, {1e3 * stopped[0].limit_m:.3g} mm"
