@@ -184,7 +184,8 @@ FIRST = {
     "experiments/rig_casing.csv": "frequencies.csv",
 }  # what a project of one's own begins with, and its names there
 STEPS = ("modes casing.toml", "update casing.toml", "reduce casing.toml --out .", "reduce blade.toml --out .",
-         "rub rub.toml --out results", "report casing.toml --out results")  # fmt: skip
+         "rub rub.toml --out results", "interactions rub.toml --runs 10 --out results",
+         "report casing.toml --out results")  # fmt: skip
 
 
 def first_files() -> dict[str, str]:
