@@ -1,4 +1,4 @@
-"""constraints-oldest.txt pins what pyproject.toml calls the oldest versions, so that what is tried is what is said."""
+"""Other files agree with pyproject.toml: constraints-oldest.txt on the oldest versions, CITATION.cff on the release."""
 
 import re
 import tomllib
@@ -23,3 +23,11 @@ def test_the_oldest_versions_pinned_are_the_bounds():
     pins = {name.lower(): Version(version) for name, version in (line.split("==") for line in lines)}
     assert TRANSITIVE <= pins.keys()
     assert {name: pin for name, pin in pins.items() if name not in TRANSITIVE} == bounds()
+
+
+def test_the_citation_file_names_this_release():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    stated = dict(re.findall(r"^([\w-]+): (\S.*)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE))
+    assert [stated[key] for key in ("cff-version", "title", "version", "license")] == [
+        "1.2.0", project["name"], project["version"], project["license"]
+    ]  # fmt: skip

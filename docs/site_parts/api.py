@@ -6,10 +6,19 @@ import re
 from pathlib import Path
 from types import ModuleType
 
+from docutils import nodes
+from docutils.nodes import Element
+from sphinx import addnodes
 from sphinx.application import Sphinx
 
 PACKAGES = ("casingfem", "contact")
 ARRAY = re.compile(r"(?:numpy\.)?ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], (?:numpy\.)?dtype\[[\w.]+\]\]")
+NAMED = r"~?(?:\w+\.)*"  # what is before a name in a signature
+SUPPORTS = rf"{NAMED}_SupportsArray\[{NAMED}dtype\[{NAMED}Any\]\]"
+LIKE = re.compile(
+    rf"{NAMED}_Buffer \| {SUPPORTS} \| {NAMED}_NestedSequence\[{SUPPORTS}\] \| complex \| bytes \| str \| "
+    rf"{NAMED}_NestedSequence\[complex \| bytes \| str\]"
+)
 SHORT = {"casingfem": "cf", "contact": "ct"}
 
 
@@ -83,11 +92,39 @@ def plain(app: Sphinx, what: str, name: str, item: object, options: object, line
             lines[k:end] = [line.replace("\\|", "|") for line in lines[k:end]]
 
 
+def readable(text: str) -> str:
+    """A type as a reader would write it: Array and ArrayLike for numpy's types, a key's type without its description.
+
+    >>> readable("ndarray[tuple[Any, ...], dtype[float64]] | None")
+    'Array | None'
+    >>> readable("~typing.Annotated[float, ~contact.io.Key(text=it acts (here), range=any)] = 0.0")
+    'float = 0.0'
+    """
+    text = LIKE.sub("ArrayLike", ARRAY.sub("Array", text))
+    while found := re.search(r"~?(?:typing\.)?Annotated\[", text):
+        depth, comma, end = 1, 0, found.end()
+        while depth and end < len(text):
+            depth += (text[end] in "([") - (text[end] in ")]")
+            comma = comma or (end if depth == 1 and text[end] == "," else 0)
+            end += 1
+        text = text[: found.start()] + text[found.end() : comma or end - 1] + text[end:]
+    return text
+
+
 def short(
     app: Sphinx, what: str, name: str, item: object, options: object, signature: str | None, returns: str | None
 ) -> tuple[str | None, str | None]:
-    """A signature that says Array, where numpy's own name fills a line."""
-    return tuple(text and ARRAY.sub("Array", text) for text in (signature, returns))
+    """Signature and returned type, with types as a reader would write them."""
+    return tuple(text and readable(text) for text in (signature, returns))
+
+
+def of_properties(app: Sphinx, domain: str, kind: str, content: Element) -> None:
+    """Types of properties and attributes, which have no signature."""
+    for heading in content.parent.findall(addnodes.desc_signature):
+        for part in heading.findall(addnodes.desc_annotation):
+            if (text := part.astext()) != (new := readable(text)):
+                part.clear()
+                part += nodes.Text(new)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -95,4 +132,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("builder-inited", write)
     app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon
     app.connect("autodoc-process-signature", short)
+    app.connect("object-description-transform", of_properties)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
