@@ -1,5 +1,6 @@
 """One lot of draws: splits, rims, and the growth of closed contact over the speeds."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,8 +9,10 @@ import numpy as np
 from casingfem.chance.casings import AROUND, Casings
 from casingfem.chance.load import ChanceScene
 from casingfem.chance.points import points
+from casingfem.chance.replaced import checked, replaced
 from casingfem.chance.tables import INPUTS
 from casingfem.io.arrays import Array, BoolArray, FloatArray
+from casingfem.study.mistuning import is_checked
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.stability.closed_contact import FLOOR
@@ -55,23 +58,30 @@ class Drawing:
         return max(int(columns.stop) for columns in self.groups.values())
 
     def drawn(self, draws: range) -> Lot:
-        """Results of some draws."""
-        return self.lot(points(self.given.table.seed, draws, self.dimension))
+        """Results of some draws; some of them are checked by full solutions, which replace them."""
+        u = points(self.given.table.seed, draws, self.dimension)
+        return self.lot(u, [draw - draws.start for draw in draws if is_checked(draw)])
 
     def series(self, u: FloatArray) -> Array:
         """Series of the fields of points u."""
         return self.casings.random.series(u[:, : self.casings.random.dimension])
 
-    def lot(self, u: FloatArray) -> Lot:
-        """Results of points u (draws, dimension): splits and frequencies of pairs, inputs, gap, growth by speed."""
-        series = self.series(u)
-        pairs, inputs = self.casings.pairs.splits(series), self.inputs(u)
+    def lot(self, u: FloatArray, checks: Sequence[int] = ()) -> Lot:
+        """Results of points u (draws, dimension): splits and frequencies of pairs, inputs, gap, growth by speed.
+
+        `checks` are places of the points that are solved in full, too.
+        """
+        series, difference = self.series(u), np.full(len(u), np.nan)
+        found = replaced(self.casings, series, self.casings.pairs.splits(series))
+        for place in checks:
+            found, difference[place] = checked(self.casings, series, found, place)
+        pairs, inputs = found.pairs, self.inputs(u)
         gap = inputs["clearance"] - inputs.get("closing", 0.0) + self.lowest_rim(series)
         cases = Cases(casing=self.casings.ratios(pairs.freq), blade=inputs["blade"], mu=inputs["friction"])
         growth = growth_of_cases(self.perfect, self.given.speed_hz, cases)
         return {
             "split": pairs.split, "freq": pairs.freq, "angle_deg": pairs.angle_deg, "share": pairs.share,
-            "gap": gap, "growth": growth, **inputs,
+            "gap": gap, "growth": growth, "by": found.by, "difference": difference, **inputs,
         }  # fmt: skip
 
     def inputs(self, u: FloatArray) -> dict[str, FloatArray]:

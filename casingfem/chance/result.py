@@ -7,14 +7,15 @@ import numpy as np
 
 from casingfem.chance.estimates import Estimate, probability, quantile
 from casingfem.chance.importance import Importance
+from casingfem.chance.replaced import BY_ENERGIES, IN_FULL, PURE
 from casingfem.chance.run import Drawn
 from casingfem.io.arrays import FloatArray, IntArray
 from contact.io.columns import Column, records_of, table_lines
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 
-PURE = 0.7  # of the energy of both modes in a pair's waves: below, the pair is mixed with another
 LEVELS = (0.5, 0.9, 0.99)
+METHODS = ("map", "own energies", "full solution")
 
 
 def level_columns(name: str, head: str, text: str, scale: float, unit: str, digits: str) -> list[Column]:
@@ -93,8 +94,8 @@ class Chance(Reported):
         lot = self.drawn.lot
         return np.asarray((lot["split"] if name == "split" else lot["freq"] / self.drawn.freq - 1.0).T)
 
-    def draws(self) -> list[dict[str, float]]:
-        """One row a casing: its inputs, its gap, worst growth and where, largest split and of which pair."""
+    def draws(self) -> list[dict[str, Any]]:
+        """One row a casing: inputs, gap, worst growth and where, largest split and of which pair, method."""
         drawn, lot = self.drawn, self.drawn.lot
         at, pair = lot["growth"].argmax(axis=1), lot["split"].argmax(axis=1)
         columns = {
@@ -106,6 +107,7 @@ class Chance(Reported):
             "split_rel": lot["split"].max(axis=1),
             "n": drawn.n[pair],
             "m": drawn.rank[pair],
+            "by": np.array(METHODS)[lot["by"].astype(int)],
         }
         return [
             dict(zip(columns, row, strict=True)) for row in zip(*(c.tolist() for c in columns.values()), strict=True)
@@ -141,11 +143,24 @@ class Chance(Reported):
             k = int(np.argmax([one.value for one in self.by_speed]))
             at = f"{speeds[k]:.4g} Hz ({60 * speeds[k]:,.0f} rpm)"
             lines.append(f"The most likely dangerous speed is {at}: {per_cent(self.by_speed[k])}.")
+        lines.append(self.solved)
         for name, rows in drawn.importance.items():
             if rows:
                 most = max(rows, key=lambda row: row.total)
                 lines.append(f"{name.capitalize()}: {most.group} matters most (total Sobol index {most.total:.2f}).")
         return "\n".join(lines)
+
+    @property
+    def solved(self) -> str:
+        """How many casings were solved anew, and what the checks gave."""
+        by, apart = (self.drawn.lot[name] for name in ("by", "difference"))
+        count = (
+            f"{np.sum(by == BY_ENERGIES)} casings were solved by their own energies, {np.sum(by == IN_FULL)} in full"
+        )
+        checks = int(np.isfinite(apart).sum())
+        if not checks:
+            return f"{count}."
+        return f"{count}, {checks} of them as a check: splits differ by {100 * np.nanmax(apart):.2g} % of the largest."
 
     def __repr__(self) -> str:
         return "\n".join([*table_lines(PAIRS, self.summary()), self.words])
@@ -160,6 +175,9 @@ class Chance(Reported):
             "importance": [finite(row) for row in self.importance()],
             "worst": self.worst.tolist(),
             "resumed": self.drawn.resumed,
+            "by_own_energies": int(np.sum(self.drawn.lot["by"] == BY_ENERGIES)),
+            "in_full": int(np.sum(self.drawn.lot["by"] == IN_FULL)),
+            "largest_difference": float(np.nanmax(self.drawn.lot["difference"], initial=0.0)),
             "words": self.words,
             "source": self.drawn.given.source,
         }

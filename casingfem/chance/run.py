@@ -161,7 +161,7 @@ def read_lot(store: Path, name: str) -> Lot | None:
         return None
     try:
         found: Lot = load_npz(path)
-        return found
+        return found if name.startswith(DESIGN) or "by" in found else None
     except ValueError:
         return None
 

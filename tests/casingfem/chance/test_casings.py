@@ -7,6 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.chance.casings import Casings
+from casingfem.chance.replaced import in_full, replaced
 from contact import ModalBody
 from tests.casingfem.modal.test_mistuning import SPECTRUM, lab, tube
 
@@ -54,3 +55,20 @@ def test_the_basis_of_a_drawn_casing_is_that_of_its_own_reduction(casings):
     d = casings.deviation(series[None])[0, : RIM.n_max + 1]
     assert np.allclose(full.out_of_roundness[0, : RIM.n_max + 1], d.real, atol=1e-7)
     assert np.allclose(full.out_of_roundness[0, RIM.n_max + 1 :], -d.imag[1:], atol=1e-7)
+
+
+@pytest.mark.slow
+def test_a_draw_with_large_terms_of_third_order_is_solved_anew(casings):
+    small = casings.random.series(cf.chance.points(3, range(2), casings.random.dimension))
+    series = small * np.array([1.0, 8.0])[:, None, None]
+    pairs = casings.pairs.splits(series)
+    found = replaced(casings, series, pairs)
+    assert found.by[0] == 0
+    assert found.by[1] > 0
+    assert np.array_equal(found.pairs.split[0], pairs.split[0])
+    full = in_full(casings, series[1])
+    known = {(int(full.nodal_diameters[low]), int(full.meridional[low])): low for low, _ in full.doublets}
+    for k, name in enumerate(zip(casings.pairs.n.tolist(), casings.pairs.rank.tolist(), strict=True)):
+        if name in known and found.pairs.share[1, k] > 0.7:
+            lower = found.pairs.freq[1, k] * (1.0 - 0.5 * found.pairs.split[1, k])
+            assert lower == pytest.approx(full.freq[known[name]], rel=2e-3)

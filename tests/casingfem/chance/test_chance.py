@@ -113,6 +113,8 @@ def test_answers_have_every_part(made, first):
     assert first["casings"] == 64
     assert 0.0 < first["dangerous"]["low"] < first["dangerous"]["value"] < first["dangerous"]["high"] <= 1.0
     assert len(first["speeds"]) == 12
+    assert first["in_full"] >= 2  # draws 0 and 50 are checks
+    assert 0.0 < first["largest_difference"] < 0.02
     assert len(first["runs"]) == 2
     assert all(row["verdict"] in ("unstable", "resonance", "safe", "not decided") for row in first["runs"])
     assert all(row["low"] <= row["probability"] <= row["high"] for row in first["speeds"])

@@ -1,0 +1,81 @@
+"""Draws whose pairs the map does not give with certainty: by the casing's own energies, or in full.
+
+The map's error is of fourth order in the imperfections. A draw is flagged where the terms of third order are large. Its
+pairs are then those of Rayleigh's quotient (`family`), and of a full solution where that is not certain either.
+"""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from casingfem.chance.casings import Casings
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.modal.family.splits import Splits
+from casingfem.modal.mode_set import ModeSet
+from casingfem.modal.modes import modes
+from casingfem.structure.field.fourier import FourierField
+
+FLAG = 5e-4  # of a frequency: terms of third order above which a draw is replaced
+LIMIT = 2e-3  # of a frequency: estimate above which Rayleigh's quotient is too; its error is far smaller
+PURE = 0.7  # of the energy of both modes in a pair's waves: below, the pair is mixed with another
+BY_MAP, BY_ENERGIES, IN_FULL = range(3)
+
+
+class Replaced(NamedTuple):
+    """Pairs of draws, and how each draw was solved: 0 by the map, 1 by its own energies, 2 in full, (draws,)."""
+
+    pairs: Splits
+    by: IntArray
+
+
+def replaced(own: Casings, series: Array, pairs: Splits) -> Replaced:
+    """The pairs of casings with series F (draws, l, 2 p_max + 1), flagged draws solved anew."""
+    by = np.zeros(len(series), dtype=np.int64)
+    found = Splits(*(part.copy() for part in pairs))
+    for draw in np.flatnonzero(~(pairs.third.max(axis=1) <= FLAG)).tolist():
+        near = own.pairs.family.near(fields_of(own, series[draw]), own.modes)
+        certain = near.complete and near.estimate <= LIMIT
+        put(own, found, draw, near.modes if certain else in_full(own, series[draw]))
+        by[draw] = BY_ENERGIES if certain else IN_FULL
+    return Replaced(found, by)
+
+
+def checked(own: Casings, series: Array, found: Replaced, draw: int) -> tuple[Replaced, float]:
+    """One draw solved in full, and by how much its splits differ, over its largest split; mixed pairs are left out."""
+    pairs, by = Splits(*(part.copy() for part in found.pairs)), found.by.copy()
+    put(own, pairs, draw, in_full(own, series[draw]))
+    by[draw] = IN_FULL
+    clear = np.minimum(pairs.share[draw], found.pairs.share[draw]) >= PURE
+    apart = np.abs(pairs.split[draw] - found.pairs.split[draw])[clear]
+    return Replaced(pairs, by), float(apart.max(initial=0.0) / pairs.split[draw].max())
+
+
+def in_full(own: Casings, series: Array) -> ModeSet:
+    """The lowest modes of a casing by a full solution."""
+    fields: dict[str, Any] = {f"{name}_defect": field for name, field in fields_of(own, series).items()}
+    return modes(replace(own.shell, **fields), own.modes, method="shell")
+
+
+def fields_of(own: Casings, series: Array) -> dict[str, FourierField]:
+    """The fields of a series F (l, 2 p_max + 1) by their quantities."""
+    top = series.shape[-1] // 2
+    size = np.where(np.arange(top + 1) > 0, 2.0, 1.0)[:, None]
+    first = int(not series[:, top].any())  # a mean, where one is given
+
+    def field(line: FloatArray) -> FourierField:
+        ahead = size * line[top:, None]
+        return FourierField(p=np.arange(first, top + 1), cos=ahead.real[first:], sin=-ahead.imag[first:])
+
+    return {name: field(line) for name, line in zip(own.random.quantities, series, strict=True)}
+
+
+def put(own: Casings, pairs: Splits, draw: int, found: ModeSet) -> None:
+    """Write the pairs of some modes in the place of a draw's; those that are not among them count as mixed."""
+    pairs.share[draw] = 0.0
+    n, rank = found.nodal_diameters, found.meridional
+    for (low, high), split in zip(found.doublets, found.splits, strict=True):
+        for k in np.flatnonzero((own.pairs.n == n[low]) & (own.pairs.rank == rank[low])).tolist():
+            pairs.freq[draw, k] = 0.5 * (found.freq[low] + found.freq[high])
+            pairs.split[draw, k], pairs.angle_deg[draw, k] = split, np.nan_to_num(found.angle_deg[low])
+            pairs.share[draw, k] = found.purity[[low, high]].min()
