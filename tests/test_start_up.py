@@ -23,7 +23,7 @@ STUBS = sorted(
 WRITERS = {
     "contact",
     "contact.io",
-    "contact.io.digests",
+    "contact.io.publication.digests",
     "contact.io.infiles",
     "contact.io.trust",
     "contact.io.interrupts",

@@ -16,9 +16,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from contact.io.digests import digest_of
 from contact.io.infiles import read_bytes
 from contact.io.interrupts import interrupts_held
+from contact.io.publication.digests import digest_of
 from contact.io.publication.lock import alone
 from contact.io.publication.manifest import MANIFEST, Publication, require_no_links, stays_inside
 from contact.io.publication.moves import commit

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.io.brief import brief
-from contact.io.digests import digest_of
 from contact.io.infiles import pipes_read_once, read_bytes
+from contact.io.publication.digests import digest_of
 from contact.io.toml import entries
 from contact.scene.load import scene_data, scene_of
 from contact.scene.problems import SceneError, validated

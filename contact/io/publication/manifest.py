@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
-from contact.io.digests import digest_of, digest_of_file
+from contact.io.publication.digests import digest_of, digest_of_file
 
 MANIFEST = ".casingfem-publication.json"
 FORMAT = "casingfem-publication-1"

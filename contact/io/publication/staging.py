@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from contact.io.digests import digest_of_file
+from contact.io.publication.digests import digest_of_file
 from contact.io.publication.manifest import (
     HERE,
     MANIFEST,

@@ -16,10 +16,10 @@ from click.testing import CliRunner
 
 from casingfem.cli import main
 from contact.io import outfiles
-from contact.io.digests import digest_of
 from contact.io.infiles import read_bytes
 from contact.io.outfiles import write_files
 from contact.io.publication import lock
+from contact.io.publication.digests import digest_of
 from contact.io.publication.manifest import HERE, MANIFEST
 from contact.io.publication.recovery import recover
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from contact.io.digests import digest_of
+from contact.io.publication.digests import digest_of
 from contact.sweep.row import Store, read_run, run_path, write_run
 
 ROWS = {digest_of({"run": k}): {"status": "done", "x": k / 3.0, "why": ""} for k in range(20)}
