@@ -91,7 +91,7 @@ def is_own_error(error: Exception) -> bool:
 
 
 def singular(error: Exception) -> bool:
-    """Whether it is numpy's LinAlgError: a ValueError, and yet not of the input."""
+    """Whether an error is numpy's LinAlgError, which is a ValueError but not a fault of the input."""
     from numpy.linalg import LinAlgError
 
     return isinstance(error, LinAlgError)

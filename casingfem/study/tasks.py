@@ -93,7 +93,7 @@ def run_response(study: Study | MeshStudy) -> tuple[BladedWheel, list[Answer]]:
     Raises
     ------
     StudyError
-        Without [cyclic], [reduce] or [[response]], or where the wheel cannot be seen or pushed so.
+        Without [cyclic], [reduce] or [[response]], or if its channels or its force do not exist on the wheel.
     """
     wheel, tables = study.wheel if isinstance(study, MeshStudy) else None, study.file.response
     if wheel is None:

@@ -30,7 +30,7 @@ LOST = 1.0 / 3.0
 
 
 class LostModeError(ValueError):
-    """A step so long that a mode of the table cannot be found again; `rows` of the table went with it."""
+    """A step was so long that a mode of the table cannot be found again; `rows` are its rows in the table."""
 
     def __init__(self, rows: tuple[int, ...], share: float) -> None:
         super().__init__(f"rows {rows}: only {share:.2f} of their mode is found again")

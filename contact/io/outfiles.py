@@ -153,7 +153,7 @@ def _fill(part: Path, content: Content, final: Path) -> None:
 
 
 def json_text(document: Any, *, indent: int | None = None) -> str:
-    r"""One JSON document, ending in a newline; numbers that JSON has no word for become null.
+    r"""One JSON document, ending in a newline; NaN and infinite numbers become null.
 
     >>> json_text({"freq_hz": 371.2, "zeta": float("nan")})
     '{"freq_hz": 371.2, "zeta": null}\n'

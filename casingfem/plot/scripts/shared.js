@@ -1,5 +1,5 @@
 "use strict";
-// What the scripts of a page share: packed numbers, elements, and a clock that rests where nobody looks.
+// What the scripts of a page share: packed numbers, elements, and a clock that stops while the page is hidden.
 const page = {
   integers(coded, Type) {
     const bytes = Uint8Array.from(atob(coded), (letter) => letter.charCodeAt(0));
@@ -37,7 +37,7 @@ const page = {
       if (seen && !was) requestAnimationFrame(step);
     }).observe(element);
   },
-  // fits a canvas to its place on the page; tells whether its size changed
+  // fits a canvas to its place on the page; returns whether its size changed
   fit(canvas, shape) {
     const ratio = Math.min(2, window.devicePixelRatio || 1), width = Math.round(canvas.clientWidth * ratio);
     const height = Math.round(canvas.clientWidth * shape * ratio);

@@ -47,7 +47,7 @@ def at_solution(fit: UpdateResult) -> Problem:
 
 
 def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Residuals and Jacobian at a point near the solution, whose modes stay those that are followed from."""
+    """Residuals and Jacobian at a point near the solution; modes are followed from those of the solution."""
     home = problem.anchor
     try:
         return problem.state(x).values, problem.data_jacobian(x)

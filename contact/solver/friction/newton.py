@@ -111,7 +111,7 @@ def polish(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
 
 @jit
 def motion_miss(b: Array, rho: Array, dim: int, count: int, miss: Array) -> float:
-    """Largest F of a contact as a motion, F/rho, over its own free motion |b|, or where it has none the largest."""
+    """Largest F of a contact as a motion, F/rho, relative to its free motion |b|, or the largest one if that is 0."""
     worst = 0.0
     for k in range(count):
         error = 0.0

@@ -208,7 +208,7 @@ def rotate(J: Array, i: int, k: int, c: float, s: float, size: int) -> None:
 
 @jit
 def enter(J: Array, R: Array, count: int, size: int, d: Array) -> None:
-    """Take a row with components d = J row into the factors: turn d[count:] into one number."""
+    """Add a row with components d = J row to the factors: rotate d[count:] into one number."""
     for i in range(size - 1, count, -1):
         length = math.hypot(d[i - 1], d[i])
         if d[i] == 0.0:

@@ -1,7 +1,7 @@
 """The one-step problem of several contacts: 0 <= W lam + g, lam >= 0, complementary.
 
 Principal pivoting: the set of closed contacts is corrected as a whole at first, then one contact at a time by
-the least index, which ends for every positive definite W (Murty, Opsearch 11, 1974, 157). Rows that repeat others
+the least index, which ends for every positive definite W (Murty, Opsearch 11, 1974, 123). Rows that repeat others
 (singular W) get force zero; where one of these is the nearer one, and so left open, W gets a hair of compliance. One
 contact is a division.
 """

@@ -2,8 +2,8 @@
 A casing on a ring, held by bolts
 =================================
 
-A ring is a curved beam tied to an edge. Bolts hold it at places. Where all of them are alike, only those pairs split
-whose 2n is a multiple of their number. A bolt that is missing splits the others too.
+A ring is a curved beam tied to an edge. Bolts fix it at some places. If all bolts are equal, only pairs split whose 2n
+is a multiple of their number. A missing bolt splits the other pairs too.
 """
 
 import matplotlib.pyplot as plt

@@ -78,7 +78,7 @@ class Lookup:
         return np.asarray(self.order[place])
 
     def some(self, wanted: IntArray, given: BoolArray) -> IntArray:
-        """Indices of the numbers that are given, of their shape; -1 for the others, middle nodes that are left out."""
+        """Indices of node numbers, in an array of the same shape; -1 for middle nodes that are left out."""
         cells = np.full(wanted.shape, -1)
         cells[given] = self(wanted[given])
         return cells
