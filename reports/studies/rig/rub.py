@@ -129,9 +129,9 @@ def planned(rim: ct.RotatingRim, plan: RubPlan) -> ct.Scene:
 
 
 def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
-    """The dangerous speeds from half to twice the plan's, by runs at nine of them and at peaks, with LONGER_STEP."""
-    scene = replace(scene, dt=LONGER_STEP * plan.dt)
-    return ct.interactions(scene, np.linspace(0.5 * plan.speed_hz, 2.0 * plan.speed_hz, 91), runs=9)
+    """The dangerous speeds up to twice the plan's, by runs at every tenth of that range and at peaks, LONGER_STEP."""
+    scene, highest = replace(scene, dt=LONGER_STEP * plan.dt), 2.0 * plan.speed_hz
+    return ct.interactions(scene, np.linspace(0.1 * highest, highest, 91), runs=10)
 
 
 def controls(files: tuple[Path, Path], plan: RubPlan, rims: dict[str, list[dict[str, float]]]) -> list[Row]:
