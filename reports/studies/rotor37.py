@@ -26,7 +26,7 @@ from reports.verification.modes import nasa_rotors
 
 NAME, SPEED, TURN = "rotor37", 220.3, 1.0  # turns/s, turns of a run
 AXIS = (0.0, 0.0, 1.0)
-MESHES = ((12, 8, 1), (16, 12, 1), (24, 20, 1), (32, 24, 1), (32, 24, 2))
+MESHES = ((12, 8, 1), (16, 12, 1), (24, 20, 1), (24, 28, 1), (32, 24, 1), (32, 24, 2))  # the fourth: the example's
 COARSE = (6, 4, 1)  # for the blade with all its modes
 MODES = (2, 4, 8, 12, 24)
 PLACES = (1, 3, 5, 9)
