@@ -1,74 +1,171 @@
-"""What accuracy costs: every scheme on every scene with an exact solution, over meshes.
+"""What accuracy costs: error against run time of every method on every scene, over meshes and over steps.
 
-`python -m reports.benchmarks.work_precision [--quick] [--out DIR]` prints and writes work_precision.csv and draws
-work_precision.png, force errors against run time. Courant .5 throughout, so that steps grow with the mesh; penalty
-springs are as stiff as one element. Run times are of the step loop that stores one step in 1000, best of two.
+`python -m reports.benchmarks.work_precision [--quick] [--out DIR]` prints and writes work_precision.csv (every run),
+work_precision_winners.csv (the quickest method within an error) and one picture a scene. Scenes: six impacts of rods
+and masses with exact solutions, and a rub of NASA rotor 37 against its finest step. Meshes at Courant 0.5, where steps
+grow with the mesh; steps on one mesh. Exact modal steps have as many modes as a rod has elements, and Courant number
+omega_max dt/2. Penalty springs are as stiff as one element. Run times are of the step loop that stores one step in
+1000, the least of 2 to 12 runs.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 import contact as ct
 from casingfem.plot.style import png
 from contact.io.outfiles import write_atomic
+from reports.benchmarks import work_precision_rubs
+from reports.benchmarks.work_precision_rubs import loop_seconds
 from reports.tables import Row, command_line, show, write
-from reports.verification.schemes.cases import Case, cases, errors, methods, run, spring
+from reports.verification.schemes.cases import Case, Method, cases, errors, methods, run, spring
 
 SIZES = (25, 50, 100, 200)
+MIDDLE, COURANT = 100, 0.5  # the mesh of the steps, the step of the meshes
+COURANTS = (0.9, 0.25, 0.1)
 SHOWN = ("force L1", "force L2", "impulse", "gap", "energy", "unaccounted", "us/step")
+WITHIN = {"force L1": (0.1, 0.03, 0.01), "impulse": (0.03, 0.01, 0.003)}
+MARKS = "os^v<>DdphH*PX8+x1"
 
 
-def measured(case: Case, elements: int) -> list[Row]:
-    """One row a method, with the seconds of the faster of two runs."""
+def every_method(case: Case, elements: int) -> list[Method]:
+    """All schemes on elements, and exact modal steps of as many modes."""
+    modal = [
+        Method(name=f"exact modal, {law}", scheme=ct.ExactModal(law=law, modes=elements, omega_h_limit=3.05))
+        for law in ("forward", "averaged", "energy")
+    ]  # fmt: skip
+    return [*methods(spring(case, elements)), *modal]
+
+
+def measured(case: Case, elements: int, courant: float) -> list[Row]:
+    """One row a method, with the run time of its step loop."""
     rows: list[Row] = []
-    for method in methods(spring(case, elements)):
-        row: Row = {"scene": case.name, "method": method.name, "elements": elements}
+    for method in every_method(case, elements):
+        row: Row = {"scene": case.name, "method": method.name, "elements": elements, "courant": courant}
         try:
-            found = errors(case, run(case, method, elements, 0.5))
-            seconds = min(run(case, method, elements, 0.5, every=1000).seconds for _ in range(2))
+            found = errors(case, run(case, method, elements, courant))
+            spent = loop_seconds(partial(run, case, method, elements, courant, every=1000))
         except ct.InputError as error:
             rows.append({**row, "note": str(error).split(",")[0]})
             continue
-        found["us/step"] = 1e6 * seconds / int(str(found["steps"]))
-        rows.append({**row, "steps": found["steps"], "seconds": seconds} | {name: found[name] for name in SHOWN})
+        if isinstance(method.scheme, ct.ExactModal):
+            found["gap"] = None  # its state is modal coordinates
+        found["us/step"] = 1e6 * spent / int(str(found["steps"]))
+        rows.append({**row, "steps": found["steps"], "seconds": spent} | {name: found[name] for name in SHOWN})
     return rows
+
+
+def of_scene(case: Case, quick: bool) -> list[Row]:
+    """Every method over meshes, then over steps."""
+    runs = [(SIZES[0], COURANT)] if quick else [(n, COURANT) for n in SIZES] + [(MIDDLE, c) for c in COURANTS]
+    return [row for elements, courant in runs for row in measured(case, elements, courant)]
+
+
+def winners(rows: list[Row]) -> list[Row]:
+    """The quickest run of each scene within an error, the next quickest method, and how much longer it takes."""
+    result: list[Row] = []
+    for scene in dict.fromkeys(str(row["scene"]) for row in rows):
+        known = [name for name in WITHIN if any(row["scene"] == scene and row.get(name) is not None for row in rows)]
+        for quantity in known:
+            for limit in WITHIN[quantity]:
+                best: dict[str, Row] = {}
+                for row in rows:
+                    if row["scene"] == scene and row.get("seconds") and within(row.get(quantity), limit):
+                        name = str(row["method"])
+                        best[name] = min(best.get(name, row), row, key=seconds)
+                first, *others = sorted(best.values(), key=seconds) or [{}]
+                second = others[0] if others else {}
+                result.append({
+                    "scene": scene, "error of": quantity, "within %": 100.0 * limit, "quickest": first.get("method"),
+                    "elements": first.get("elements"), "courant": first.get("courant"), "ms": milliseconds(first),
+                    "next": second.get("method"), "next, ms": milliseconds(second),
+                })  # fmt: skip
+    return result
+
+
+def within(value: object, limit: float) -> bool:
+    """Whether an error is known and small enough."""
+    return value is not None and abs(float(str(value))) <= limit
+
+
+def seconds(row: Row) -> float:
+    """Run time of a row [s]."""
+    return float(str(row["seconds"]))
+
+
+def milliseconds(row: Row) -> float | None:
+    """Run time of a row [ms]."""
+    return 1e3 * seconds(row) if row else None
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
-    """Print the finest mesh of each scene, write all, draw the picture."""
-    sizes = SIZES[:1] if quick else SIZES
+    """Print the finest mesh of each scene and the winners, write all, draw a picture of each scene."""
     chosen = cases()[:2] if quick else cases()
-    rows = [row for case in chosen for n in sizes for row in measured(case, n)]
-    columns = ["scene", "method", "elements", "steps", "seconds", *SHOWN, "note"]
+    rows = [row for case in chosen for row in of_scene(case, quick)]
+    rows += work_precision_rubs.rows(quick)
+    columns = ["scene", "method", "elements", "courant", "steps", "seconds", *SHOWN, "note"]
     rows = [{name: row.get(name) for name in columns} for row in rows]
-    for case in chosen:
-        table = [row for row in rows if row["scene"] == case.name and row["elements"] == sizes[-1]]
+    for scene in dict.fromkeys(str(row["scene"]) for row in rows):
+        part = [row for row in rows if row["scene"] == scene]
+        finest = [row for row in part if row["elements"] == part[0]["elements"] or row["courant"] == COURANT]
+        largest = max(int(str(row["elements"])) for row in finest)
+        table = [row for row in finest if row["elements"] == largest]
         show(
-            f"{case.name}: relative errors; energy over that of the motion",
-            [dict(list(row.items())[1:]) for row in table],
+            f"{scene}: relative errors; energy over that of the motion", [dict(list(row.items())[1:]) for row in table]
         )
+        picture(part, scene, out / f"work_precision_{scene.partition(',')[0].replace(' ', '_')}.png")
+    won = winners(rows)
+    show("The quickest method within an error", won)
     write(out / "work_precision.csv", rows)
-    picture(rows, [case.name for case in chosen], out / "work_precision.png")
+    write(out / "work_precision_winners.csv", won)
     return rows
 
 
-def picture(rows: list[Row], scenes: list[str], path: Path) -> None:
-    """Force L1 against seconds, one panel a scene."""
-    figure, axes = plt.subplots(
-        -(-len(scenes) // 2), 2, figsize=(9.0, 3.0 * -(-len(scenes) // 2)), layout="constrained"
-    )
-    for axis, scene in zip(np.ravel(axes), scenes, strict=False):
-        for name in dict.fromkeys(row["method"] for row in rows):
-            line = [row for row in rows if row["scene"] == scene and row["method"] == name and row["seconds"]]
-            axis.loglog([row["seconds"] for row in line], [row["force L1"] for row in line], "o-", ms=3, label=name)
-        axis.set(title=scene, xlabel="seconds", ylabel="force L1 error")
-    np.ravel(axes)[0].legend(fontsize=5, ncols=2)
+def picture(rows: list[Row], scene: str, path: Path) -> None:
+    """Errors of force and impulse against seconds: lines over meshes, dotted over steps; the front is grey."""
+    names = list(dict.fromkeys(str(row["method"]) for row in rows if row["seconds"]))
+    figure, axes = plt.subplots(1, 2, figsize=(11.0, 4.8), layout="constrained")
+    for axis, quantity in zip(axes, WITHIN, strict=True):
+        for k, name in enumerate(names):
+            mine = [row for row in rows if row["method"] == name and row["seconds"]]
+            style = {"marker": MARKS[k % len(MARKS)], "color": colour(k), "ms": 5, "lw": 0.9}
+            for line, kind in ((lines(mine, "elements"), "-"), (lines(mine, "courant"), ":")):
+                drawn = [(seconds(row), abs(float(str(row[quantity])))) for row in line if row[quantity] is not None]
+                if drawn:
+                    axis.plot(*zip(*sorted(drawn), strict=True), kind, label=name if kind == "-" else None, **style)
+        front(axis, rows, quantity)
+        axis.set(xscale="log", yscale="log", xlabel="run time [s]", ylabel=f"error of {quantity}", ylim=(1e-5, 3.0))
+    figure.suptitle(scene)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center", fontsize=7)
     write_atomic(path, png(figure))
     plt.close(figure)
+
+
+def colour(k: int) -> tuple[float, float, float, float] | str:
+    """The k-th colour: no grey, which is that of the front."""
+    places = [place for place in range(20) if place not in (14, 15)]
+    return plt.get_cmap("tab20")(places[k]) if k < len(places) else "black"
+
+
+def lines(rows: list[Row], along: str) -> list[Row]:
+    """Runs over meshes at the middle step, or over steps on the middle mesh."""
+    sizes = sorted({int(str(row["elements"])) for row in rows})
+    middle = MIDDLE if MIDDLE in sizes else sizes[-1]
+    if along == "elements":
+        return [row for row in rows if row["courant"] == COURANT]
+    return [row for row in rows if row["elements"] == middle]
+
+
+def front(axis: Axes, rows: list[Row], quantity: str) -> None:
+    """Least error within each run time, in grey."""
+    points = sorted((seconds(row), abs(float(str(row[quantity])))) for row in rows if row["seconds"] and row[quantity])
+    least = np.minimum.accumulate([error for _, error in points])
+    axis.step([time for time, _ in points], least, where="post", color="0.75", lw=5, zorder=0)
 
 
 if __name__ == "__main__":

@@ -183,8 +183,10 @@ def errors(case: Case, result: ct.Result) -> Row:
     }
 
 
-def gap_error(case: Case, result: ct.Result) -> float:
-    """Largest error of the gap over the run, over the case's height; two bodies, lower first."""
+def gap_error(case: Case, result: ct.Result) -> float | None:
+    """Largest error of the gap over the run, over the case's height; two bodies, lower first. None of modes."""
+    if len(result.blocks) != 2:
+        return None
     first, second = sorted(result.blocks, key=lambda block: block[1])
     gap = case.gap[1][0] + result.state[:, second[1]] - result.state[:, first[2] - 1]
     return float(np.abs(gap - np.interp(result.state_time, *case.gap)).max()) / case.height
