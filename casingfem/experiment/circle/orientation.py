@@ -32,15 +32,18 @@ SETTLED = 5e-3  # relative change of every v_m in a round that ends it
 
 
 class Label(NamedTuple):
-    """Nodal diameters of a shape (-1: none fits), their share of its energy, its antinode [rad] with its uncertainty.
-
-    `angle` and `sigma` are nan where n < 1.
-    """
+    """Nodal diameters of a shape (-1: none fits), their share of its energy, and its antinode [rad], nan where n < 1."""
 
     n: int
     purity: float
     angle: float
-    sigma: float
+
+
+class Others(NamedTuple):
+    """Variances v_m of the other waves of a shape, and how many numbers of each the sensors show, both (waves,)."""
+
+    variance: FloatArray
+    shown: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,39 +80,71 @@ class Circle:
         """Largest n, -1 if there is none."""
         return max(self.orders, default=-1)
 
-    def label(self, shape: FloatArray, covariance: FloatArray) -> Label:
-        """The n of a shape (sensors,) with this covariance (sensors, sensors), and the angle of its antinode.
+    def alike(self, n: int) -> IntArray:
+        """The two waves above all labels that resemble n most at the sensors, (2,): S - n and S + n on S even ones.
 
-        The n whose sine and cosine take most energy is the label. All other n up to 64 are random, each of a size that
-        the shape itself shows. They turn the antinode, and so enter its uncertainty (`spread_of_others`). This is so
-        for n far above the largest label too: on few sensors they resemble the label, and the shape does not show
-        them apart. What they add to its variance is estimated from that many sensors: 1.96 sigma is the 95 % interval
-        of Student's t, its degrees of freedom (sensors - 2)/(share of that variance)^2 (Satterthwaite, Biometrics
-        Bulletin 2, 1946, 110).
+        >>> Circle.of(np.arange(16) * np.pi / 8).alike(7).tolist()
+        [9, 23]
+        """
+        own, above = np.linalg.qr(harmonic(self.theta, n))[0], np.arange(self.n_max + 1, MOST + 1)
+        shares = [np.sum((own.T @ harmonic(self.theta, m)) ** 2) for m in above.tolist()]
+        return np.sort(above[np.argsort(-np.round(shares, 6), kind="stable")[:2]])
+
+    def label(self, shape: FloatArray) -> Label:
+        """The n of a shape (sensors,), whose sine and cosine take most energy, and the angle of its antinode.
 
         >>> theta = np.array([0.0, 0.5, 1.1, 1.5, 2.1, 2.9, 3.3, 4.2, 5.0, 5.7])
-        >>> found = Circle.of(theta).label(np.cos(3 * theta - 0.6), 1e-6 * np.eye(10))
+        >>> found = Circle.of(theta).label(np.cos(3 * theta - 0.6))
         >>> found.n, round(found.purity, 3), round(found.angle, 3)
         (3, 1.0, 0.2)
         """
         if not self.orders:
-            return Label(-1, *[float("nan")] * 3)
+            return Label(-1, *[float("nan")] * 2)
         n = min(self.orders, key=lambda n: self._rest(shape, n))
-        own = harmonic(self.theta, n)
-        rest = [harmonic(self.theta, m) for m in range(MOST + 1) if m != n]
+        purity = 1.0 - self._rest(shape, n) / float(shape @ shape)
+        if purity < PURE or n == 0:
+            return Label(n if purity >= PURE else -1, purity, float("nan"))
+        parts = np.linalg.lstsq(harmonic(self.theta, n), shape, rcond=None)[0]
+        return Label(n, purity, antinode(parts, np.zeros((2, 2)), n)[0])
+
+    def orientation(
+        self, shape: FloatArray, covariance: FloatArray, n: int, sizes: FloatArray | None = None
+    ) -> tuple[float, float]:
+        """Antinode [rad] of a shape (sensors,) with this covariance (sensors, sensors), and its uncertainty.
+
+        All waves but n, up to 64, are random, each of a size that the shape itself shows, times `sizes` (65,) where
+        they are given. They turn the antinode, and so enter its uncertainty (`others_of`). This is so for waves far
+        above the largest label too: on few sensors they resemble the label, and the shape does not show them apart.
+        1.96 sigma is the 95 % interval of Student's t. Its degrees of freedom f follow from those of the variances
+        V_m = v_m |what the antinode reads of wave m|^2 of the total T (Satterthwaite, Biometrics Bulletin 2, 1946, 110):
+        nu + the numbers of the wave that the sensors show, and for the common scale half of the numbers besides n, less
+        those of one wave,
+
+            T^2/f = sum_m V_m^2/(nu + shown_m) + (sum_m V_m)^2/(sensors/2 - 3).
+
+        >>> theta = np.array([0.0, 0.5, 1.1, 1.5, 2.1, 2.9, 3.3, 4.2, 5.0, 5.7])
+        >>> shape = np.cos(3 * theta - 0.6) + 0.02 * np.cos(5 * theta)
+        >>> angle, sigma = Circle.of(theta).orientation(shape, 1e-6 * np.eye(10), 3)
+        >>> round(angle, 2), 0.001 < sigma < 0.02
+        (0.2, True)
+        """
+        own, waves = harmonic(self.theta, n), np.delete(np.arange(MOST + 1), n)
+        rest = [harmonic(self.theta, m) for m in waves.tolist()]
         order = np.repeat(np.arange(len(rest)), [columns.shape[1] for columns in rest])
+        columns = np.concatenate(rest, axis=1)
         covariance = covariance + EXACT * float(shape @ shape) * np.eye(len(shape))
-        others = spread_of_others(shape, own, np.concatenate(rest, axis=1), order, covariance)
+        size = np.ones(len(waves)) if sizes is None else sizes[waves]
+        found = others_of(shape, own, columns, order, covariance, size, (waves - n) % 2)
+        others = (columns * found.variance[order]) @ columns.T
         even = float(np.trace(covariance)) / len(shape) * np.eye(len(shape))  # a partner's share is no weight
         read = reading(own, others + even)
         parts = read @ shape
-        purity = min(float(np.sum((own @ parts) ** 2)) / float(shape @ shape), 1.0)
-        if purity < PURE or n == 0:
-            return Label(n if purity >= PURE else -1, purity, float("nan"), float("nan"))
         angle, sigma = antinode(parts, read @ (covariance + others) @ read.T, n)
-        known = antinode(parts, read @ covariance @ read.T, n)[1]
-        freedom = (len(shape) - own.shape[1]) / max(1.0 - (known / sigma) ** 2, 1e-9) ** 2
-        return Label(n, purity, angle, sigma * float(stdtrit(freedom, TAIL) / ndtri(TAIL)))
+        turned = slope_of(parts, n) @ read @ columns
+        each = np.bincount(order, turned**2) * found.variance
+        scale = float(np.sum(each)) ** 2 / max(0.5 * len(shape) - 3.0, 1.0)
+        inverse = (float(np.sum(each**2 / (FREEDOM + found.shown))) + scale) / sigma**4
+        return angle, sigma * float(stdtrit(1.0 / max(inverse, 1e-9), TAIL) / ndtri(TAIL))
 
     def _rest(self, shape: FloatArray, n: int) -> float:
         """Sum of squares that an n leaves."""
@@ -132,9 +167,15 @@ def antinode(parts: FloatArray, covariance: FloatArray, n: int) -> tuple[float, 
     (1.5707963267948966, 0.005)
     """
     a, b = parts.tolist()
-    slope = np.array([-b, a]) / (n * (a * a + b * b))
+    slope = slope_of(parts, n)
     angle = float(np.mod(np.arctan2(b, a) / n, np.pi / n))
     return angle if np.pi / n - angle > 1e-9 else 0.0, float(np.sqrt(slope @ covariance @ slope))
+
+
+def slope_of(parts: FloatArray, n: int) -> FloatArray:
+    """Derivative of the antinode by (cosine, sine), (2,)."""
+    a, b = parts.tolist()
+    return np.array([-b, a]) / (n * (a * a + b * b))
 
 
 def quadrature(first: float, second: float, n: int) -> float:
@@ -152,10 +193,11 @@ def reading(own: FloatArray, covariance: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(own.T @ weighted, weighted.T))
 
 
-def spread_of_others(
-    shape: FloatArray, own: FloatArray, others: FloatArray, order: IntArray, covariance: FloatArray
-) -> FloatArray:
-    """Sum of v_m B_m B_m^T: covariance (sensors, sensors) of the contributions of the other n to a shape (sensors,).
+def others_of(
+    shape: FloatArray, own: FloatArray, others: FloatArray, order: IntArray, covariance: FloatArray, sizes: FloatArray,
+    odd: IntArray,
+) -> Others:  # fmt: skip
+    """Variances v_m of the other waves B_m b_m of a shape (sensors,), of covariance sum of v_m B_m B_m^T.
 
     `own` (sensors, 1 or 2) are the columns A, `others` (sensors, columns) all B_m, `order` (columns,) the m of each,
     counted from 0. Sensors on an imperfect casing see a shape of one n with a little of many others:
@@ -163,28 +205,30 @@ def spread_of_others(
         shape = A c + sum_m B_m b_m + e,   b_m ~ N(0, v_m I),   e ~ N(0, S),
 
     S the covariance of the measurement. There are more b_m than sensors; what is known of them is that few are large:
-    b_m has Student's t distribution of nu = 6 degrees of freedom and a common scale s (Lange, Little and Taylor, J. Am.
-    Stat. Assoc. 84, 1989, 881), which is a normal one whose variance v_m is itself random. Expectation and maximisation
-    in turn, c projected out (restricted likelihood: Patterson and Thompson, Biometrika 58, 1971, 545), w_m the columns
-    of B_m:
+    b_m has Student's t distribution of nu = 6 degrees of freedom and scale s g_m (Lange, Little and Taylor, J. Am.
+    Stat. Assoc. 84, 1989, 881), which is a normal one whose variance v_m is itself random. g_m are the relative
+    `sizes` (waves,). There are two s, of the waves whose m differs from n by an even and by an `odd` (waves,) number:
+    a wall of even harmonics combines even ones only. Expectation and maximisation in turn, c projected out (restricted
+    likelihood: Patterson and Thompson, Biometrika 58, 1971, 545), w_m the columns of B_m:
 
         C = S + sum_m v_m B_m B_m^T,   P = C^-1 - C^-1 A (A^T C^-1 A)^-1 A^T C^-1,
         w_m q_m = E|b_m|^2 = |v_m B_m^T P shape|^2 + w_m v_m - v_m^2 tr(B_m^T P B_m),
-        v_m <- (nu s^2 + w_m q_m)/(nu + w_m),   1/s^2 <- mean of 1/v_m.
+        v_m <- (nu s^2 g_m^2 + w_m q_m)/(nu + w_m),   1/s^2 <- mean of g_m^2/v_m.
 
-    With more sensors than columns, both are multiplied by S^(-1/2) and projected on the span of the columns: what is
-    orthogonal to it does not depend on v_m.
+    The sensors show v_m tr(B_m^T P B_m) numbers of a wave: all of its columns, or none. With more sensors than columns,
+    both are multiplied by S^(-1/2) and projected on the span of the columns: what is orthogonal to it does not depend
+    on v_m.
 
     Taking all others as alike would give the largest of them to the antinode; fitting only the notable ones leaves out
     that they were chosen for being large, and gives intervals that are too narrow.
     """
-    columns = others
     if len(shape) > own.shape[1] + others.shape[1]:
         shape, own, others, covariance = _within_columns(shape, own, others, covariance)
-    width = np.bincount(order)
+    width, g2 = np.bincount(order), sizes**2
     left = shape - own @ np.linalg.lstsq(own, shape, rcond=None)[0]
-    even = float(left @ left) / float(np.sum(others**2)) + 1e-300
-    v, scale2 = np.full(len(width), even), even
+    scale2 = np.full(2, float(left @ left) / float(np.sum(g2[order] * others**2)) + 1e-300)
+    v = scale2[odd] * g2
+    count = np.maximum(np.bincount(odd, minlength=2), 1)
     for _ in range(ROUNDS):
         total = covariance + (others * v[order]) @ others.T
         inverse = np.linalg.inv(total)
@@ -192,14 +236,15 @@ def spread_of_others(
         P = inverse - weighted @ np.linalg.solve(own.T @ weighted, weighted.T)
         seen = P @ others
         each = v[order]
-        square = (each * (shape @ seen)) ** 2 + each - each**2 * np.sum(others * seen, axis=0)
-        new = (FREEDOM * scale2 + np.bincount(order, square)) / (FREEDOM + width)
+        shown = each * np.sum(others * seen, axis=0)
+        square = (each * (shape @ seen)) ** 2 + each - each * shown
+        new = (FREEDOM * scale2[odd] * g2 + np.bincount(order, square)) / (FREEDOM + width)
         change = new / v
         v = v * change**LONGER
-        scale2 = 1.0 / float(np.mean(1.0 / v))
+        scale2 = count / np.bincount(odd, g2 / v, minlength=2)
         if float(np.abs(change - 1.0).max()) < SETTLED:
             break
-    return np.asarray((columns * v[order]) @ columns.T)
+    return Others(v, np.bincount(order, shown))
 
 
 def _within_columns(

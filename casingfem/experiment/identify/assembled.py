@@ -3,26 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from casingfem.experiment.circle.orientation import Circle
+from casingfem.experiment.circle.orientation import MOST, Circle
 from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs
 from casingfem.experiment.identify.mode import Mode, Sensors
 from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 from casingfem.io.arrays import FloatArray, IntArray
 
 MOST_OFF = 0.5  # share of the sensors that labels may do without
+NEAREST = 0.01  # least relative difference of squared frequencies: imperfections turn nearer modes into each other
 
 
-def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> list[Mode]:
-    """Modes with labels by the sensors that are not suspected; sensors at a wrong place would spoil the labels."""
+def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> tuple[list[Mode], Sensors]:
+    """Modes with labels by the sensors that are not suspected, and these; others would spoil the labels."""
     grid, circle, modes = sensors.grid, sensors.circle, make(sensors)
     kept = _belonging(modes, grid, circle)
     if circle is None or len(kept) == len(grid):
-        return modes
-    return make(Sensors.of(grid, sensors.power, Circle(theta=grid.theta[kept], orders=circle.orders), kept))
+        return modes, sensors
+    fewer = Sensors.of(grid, sensors.power, Circle(theta=grid.theta[kept], orders=circle.orders), kept)
+    return make(fewer), fewer
+
+
+def oriented(modes: list[Mode], doublets: tuple[tuple[int, int], ...], sensors: Sensors) -> list[Mode]:
+    """The modes, their antinodes with the uncertainty that noise and other waves leave.
+
+    An imperfection that combines two modes of frequencies f and f_j adds to one a part of the other in proportion to
+    f f_j/|f^2 - f_j^2| (perturbation of symmetric matrices). So a wave that is the label of another mode may be larger
+    than usual, by this number over its median. A pair of the same label may be the wave that looks like it.
+    """
+    partner = {k: j for pair in doublets for k, j in (pair, pair[::-1])}
+    freq, done = np.array([mode.freq for mode in modes]), list[Mode]()
+    for k, mode in enumerate(modes):
+        if not np.isfinite(mode.angle):
+            done.append(mode)
+            continue
+        seen, circle = sensors.seeing(mode.residues)
+        alike, sizes = circle.alike(mode.n), np.ones(MOST + 1)
+        others = np.delete(np.arange(len(modes)), [k, partner.get(k, k)])
+        gap = np.maximum(np.abs(1.0 - (freq[others] / mode.freq) ** 2), NEAREST)
+        parts = freq[others] / mode.freq / gap
+        for j, part in zip(others.tolist(), (parts / np.median(parts) if len(parts) else parts).tolist(), strict=True):
+            waves = [modes[j].n] if modes[j].n != mode.n else alike
+            sizes[waves] = np.maximum(sizes[waves], part if modes[j].n >= 0 else 1.0)
+        signs = radial_signs(sensors.grid)[seen]
+        moved = mode.moved[seen] * signs[:, None]
+        angle, sigma = circle.orientation(
+            mode.shape[seen] * signs, np.diag(mode.direct[seen]) + moved @ moved.T, mode.n, sizes
+        )
+        done.append(replace(mode, angle=angle, sigma_angle=sigma))
+    return done
 
 
 def circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:

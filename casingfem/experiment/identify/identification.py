@@ -20,7 +20,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, sensor_grid
-from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, sensor_notes
+from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, oriented, sensor_notes
 from casingfem.experiment.identify.clusters import (
     Modal,
     Responses,
@@ -136,12 +136,12 @@ def identify(
     elif alone:
         data = data._replace(leak=alone[0].data.leak)
     alone, tracks = tracked(alone, noise, grid, circle, rules) if alone else ([], [])
-    modes = labelled(
+    modes, sensors = labelled(
         lambda at: _modes(fits, tracks, noise, at, picked is not None, rules), Sensors.of(grid, power, circle)
     )
     modes = modes if tracks or picked is not None else without_copies(modes, grid.directions)
     doublets = paired(modes)
-    modes = settled(modes, doublets)
+    modes = oriented(settled(modes, doublets), doublets, sensors)
     notes = (
         *said, *_empty(modes, rules), *_test_notes(data, left, rules), *setup_notes(tracks),
         *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle), *pair_notes(modes, doublets),

@@ -29,7 +29,8 @@ TWO = 0.1  # least ratio of the singular values of residues that are two shapes
 class Mode:
     """One mode, or a pair that is not resolved; see `Identified` for the names.
 
-    `double` states that the residues over several references are those of two shapes.
+    `double` states that the residues over several references are those of two shapes. The covariance of the shape is
+    diag(direct) + moved moved^T, (sensors,) and (sensors, numbers).
     """
 
     freq: float
@@ -41,7 +42,8 @@ class Mode:
     angle: float
     sigma_angle: float
     shape: FloatArray
-    sigma_shape: FloatArray
+    direct: FloatArray
+    moved: FloatArray
     residues: Array
     residue_scale: float
     collinearity: float
@@ -51,12 +53,18 @@ class Mode:
     reason: str = ""
     unresolved: bool = False
 
+    @property
+    def sigma_shape(self) -> FloatArray:
+        """Standard deviation of the shape at each sensor, (sensors,)."""
+        return np.asarray(np.sqrt(self.direct + np.sum(self.moved**2, axis=1)))
+
 
 class Shape(NamedTuple):
-    """Real shape of unit norm at the sensors, its covariance, the share of energy in phase, and whether it is two."""
+    """Real shape of unit norm at the sensors, its errors (see `Mode`), the share in phase, and whether it is two."""
 
     values: FloatArray
-    covariance: FloatArray
+    direct: FloatArray
+    moved: FloatArray
     collinearity: float
     double: bool
 
@@ -73,6 +81,17 @@ class Sensors(NamedTuple):
     def of(cls, grid: SensorGrid, power: int, circle: Circle | None, kept: IntArray | None = None) -> Sensors:
         """All sensors, or those that are kept for labels."""
         return cls(grid, power, circle, np.arange(len(grid)) if kept is None else kept)
+
+    def seeing(self, residues: Array) -> tuple[IntArray, Circle]:
+        """Sensors for the label of a mode with these residues (sensors, references), and their circle.
+
+        Only some set-ups may show it.
+        """
+        assert self.circle is not None
+        seen = np.intersect1d(self.labelled, np.flatnonzero(np.any(residues, axis=1)))
+        if len(seen) == len(self.labelled):
+            return seen, self.circle
+        return seen, Circle.of(self.grid.theta[seen], max(self.circle.n_max, 0))
 
 
 class Residues(NamedTuple):
@@ -123,23 +142,18 @@ def mode_of(found: Found, sensors: Sensors) -> Mode:
     """A mode with shape, nodal diameters and orientation."""
     grid = sensors.grid
     shape = _shape(found.residues, grid.channels)
-    label = Label(-1, *[NOWHERE] * 3)
+    values = found.residues.values[grid.channels]
+    label = Label(-1, NOWHERE, NOWHERE)
     if sensors.circle is not None:
-        signs = radial_signs(grid)
-        seen = np.intersect1d(sensors.labelled, np.flatnonzero(np.any(found.residues.values[grid.channels], axis=1)))
-        circle = sensors.circle
-        if len(seen) < len(sensors.labelled):  # a mode that only some set-ups show
-            circle = Circle.of(grid.theta[seen], max(circle.n_max, 0))
-        covariance = (shape.covariance * np.outer(signs, signs))[np.ix_(seen, seen)]
-        label = circle.label((shape.values * signs)[seen], covariance)
+        seen, circle = sensors.seeing(values)
+        label = circle.label((shape.values * radial_signs(grid))[seen])
     omega = 2.0 * np.pi * found.freq
     pole = omega * (-found.zeta + 1j * np.sqrt(1.0 - found.zeta**2))
     unit = 2j * pole.imag * (omega / pole) ** sensors.power / omega**2
     return Mode(
         freq=found.freq, sigma_freq=found.sigma_freq, zeta=found.zeta, sigma_zeta=found.sigma_zeta, n=label.n,
-        purity=label.purity, angle=label.angle, sigma_angle=label.sigma, shape=shape.values,
-        sigma_shape=np.sqrt(np.diag(shape.covariance)), residues=(found.residues.values * unit)[grid.channels],
-        residue_scale=found.freq, collinearity=shape.collinearity, signal=found.signal,
+        purity=label.purity, angle=label.angle, sigma_angle=NOWHERE, shape=shape.values, direct=shape.direct,
+        moved=shape.moved, residues=values * unit, residue_scale=found.freq, collinearity=shape.collinearity, signal=found.signal,
         split_bound=found.split_bound, double=shape.double,
     )  # fmt: skip
 
@@ -174,8 +188,7 @@ def _shape(residues: Residues, channels: IntArray) -> Shape:
         limit += 3.0 * float(np.linalg.norm(residues.moved[channels]))
         double = bool(sizes[1] > limit and sizes[1] > TWO * sizes[0])
     energy = float(np.linalg.norm(whole)) ** 2 + 1e-300
-    covariance = (np.diag(direct) + slopes @ slopes.T) / norm**2
-    return Shape(whole.real / norm, covariance, norm**2 / energy, double)
+    return Shape(whole.real / norm, direct / norm**2, slopes / norm, norm**2 / energy, double)
 
 
 def neighbours(n: Sequence[int], chi: Sequence[float], most: float) -> list[tuple[int, ...]]:

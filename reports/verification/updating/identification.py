@@ -1,8 +1,8 @@
 """Identification judged on synthetic responses whose modes are known.
 
-`python -m reports.verification.updating.identification [--quick] [--seed N --sets M] [--out DIR]` makes the sets of
-`reports.verification.updating.identification_sets`, half with one reference and half with two, identifies each without
-help, and prints one row a set, the failures, the errors by size of the split and how often the truth lies in the 95 %
+`python -m reports.verification.updating.identification [--quick] [--seed N --sets M] [--sensors S] [--out DIR]` makes
+the sets of `reports.verification.updating.identification_sets`, half with one reference and half with two, identifies
+each without help, and prints one row a set, the failures, the errors by size of the split and how often the truth lies in the 95 %
 intervals of frequency, damping and orientation. It writes identification.csv and identification_intervals.csv.
 
 A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
@@ -24,7 +24,7 @@ from casingfem.experiment.identify.identification import identify
 from casingfem.experiment.identify.identified import Identified
 from casingfem.io.arrays import FloatArray
 from reports.tables import Row, command_line, show, write
-from reports.verification.updating.identification_sets import SNR_DB, TestSet, make_set
+from reports.verification.updating.identification_sets import SENSORS, SNR_DB, TestSet, make_set
 
 SEEDS = range(13101, 13121)
 FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
@@ -193,18 +193,18 @@ def failures(judged: Sequence[Judged]) -> list[Row]:
     ]
 
 
-def main(out: Path, quick: bool = False, seed: int = 0, sets: int = 20) -> list[Row]:
+def main(out: Path, quick: bool = False, seed: int = 0, sets: int = 20, sensors: int = SENSORS) -> list[Row]:
     """Identify the sets, print the tables, write the rows of the sets."""
     rows, everything = [], list[Judged]()
     seeds = range(seed, seed + sets) if seed else SEEDS[:2] if quick else SEEDS
     for k, number in enumerate(seeds):
         references = 1 + k % 2
-        data = make_set(number, references)
+        data = make_set(number, references, sensors)
         found = identify(data.frfs, angles=data.angles)
         judged, extra = judge(data, found, number, references)
         rows.append(set_row(found, judged, extra))
         everything += judged
-    show(f"Sets: 24 sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
+    show(f"Sets: {sensors} sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
     splits = by_split(everything)
     show("By split", splits)
     write(out / "identification_splits.csv", splits)
@@ -227,4 +227,5 @@ if __name__ == "__main__":
         main,
         seed=(0, "seed of the first set, of which --sets are made; 0 for the usual twenty"),
         sets=(20, "sets from that seed on"),
+        sensors=(SENSORS, "sensors on the rim"),
     )

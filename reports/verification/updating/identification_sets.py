@@ -43,8 +43,8 @@ class TestSet(NamedTuple):
     count: int
 
 
-def make_set(seed: int, references: int) -> TestSet:
-    """One casing and its responses to forces at one or two points."""
+def make_set(seed: int, references: int, sensors: int = SENSORS) -> TestSet:
+    """One casing and its responses at so many sensors to forces at one or two points."""
     rng = np.random.default_rng(seed)
     low, high = np.log(THICKNESS)
     size, phase = np.exp(rng.uniform(low, high, len(ORDERS))), rng.uniform(0.0, 2.0 * np.pi, len(ORDERS))
@@ -55,14 +55,14 @@ def make_set(seed: int, references: int) -> TestSet:
     zeta = np.exp(rng.uniform(*np.log(DAMPING[:2]), COUNT))
     for lower, upper in found.doublets:
         zeta[upper] = zeta[lower] * rng.uniform(1.0 - DAMPING[2], 1.0 + DAMPING[2])
-    around = 2.0 * np.pi * np.arange(SENSORS) / SENSORS + np.radians(rng.uniform(-JITTER_DEG, JITTER_DEG, SENSORS))
+    around = 2.0 * np.pi * np.arange(sensors) / sensors + np.radians(rng.uniform(-JITTER_DEG, JITTER_DEG, sensors))
     at = np.r_[around, rng.uniform(0.0, 2.0 * np.pi, 2)]
     rig = rig_of(found, [Place(at=(0.25, float(angle))) for angle in at], zeta=zeta, system=system)
     gaps = np.diff(found.freq[ENDS[0] : ENDS[1]])
     count = ENDS[0] + int(gaps.argmax()) + 1
     lines = np.arange(0.98 * found.freq[0], found.freq[count - 1 : count + 1].mean(), STEP_HZ)
-    frfs = rig.frfs(lines, sensors=range(SENSORS), drives=range(SENSORS, SENSORS + references))
-    angles = {probe.node: float(np.degrees(probe.angle)) for probe in rig.probes[:SENSORS]}
+    frfs = rig.frfs(lines, sensors=range(sensors), drives=range(sensors, sensors + references))
+    angles = {probe.node: float(np.degrees(probe.angle)) for probe in rig.probes[:sensors]}
     return TestSet(noisy(frfs, SNR_DB, seed=seed), angles, found, zeta, rim_angles(found), count)
 
 

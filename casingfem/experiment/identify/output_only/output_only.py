@@ -25,7 +25,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, sensor_grid
-from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, sensor_notes
+from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, oriented, sensor_notes
 from casingfem.experiment.identify.clusters import Responses, bands
 from casingfem.experiment.identify.exponential import ABOVE_ZERO
 from casingfem.experiment.identify.identified import Identified
@@ -132,8 +132,9 @@ def identify_output_only(
     factors = np.outer(scale, scale[own])
     circle = None if angles is None else Circle.of(grid.theta, n_max)
     whole = [_scaled(each, factors[None]) for each in estimated]
-    modes = labelled(lambda at: _modes(whole, channels, at, rules), Sensors.of(grid, 0, circle))
+    modes, sensors = labelled(lambda at: _modes(whole, channels, at, rules), Sensors.of(grid, 0, circle))
     doublets = paired(modes)
+    modes = oriented(modes, doublets, sensors)
     lines, measured, fitted = _compared(found, whole, factors, channels, low, high)
     notes = (
         f"output only: {len(own)} reference{'s' * (len(own) > 1)}, lags up to {lags / fs:.3g} s, {BLOCKS} blocks;"

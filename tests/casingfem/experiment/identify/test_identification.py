@@ -56,6 +56,29 @@ def test_finds_every_member_of_split_pairs_and_nothing_else(drives, held):
     held(1e-4, **numeric(found))
 
 
+def mixed(near):
+    """Modes of a ring with 16 even sensors, of 7, 9, 5 and 4 waves with a few per cent of others; 9 waves at `near`."""
+    theta, waves = np.r_[np.arange(16) * np.pi / 8, 0.3], (7, 9, 5, 4)
+    rows = [
+        np.cos(n * (theta - 0.1) - k * np.pi / 2) + 0.02 * np.cos((n - 2) * theta - 1.3 * k)
+        for n in waves
+        for k in range(2)
+    ]
+    freq = np.outer([300.0, near, 400.0, 480.0], [1.0, 1.004]).ravel()
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), angle) for k, angle in enumerate(theta)]
+    rig = cf.rig.Rig.of(omega=2 * np.pi * freq, zeta=np.full(8, 1e-3), rows=np.array(rows).T, probes=probes)
+    return cf.identify(
+        measured(rig, np.arange(280.0, 500.0, 0.2), 16, 1), angles=dict(enumerate(np.degrees(theta[:16]), start=1))
+    )
+
+
+@pytest.mark.slow
+def test_a_near_pair_that_looks_alike_at_the_sensors_makes_an_orientation_uncertain():
+    near, far = mixed(306.0), mixed(360.0)
+    assert near.n[:4].tolist() == far.n[:4].tolist() == [7] * 4  # 9 waves look like 7 at 16 even sensors
+    assert near.sigma_angle[0] > 3.0 * far.sigma_angle[0] > 0.05
+
+
 @pytest.mark.slow
 def test_intervals_of_frequency_and_damping_keep():
     """64 members of pairs .5 to 3 bandwidths apart: at 95 % fewer than 53 hold, of either, in 1 of 1000 runs.
