@@ -8,7 +8,8 @@ information criterion (Schwarz, Ann. Stat. 6, 1978, 461), summed over the window
 
     N ln max(R/N, 1) + m ln N,
 
-R the sum of squares over the noise of N real numbers. Two set-ups save a third and more of either.
+R the sum of squares over the noise of N real numbers. Two set-ups save a third and more of either. Channels that are
+set-ups of their own, of a roving sensor, have a branch each: there most poles are seen by one channel.
 
 Two branches with equally many poles in a window have differences d_k of ln frequency, of standard deviation s_k. Poles
 of one test repeat, d_k ~ N(0, s_k^2). Poles of two set-ups are shifted, d_k ~ Cauchy(0, hypot(gamma, s_k)), of any
@@ -79,6 +80,7 @@ def setups_of(data: Responses, fits: list[PoleFit], grid: SensorGrid, rules: Thr
     tree = to_tree(linkage(squareform(far[np.ix_(heard, heard)], checks=False), method="average"))
     strong = sorted(fits, key=lambda fit: -float(np.sum(np.abs(fit.A) ** 2)))[:SCREENED]
     branches = _branches(data, strong, _Group(np.arange(data.Y.shape[1]), strong), heard, tree, rules)
+    branches = _each_alone(data, strong, branches, heard, rules)
     if len(branches) < 2:
         return []
     groups = _by_their_poles(data, fits, [_alone(data, fits, branch.channels, rules) for branch in branches], rules)
@@ -202,6 +204,22 @@ def _branches(
             break
         nodes = deeper
     return [whole]
+
+
+def _each_alone(
+    data: Responses, fits: list[PoleFit], branches: list[_Group], heard: IntArray, rules: Thresholds
+) -> list[_Group]:
+    """One branch for each channel, where most poles are seen by one channel and both criteria fall by a tenth.
+
+    A roving sensor makes each channel a set-up. A pole is seen by (sum |A|^2)^2/sum |A|^4 channels.
+    """
+    powers = np.abs(np.concatenate([fit.A for fit in fits])) ** 2
+    if np.median(np.sum(powers, axis=1) ** 2 / np.sum(powers**2, axis=1)) >= LEAST_CHANNELS:
+        return branches
+    single = [_alone(data, fits, heard[[k]], rules) for k in range(len(heard))]
+    several = sum(_criteria(part, part.channels) for part in single)
+    one = sum(_criteria(branch, np.intersect1d(branch.channels, heard)) for branch in branches)
+    return single if np.all(several < FEWER * one) else branches
 
 
 def _sides(node: ClusterNode) -> list[ClusterNode]:
