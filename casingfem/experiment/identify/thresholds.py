@@ -46,8 +46,9 @@ class Thresholds:
         Modal assurance criterion above which two poles within `near` bandwidths are one mode seen twice.
     near
         Bandwidths within which two poles must differ in shape.
-    sure_freq, sure_zeta
-        Largest standard deviations of a sure mode: of the frequency in bandwidths, of ln zeta.
+    sure_freq
+        Largest standard deviation of the frequency of a sure mode, in bandwidths; that of ln zeta is `known_zeta`, for
+        damping ratios of repeated tests scatter by as much.
     sure_peak
         Least ratio of the peak to what the fit leaves there: 10 dB.
     in_phase
@@ -87,7 +88,6 @@ class Thresholds:
     same_shape: float = 0.9
     near: float = 1.0
     sure_freq: float = 0.1
-    sure_zeta: float = 0.1
     sure_peak: float = 3.0
     in_phase: float = 0.6
     damped: float = 0.1

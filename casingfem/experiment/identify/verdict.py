@@ -51,7 +51,7 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
             f"its frequency is known to {100.0 * by_freq:.0f} % of its bandwidth only: measure longer, more averages,"
             " or another reference"
         )
-    if by_zeta > rules.sure_zeta:
+    if by_zeta > rules.known_zeta:
         if lines < rules.narrow:
             yield (
                 f"its damping is uncertain by {100.0 * by_zeta:.0f} %: the bandwidth is {lines:.2g} lines; a record of"
