@@ -32,7 +32,7 @@ SETTLED = 5e-3  # relative change of every v_m in a round that ends it
 
 
 class Label(NamedTuple):
-    """Nodal diameters of a shape (-1: none fits), their share of its energy, and its antinode [rad], nan where n < 1."""
+    """Nodal diameters of a shape (-1: none fits), their share of its energy, its antinode [rad] (nan where n < 1)."""
 
     n: int
     purity: float
@@ -116,9 +116,9 @@ class Circle:
         they are given. They turn the antinode, and so enter its uncertainty (`others_of`). This is so for waves far
         above the largest label too: on few sensors they resemble the label, and the shape does not show them apart.
         1.96 sigma is the 95 % interval of Student's t. Its degrees of freedom f follow from those of the variances
-        V_m = v_m |what the antinode reads of wave m|^2 of the total T (Satterthwaite, Biometrics Bulletin 2, 1946, 110):
-        nu + the numbers of the wave that the sensors show, and for the common scale half of the numbers besides n, less
-        those of one wave,
+        V_m = v_m |what the antinode reads of wave m|^2 of the total T (Satterthwaite, Biometrics Bulletin 2, 1946,
+        110): nu + the numbers of the wave that the sensors show, and for the common scale half of the numbers besides
+        n, less those of one wave,
 
             T^2/f = sum_m V_m^2/(nu + shown_m) + (sum_m V_m)^2/(sensors/2 - 3).
 

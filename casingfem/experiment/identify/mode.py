@@ -153,8 +153,8 @@ def mode_of(found: Found, sensors: Sensors) -> Mode:
     return Mode(
         freq=found.freq, sigma_freq=found.sigma_freq, zeta=found.zeta, sigma_zeta=found.sigma_zeta, n=label.n,
         purity=label.purity, angle=label.angle, sigma_angle=NOWHERE, shape=shape.values, direct=shape.direct,
-        moved=shape.moved, residues=values * unit, residue_scale=found.freq, collinearity=shape.collinearity, signal=found.signal,
-        split_bound=found.split_bound, double=shape.double,
+        moved=shape.moved, residues=values * unit, residue_scale=found.freq, collinearity=shape.collinearity,
+        signal=found.signal, split_bound=found.split_bound, double=shape.double,
     )  # fmt: skip
 
 

@@ -2,8 +2,9 @@
 
 `python -m reports.verification.updating.identification [--quick] [--seed N --sets M] [--sensors S] [--out DIR]` makes
 the sets of `reports.verification.updating.identification_sets`, half with one reference and half with two, identifies
-each without help, and prints one row a set, the failures, the errors by size of the split and how often the truth lies in the 95 %
-intervals of frequency, damping and orientation. It writes identification.csv and identification_intervals.csv.
+each without help, and prints one row a set, the failures, the errors by size of the split and how often the truth lies
+in the 95 % intervals of frequency, damping and orientation. It writes identification.csv and
+identification_intervals.csv.
 
 A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
 imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge). One
