@@ -104,7 +104,7 @@ class Circle:
         purity = 1.0 - self._rest(shape, n) / float(shape @ shape)
         if purity < PURE or n == 0:
             return Label(n if purity >= PURE else -1, purity, float("nan"))
-        parts = np.linalg.lstsq(harmonic(self.theta, n), shape, rcond=None)[0]
+        parts = np.asarray(np.linalg.lstsq(harmonic(self.theta, n), shape, rcond=None)[0], np.float64)
         return Label(n, purity, antinode(parts, np.zeros((2, 2)), n)[0])
 
     def orientation(
@@ -175,7 +175,7 @@ def antinode(parts: FloatArray, covariance: FloatArray, n: int) -> tuple[float, 
 def slope_of(parts: FloatArray, n: int) -> FloatArray:
     """Derivative of the antinode by (cosine, sine), (2,)."""
     a, b = parts.tolist()
-    return np.array([-b, a]) / (n * (a * a + b * b))
+    return np.asarray(np.array([-b, a]) / (n * (a * a + b * b)), np.float64)
 
 
 def quadrature(first: float, second: float, n: int) -> float:
@@ -244,7 +244,7 @@ def others_of(
         scale2 = count / np.bincount(odd, g2 / v, minlength=2)
         if float(np.abs(change - 1.0).max()) < SETTLED:
             break
-    return Others(v, np.bincount(order, shown))
+    return Others(v, np.asarray(np.bincount(order, shown), np.float64))
 
 
 def _within_columns(
