@@ -10,6 +10,10 @@ from contact.base.errors import InputError
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.permanent import ClosedContact
 from contact.model.gaps.rub import Rub, rub_of
+from contact.model.rotor.rotor import Rotor
+from contact.model.rotor.rotor_rub import rotor_of
+from contact.model.rotor.whirl import growth as growth_of_rotor
+from contact.model.rotor.whirl import modes_at, sense_of
 from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import RunGrowth
 from contact.result import Result
@@ -91,6 +95,8 @@ def _fed_words(energy: EnergyBudget) -> str:
 
 def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
     """Growth [1/s] with all contacts closed at the speed of an instant, nan where unknown, and its meaning."""
+    if (rotor := rotor_of(problem)) is not None:
+        return _of_rotor(rotor, time)
     try:
         found = _closed(problem, mu, time)
     except InputError as error:
@@ -103,6 +109,21 @@ def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
     if rate > floor_of(contact):
         return rate, f"{by} a contact that stays closed diverges at {hz:.4g} Hz, by {rate:.3g} 1/s."
     return rate, f"{by} a contact that stays closed does not diverge at {hz:.4g} Hz ({rate:.3g} 1/s)."
+
+
+def _of_rotor(rotor: Rotor, time: float) -> tuple[float, str]:
+    """Growth [1/s] of a rotor without contact at the speed of an instant, and its whirl in words."""
+    speed = rotor.speed.omega(time)
+    hz = speed / (2.0 * math.pi)
+    rate = float(growth_of_rotor(rotor, hz)[0])
+    s, shape = modes_at(rotor, speed)
+    whirl = ""
+    if s.size:
+        k = int(s.real.argmax())
+        sense = sense_of(rotor, shape[:, k : k + 1], math.copysign(1.0, hz))[0]
+        whirl = f", {sense} whirl at {s[k].imag / (2.0 * math.pi):.4g} Hz"
+    grows = f"grows at {abs(hz):.4g} Hz, by {rate:.3g} 1/s" if rate > 0.0 else f"does not grow at {abs(hz):.4g} Hz"
+    return rate, f"By theory the rotor without contact {grows}{whirl if rate > 0.0 else f' ({rate:.3g} 1/s)'}."
 
 
 def _closed(problem: Problem, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:

@@ -28,9 +28,12 @@ from contact.model.gaps.permanent import HandPair
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.law import Unilateral
 from contact.model.rotor.rotor import Rotor
+from contact.model.rotor.rotor_rub import rotor_of
+from contact.model.rotor.whirl import critical_speeds, growth
 from contact.prepared import Scene
 from contact.speed_runs import SpeedRun, Verdict, speed_runs
 from contact.stability.peaks import Peak, Peaks, growth_at, peaks
+from contact.stability.rotor import rotor_peaks
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
@@ -65,7 +68,7 @@ class DangerousSpeed:
     @property
     def body(self) -> str:
         """The body that has most of the energy."""
-        if self.peak is None or self.at.verdict != "safe":
+        if self.peak is None or self.at.verdict != "safe" or self.at.body == "rotor":
             return self.at.body
         return "casing" if self.peak.casing_share > 0.5 else "blades"
 
@@ -94,10 +97,10 @@ COLUMNS = (
     Column("pole_n", "Nodal diameters that grow by the pole of closed contact.",
            lambda found: [None if row.peak is None else row.peak.n for row in found.rows], head="n of the pole",
            format="d", where="pages"),
-    Column("wave", "Travels around the casing with the blades' direction, against it, or is standing.",
+    Column("wave", "With the blades' direction, against it or standing; of a rotor its whirl.",
            lambda found: _rows(found, "wave"), format=str),
     Column("body", "Body that has most of the energy of the motion.", lambda found: _rows(found, "body"), format=str),
-    Column("closed_1_s", "Growth of a contact that stays closed, by its poles.",
+    Column("closed_1_s", "Growth by poles, of a contact that stays closed; of a rotor, without contact.",
            lambda found: _runs(found, "closed"), head="pole", unit="1/s", format=".3g"),
     Column("growth_1_s", "Growth of the run.", lambda found: _runs(found, "growth"), head="run", unit="1/s",
            format=".3g"),
@@ -105,10 +108,10 @@ COLUMNS = (
            lambda found: _runs(found, "low"), where="files"),
     Column("growth_high_1_s", "Upper end of the 95 % interval of the growth of the run.",
            lambda found: _runs(found, "high"), where="files"),
-    Column("amplitude_m", "Largest deflection of the rim at the end of the run.",
+    Column("amplitude_m", "Largest deflection of the rim at the end of the run; of a rotor, of its disk.",
            lambda found: _runs(found, "amplitude_m"), where="files"),
     Column("deflection_mm", "The same in mm; of a run that was stopped > the limit that it passed.",
-           lambda found: [row.at.deflection or None for row in found.rows], head="rim", unit="mm", format=str),
+           lambda found: [row.at.deflection or None for row in found.rows], head="motion", unit="mm", format=str),
     Column("half_wall_s", "Time at which the rim deflects by half its wall, from the start of the run.",
            lambda found: _runs(found, "half_wall_s"), where="files"),
     Column("verdict", "Safe, resonance, unstable or not decided.", lambda found: _runs(found, "verdict"), format=str),
@@ -182,7 +185,7 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     if isinstance(scene, HandPair):
         raise InputError("speed_hz: found none for a pair by hand, expected the speeds to examine")
     what = scene.what
-    rotor = what if isinstance(what, Rotor) else getattr(what, "rotor", None)
+    rotor = rotor_of(what)
     if rotor is not None:
         hz = np.abs(rotor.speed.hz)
     else:
@@ -202,7 +205,8 @@ def interactions(
     Parameters
     ----------
     scene
-        A scene whose `what` is a RotatingRim or a Rub, with `t_end`; or a pair by hand, of which nothing is run.
+        A scene whose `what` is a RotatingRim, a Rub or a Rotor, with `t_end`; or a pair by hand, of which nothing is
+        run. A rotor, alone or in its casing, is run at its critical speeds too; its poles are those without contact.
     speed_hz
         Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0. If left out, 200
         speeds up to twice the highest speed of the scene.
@@ -228,6 +232,10 @@ def interactions(
     if isinstance(scene, HandPair):
         proposed = peaks(scene, speeds_of(scene) if speed_hz is None else speed_hz)
         return Interactions(rows=_ranked([_by_poles(peak) for peak in proposed.rows]), runs=(), peaks=proposed)
+    rotor = rotor_of(scene.what)
+    if rotor is not None:
+        _require_runs(scene, runs)
+        return _of_rotor(scene, rotor, np.asarray(speeds_of(scene) if speed_hz is None else speed_hz), runs)
     what = _turning(scene, runs)
     mu = (scene.law or Unilateral()).mu
     tell("growth of closed contact")
@@ -240,15 +248,34 @@ def interactions(
     return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
+def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interactions:
+    """Runs evenly over the speeds, at peaks of the growth of the rotor without contact, and at critical speeds."""
+    tell("growth of the rotor")
+    proposed = rotor_peaks(rotor, speed_hz)
+    low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
+    if not low > 0.0:
+        raise InputError(f"speed_hz: found {low:g} turns/s, expected speeds above 0")
+    own = [one["speed_hz"] for one in critical_speeds(rotor)] + np.abs(rotor.speed.hz).tolist()
+    at = np.array([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
+    at = np.unique(np.concatenate([at, [hz for hz in own if low <= hz <= high]]))
+    at = at[np.concatenate([[True], np.diff(at) > 1e-9 * high])]
+    taken = speed_runs(scene, at, growth(rotor, at))
+    return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
+
+
 def _turning(scene: Scene, runs: int) -> RotatingRim | Rub:
     what = scene.what
     if not isinstance(what, RotatingRim | Rub):
-        raise InputError(f"scene: found {type(what).__name__}, expected a scene with a RotatingRim or a Rub")
+        raise InputError(f"scene: found {type(what).__name__}, expected a scene with a RotatingRim, a Rub or a Rotor")
+    _require_runs(scene, runs)
+    return what
+
+
+def _require_runs(scene: Scene, runs: int) -> None:
     if scene.t_end is None:
         raise InputError("t_end: found none, expected the end of the runs in seconds")
     if runs < 2:
         raise InputError(f"runs: found {runs}, expected at least 2: one at each end of the range")
-    return what
 
 
 def _by_poles(peak: Peak) -> DangerousSpeed:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
@@ -20,10 +20,14 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import Speed
+from contact.model.rotor.rotor import Rotor
+from contact.model.rotor.rotor_rub import at_constant_speed, rotor_of
+from contact.model.rotor.whirl import modes_at
 from contact.prepared import Scene
 from contact.record.growth import STANDS, Check, Ending, RunGrowth
 from contact.record.record import STATES, Record, prime_stride
 from contact.run_many import Outcome, run_many
+from contact.stability.of_run import disk_path, of_rotor_run, whirl_sense
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
 CLOSED = 0.99  # of the time: a contact that stays closed
@@ -31,6 +35,7 @@ LONGER = (4.0, 16.0)  # times t_end, one after the other, for runs that are too 
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
+DENSE, PAIRS = 12.0, 3  # states in a period of the fastest whirl that is looked at, and pairs of modes that are
 SHORT = "the run is too short for its growth: lengthen t_end"
 NUMERICAL = "the growth is numerical: reduce dt"
 OTHER_RATE = {
@@ -113,7 +118,7 @@ class SpeedRun:
         if self.verdict not in ("safe", "resonance") or not (self.closed > 0.0 or self.growth > 0.0):
             return ""
         if not self.contact > 0.0:
-            return "Nothing touches."
+            return "" if self.body == "rotor" else "Nothing touches."
         opens = f"The contact opens (closed {100.0 * self.contact:.2g} % of the time)."
         slow = (
             f"The contact stays closed. Its growth, {self.closed:.2g} 1/s, is e^{self.closed * self.seconds:.2g} here."
@@ -183,9 +188,33 @@ def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, what: str) -
         tell("", 0.0)
         outcomes = run_many(scenes, record=_record, ended=note)
     return [
-        _speed_run(one.what, outcome, hz, pole)
+        _speed_run(one.what, _of_rotor(one.what, outcome), hz, pole)
         for one, outcome, hz, pole in zip(scenes, outcomes, speed_hz.tolist(), poles.tolist(), strict=True)
     ]
+
+
+def _allowed(what: object) -> float:
+    """Largest deflection that a rim is allowed, or of a rotor the disk in its casing [m]; infinite of a rotor alone."""
+    if isinstance(what, Rotor):
+        return math.inf
+    rub: Rub = rub_of(what)
+    return float(motion_limits(rub.casing.line_radius(0), math.inf if rub.rotor else rub.wall)[RIM])
+
+
+def _of_rotor(what: object, outcome: Outcome) -> Outcome:
+    """The outcome of a rotor's run with the growth of the rotor's motion; any other as it is."""
+    rotor = isinstance(what, Rotor) or (isinstance(what, Rub) and what.rotor is not None)
+    if not rotor or isinstance(outcome, InputError):
+        return outcome
+    result = outcome.result if isinstance(outcome, NumericsError) else outcome
+    if result is None:
+        return outcome
+    with np.errstate(all="ignore"):
+        result = replace(result, growth=of_rotor_run(cast("Rotor | Rub", what), result))
+    if not isinstance(outcome, NumericsError):
+        return result
+    outcome.result = result
+    return outcome
 
 
 def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
@@ -219,12 +248,30 @@ def at_speed(scene: Scene, speed_hz: float) -> Scene:
     >>> fast.what.speed.hz.tolist(), round(fast.dt * 3 * 2 * np.pi * 100.0, 3)
     ([100.0], 0.299)
     """
+    if rotor_of(scene.what) is not None:
+        return _rotor_at(scene, speed_hz)
     rub = rub_of(scene.what)
     highest = max([rub.casing.n_max, *(p for p, _, _ in rub.profile.terms)])
     dt = scene.dt
     if dt is not None and highest:
         dt = min(dt, TURN / (2.0 * math.pi * highest * speed_hz))
     return replace(scene, what=_turned(scene.what, speed_hz), dt=dt, record=None)
+
+
+def _rotor_at(scene: Scene, speed_hz: float) -> Scene:
+    """A rotor's scene at one constant speed, with states that show its whirl."""
+    what = scene.what
+    turned: Rotor | Rub
+    if isinstance(what, Rotor):
+        turned = replace(what, speed=Speed.constant(speed_hz))
+    else:
+        turned = at_constant_speed(cast(Rub, what), speed_hz)
+    every = 1
+    if scene.dt:
+        rates = np.abs(modes_at(cast(Rotor, rotor_of(turned)), 2.0 * math.pi * speed_hz)[0].imag)
+        fastest = max(2.0 * math.pi * speed_hz, float(np.sort(rates)[: 2 * PAIRS].max(initial=0.0)))
+        every = max(1, int(2.0 * math.pi / (DENSE * fastest * scene.dt)))
+    return replace(scene, what=turned, record=Record(every=every, state_every=every))
 
 
 def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:
@@ -239,8 +286,7 @@ def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:
 def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> SpeedRun:
     """The verdict of one run."""
     none = math.nan
-    rub = rub_of(what)
-    allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
+    allowed = _allowed(what)
     run = SpeedRun(
         speed_hz=speed_hz, verdict="not decided", closed=pole, growth=none, low=none, high=none, amplitude_m=none,
         half_wall_s=none, n=None, wave="", body="", allowed_m=allowed,
@@ -260,12 +306,16 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
             wave="" if growth.cause is None else _wave(growth.cause.travel), check=growth.check,
             state=growth.state, steady=growth.steady,
         )  # fmt: skip
+    rotor = rotor_of(what)
+    if rotor is not None:
+        run = replace(run, body="rotor", n=1, wave=whirl_sense(disk_path(cast("Rotor | Rub", what), result.state), 1.0))
     passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
     if passed:
         run = replace(run, limit_m=allowed)
     if isinstance(outcome, NumericsError) and not passed:
         return replace(run, why=f"the numerics failed: {outcome}")
-    if growth is not None and growth.amplitude < STILL * rub.casing.line_radius(0):
+    size = 1.0 if isinstance(what, Rotor) else rub_of(what).casing.line_radius(0)
+    if growth is not None and growth.amplitude < STILL * size:
         return replace(run, verdict="safe")
     verdict, why = _of_growth(growth, passed=passed)
     return replace(run, verdict=verdict, why=why)

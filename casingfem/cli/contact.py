@@ -108,7 +108,7 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 @click.option("--runs", type=click.IntRange(2, 100_000), default=60, show_default=True, help="Evenly over the range.")
 @options
 def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
-    """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub or a disk.
+    """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub, a disk or a rotor.
 
     Poles of closed contact propose speeds, and state which motion grows. The scene is run at each of them, at its own
     speed and at --runs speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice

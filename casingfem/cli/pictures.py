@@ -101,7 +101,7 @@ def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -
 
     drawn = {"interactions": figure_interactions(found)}
     pairs = pairs_of(getattr(scene, "what", None))
-    if pairs:
+    if pairs and not found.peaks.rotor:
         worst = found.rows[0].at.speed_hz if found.rows else float(found.peaks.map.peak_speed_hz)
         drawn["map"] = figure_map(pairs, found.peaks.blade_hz, speed_hz or worst)
     return drawn

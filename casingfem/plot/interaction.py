@@ -192,7 +192,9 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     speed = growth.speed_hz
     marked = [row for row in found.rows if row.peak is not None]
     top = 1.35 * max([*(row.peak.freq_hz for row in marked), float(min(peaks.blade_hz, default=1.0))])
-    _engine_orders(upper, speed, top, orders)
+    if peaks.rotor:
+        top = 1.1 * max(float(speed[-1]), float(np.min(peaks.wave_hz, initial=np.inf, axis=0)[:4].max(initial=0.0)))
+    _engine_orders(upper, speed, top, 1 if peaks.rotor else orders)
     for wave in peaks.wave_hz.T:
         if wave.min() < top:
             upper.plot(speed, wave, color=SKY, linewidth=0.6, zorder=2)
@@ -201,7 +203,7 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
             upper.axhline(freq, color=BEFORE, linewidth=0.8, zorder=2)
     for row in marked:
         upper.plot(row.at.speed_hz, row.peak.freq_hz, **MARKS[row.at.verdict], zorder=4)
-    upper.set(ylim=(0.0, top), ylabel="frequency at the blade [Hz]")
+    upper.set(ylim=(0.0, top), ylabel="whirl frequency [Hz]" if peaks.rotor else "frequency at the blade [Hz]")
     lower.axhline(0.0, color="#777777", linewidth=0.8)
     lower.plot(growth.seen_hz, growth.seen_growth, color=BEFORE, linewidth=1.0)
     lower.set_ylabel("growth [1/s]")
@@ -214,8 +216,11 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
                 axes.axvspan(row.from_hz, row.to_hz, color=AFTER, alpha=0.12, linewidth=0.0)
     touched = any(run.amplitude_m > 0.0 for run in found.runs)
     for axes in rest:
-        axes.set(yscale="log" if touched else "linear", ylabel="rim [mm]")
-    for label, colour in (("|f_c - n f|", SKY), ("blade alone; growth of closed contact", BEFORE)):
+        axes.set(yscale="log" if touched else "linear", ylabel="disk [mm]" if peaks.rotor else "rim [mm]")
+    names = (
+        ("whirl", "growth without contact") if peaks.rotor else ("|f_c - n f|", "blade alone; growth of closed contact")
+    )
+    for label, colour in zip(names, (SKY, BEFORE), strict=True):
         upper.plot([], [], color=colour, label=label)
     upper.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
     shown = {run.verdict for run in found.runs} | {row.at.verdict for row in found.rows}

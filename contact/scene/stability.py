@@ -98,7 +98,7 @@ class InteractionScene:
 
 
 def load_interactions(path: str | Path) -> InteractionScene:
-    """Read a scene of kind "pair", "rim", "rub" or "disk"; without speed.scan, those of `speeds_of`.
+    """Read a scene of kind "pair", "rim", "rub", "disk" or "rotor"; without speed.scan, those of `speeds_of`.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -111,9 +111,12 @@ def load_interactions(path: str | Path) -> InteractionScene:
     table, _ = read_scene(file)
     if table.scene.kind == "pair":
         return InteractionScene(scene=_pair(table, file), speed_hz=_speeds(table.speed))
-    if table.scene.kind not in ("rim", "rub", "disk"):
-        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim', 'rub' or 'disk'"])
+    if table.scene.kind not in ("rim", "rub", "disk", "rotor"):
+        expected = "'pair', 'rim', 'rub', 'disk' or 'rotor'"
+        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected {expected}"])
     scene = load_scene(file)
+    if table.scene.kind == "rotor":
+        return InteractionScene(scene=scene, speed_hz=_speeds_around(table, scene, file))
     closed = _on_law(cast("RotatingRim | Rub", scene.what), table.law, file)
     return InteractionScene(scene=scene, speed_hz=_speeds_around(table, scene, file), closed=closed)
 

@@ -16,6 +16,7 @@ from contact.model.gaps.deflection import deflection
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.rub import ContactPoint, Rub, rub_of
+from contact.model.rotor.rotor import Rotor
 from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import Cause, Ending, RunGrowth
 from contact.stability.envelope import Envelope, Fit, envelope, growth_of
@@ -28,6 +29,7 @@ ONE = (ContactPoint(),)
 LAST = 10  # of the windows, one in so many is the end of a run
 EVEN = 1e-6  # of a turn
 ANGLE = 0.5  # radians by which a wave's phase may be uncertain from one state to the next
+SMALL = 0.02  # of the largest area: an orbit without one
 CLOSE = 0.05  # of a mode's frequency: by how much contact may shift it
 
 
@@ -129,6 +131,59 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
         return None
     moved = deflection(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.state[:, q.shape[1] :])
     return _verdict(seen, result, q, found, moved)
+
+
+def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
+    """Growth of the motion of a rotor's run, alone or in a casing; `amplitude` is the distance of the disk.
+
+    The distance counts from the disk's mean place over the last half of the run. None of too few states.
+
+    >>> import contact as ct
+    >>> disk = ct.rotor.Jeffcott(mass=1.0, stiffness=1e4, zeta=0.02)
+    >>> rotor = ct.rotor.Rotor.of(disk, 5.0, displacement=[1e-3, 0.0])
+    >>> result = ct.run(rotor, t_end=2.0, dt=1e-3, record=ct.Record(state_every=2))
+    >>> found = of_rotor_run(rotor, result)
+    >>> found.state, round(found.rate, 2)  # -zeta sqrt(k/m)
+    ('decays', -2.0)
+    """
+    rotor = what.rotor if isinstance(what, Rub) else what
+    if rotor is None or result.channels.size or len(result.state) < 3:
+        return None
+    seen = _seen(what, result.steps * result.dt)
+    if seen is None:
+        groups = Groups(np.zeros(rotor.body.omega.size, dtype=np.int64), (("rotor", None),))
+        speed = rotor.speed.omega(result.steps * result.dt)
+        seen = Seen(rotor.body, Parts(rotor.body.omega, groups), 0, speed, math.inf)
+    q = result.state[:, : seen.parts.omega.size]
+    turn = 2.0 * math.pi / abs(seen.speed) if seen.speed else math.inf
+    found = envelope(result.state_time, q, seen.parts.omega, seen.parts.groups.of, turn)
+    if found is None:
+        return None
+    path = disk_path(what, q)
+    moved = np.abs(path - path[len(path) // 2 :].mean())
+    return _verdict(seen._replace(wall=math.inf), result, q, found, moved)
+
+
+def disk_path(what: Rotor | Rub, q: Array) -> NDArray[np.complex128]:
+    """Place x + i y of a rotor's disk (ns,) [m] from modal coordinates (ns, m) of a rotor or of all bodies of a rub."""
+    rotor = what.rotor if isinstance(what, Rub) else what
+    assert rotor is not None
+    first = what.flexible if isinstance(what, Rub) else 0
+    return np.asarray(q[:, first : first + rotor.body.omega.size] @ (rotor.plane[0] + 1j * rotor.plane[1]))
+
+
+def whirl_sense(path: NDArray[np.complex128], speed: float) -> str:
+    """Sense of whirl of a path, by the area that it encloses over its last half: forward, backward or planar.
+
+    >>> turned = np.exp(2j * np.pi * np.arange(64) / 16)
+    >>> whirl_sense(turned, 10.0), whirl_sense(turned, -10.0), whirl_sense(turned.real + 0j, 10.0)
+    ('forward', 'backward', 'planar')
+    """
+    late = path[len(path) // 2 :]
+    late = late - late.mean()
+    area, size = float((late[:-1].conj() * late[1:]).imag.sum()), float(np.abs(late[:-1] * late[1:]).sum())
+    share = math.copysign(1.0, speed) * area / size if size > 0.0 else 0.0
+    return "forward" if share > SMALL else "backward" if share < -SMALL else "planar"
 
 
 def _seen(what: object, end: float) -> Seen | None:

@@ -71,6 +71,7 @@ class Peaks(Reported):
 
     `averaged` states whether split pairs were. For a picture, `blade_hz` has the frequencies of the blade at rest and
     `wave_hz` (speeds of the map, waves) those of the casing's waves in the blade's frame, both without contact.
+    `rotor`: the peaks are those of a rotor without contact, and `wave_hz` has its whirl frequencies.
 
     >>> import numpy as np
     >>> import contact as ct
@@ -86,6 +87,7 @@ class Peaks(Reported):
     averaged: bool
     blade_hz: tuple[float, ...]
     wave_hz: Array
+    rotor: bool = False
 
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a peak."""

@@ -7,7 +7,16 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page
-from casingfem.plot.pages.speeds import OF_SPEED, VERDICTS, listed, range_words, safe_ranges, speed_strip, with_rpm
+from casingfem.plot.pages.speeds import (
+    OF_ROTOR,
+    OF_SPEED,
+    VERDICTS,
+    listed,
+    range_words,
+    safe_ranges,
+    speed_strip,
+    with_rpm,
+)
 
 STATES = {"unstable": "bad", "not decided": "open", "resonance": "open"}
 FURTHER = {
@@ -37,7 +46,9 @@ def interactions_page(name: str, found: Any, figures: Mapping[str, Figure], sour
 
 def speeds_section(found: Any, figures: Mapping[str, Figure], words: tuple[str, ...] = ()) -> Section:
     """Pictures over speed and the table; `found` None where there is no table."""
-    pictures = tuple(Picture.of(figures[key], OF_SPEED[key]) for key in OF_SPEED if key in figures)
+    rotor = found is not None and getattr(found.peaks, "rotor", False)
+    captions = OF_SPEED | ({"interactions": OF_ROTOR} if rotor else {})
+    pictures = tuple(Picture.of(figures[key], captions[key]) for key in OF_SPEED if key in figures)
     rows = () if found is None else found.records()
     tables = (Table.of("Dangerous speeds, the worst first.", found.COLUMNS, rows),) if rows else ()
     return Section("Dangerous speeds", words, pictures, tables)
@@ -77,7 +88,8 @@ def deflection_words(runs: Sequence[Any]) -> str:
     if whole:
         largest = max(whole, key=lambda run: float(run.amplitude_m))
         others = " in the others" if stopped else ""
-        words.append(f"The rim moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}.")
+        what = "disk" if largest.body == "rotor" else "rim"
+        words.append(f"The {what} moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}.")
         if not stopped and math.isfinite(largest.allowed_m):
             words.append(f"The linear model is valid up to {1e3 * largest.allowed_m:.3g} mm.")
     if stopped:

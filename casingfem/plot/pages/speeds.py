@@ -11,6 +11,10 @@ OF_SPEED = {
     "Middle: growth of closed contact (line) and of the runs. Bottom: rim deflection. Unstable speeds are shaded.",
     "map": "Interaction map at one speed. Where a triangle lies on a line of the blade, casing and blade interact.",
 }
+OF_ROTOR = (
+    "Top: whirl frequencies over speed; marks: motions that grow without contact. Middle: growth without contact "
+    "(line) and of the runs. Bottom: distance of the disk. Unstable speeds are shaded."
+)
 VERDICTS = {
     "unstable": "Unstable", "not decided": "Not decided, runs at these speeds are too short", "resonance": "Resonance",
 }  # fmt: skip

@@ -125,6 +125,15 @@ def joined(casing: ModalBody, rotor: Rotor, spin: Spin | None = None) -> ModalBo
     return found if spin is None else _with_spin(found, spin)
 
 
+def rotor_of(what: object) -> Rotor | None:
+    """The rotor of a problem; None of one without.
+
+    >>> rotor_of("no rotor") is None
+    True
+    """
+    return what if isinstance(what, Rotor) else what.rotor if isinstance(what, Rub) else None
+
+
 def casing_of(rub: Rub) -> ModalBody:
     """The casing of a rub on a rotor, without the modes of rotor and spin; that of another rub as it is.
 

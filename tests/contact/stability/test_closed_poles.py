@@ -68,5 +68,5 @@ def test_scenes_of_four_kinds_have_speeds_and_others_are_refused(tmp_path):
     with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing"):
         ct.scene.load_interactions(file)
     file.write_text('[scene]\nkind = "rods"\nt_end = 1.0\n[scheme]\nkind = "penalty"\ncourant = 0.5\nstiffness = 1.0\n')
-    with pytest.raises(ct.scene.SceneError, match=r"found 'rods', expected 'pair', 'rim', 'rub' or 'disk'"):
+    with pytest.raises(ct.scene.SceneError, match=r"found 'rods', expected 'pair', 'rim', 'rub', 'disk' or 'rotor'"):
         ct.scene.load_interactions(file)
