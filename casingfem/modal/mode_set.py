@@ -142,6 +142,12 @@ def frequency_scale(shell: Shell) -> float:
     """Bending frequency [rad/s] of the shell taken as flat: a floor for its elastic modes.
 
     sqrt(min(E t^3)/max(rho t))/size^2, the weakest section with the heaviest wall; c t/size^2 where all are alike.
+
+    >>> import casingfem as cf
+    >>> steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.8, width=0.6), thickness=0.01, material=steel)
+    >>> round(frequency_scale(plate) / ((210e9 / 7800.0) ** 0.5 * 0.01), 6)  # the diagonal is 1 m
+    1.0
     """
     at = sampled_geometry(shell, 33)
     size = float(np.linalg.norm(np.ptp(np.real(at.surface.x).reshape(3, -1), axis=1)))
