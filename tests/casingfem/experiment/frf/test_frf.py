@@ -36,6 +36,8 @@ def test_three_formats_keep_every_bit(three, tmp_path):
     path = cf.uff.write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
     assert same(cf.frf.FrfSet.from_uff(path), three)
     assert cf.frf.FrfSet.load(tmp_path / "f.npz").card == three.card
+    again = cf.frf.FrfSet.from_csv(cf.frf.FrfSet.from_csv(tmp_path / "f.csv").to_csv(tmp_path / "g.csv"))
+    assert again.card == (*three.card, "unit: (m/s^2)/N", "kind: frf")  # each once, also when written twice
     assert not three.responses.flags.writeable
 
 
