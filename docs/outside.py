@@ -31,8 +31,8 @@ APART = """
 | interaction speeds and response curves of rotors 37 and 67 in rub studies (Batailly, Colaitis, Nyssen, Piollet, \
 Thouverez, Vadcard and co-workers) | A search of open texts found no table of frequencies or speeds whose mesh, \
 root, clearance, damping and coating are all stated. The bar before an obstacle above is by the same authors. |
-| measured cylinders of Sewall and Naumann, blades of Krause, shells of Singhal | A search found no open text with \
-their tables. |
+| measured cylinders of Sewall and Naumann | A search found no open text with their tables. |
+| blades of Krause, shells of Singhal | Not searched for yet. |
 | a measured Tibetan bowl (Essl and Cook, 2002) | The source gives ratios of frequencies and no geometry. |
 | tuning fork of CoFEA | The licence of its meshes forbids copies here. `casingfem modes` on three of them gave \
 441.103 Hz (quadratic bricks, 2 mm), 496.880 Hz (linear bricks) and 564.488 Hz (linear tetrahedra); Code_Aster has \

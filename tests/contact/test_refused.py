@@ -148,7 +148,7 @@ REFUSED = {
     ),
     "dangerous speeds of a bare rim": (
         lambda: ct.interactions(ct.Scene(what=[RIM], t_end=1.0), [1.0, 2.0]),
-        "scene: found list, expected a scene with a RotatingRim or a Rub",
+        "scene: found list, expected a scene with a RotatingRim, a Rub or a Rotor",
     ),
     "dangerous speeds without an end": (
         lambda: ct.interactions(ct.Scene(what=RIM, dt=1e-5), [1.0, 2.0]),

@@ -386,7 +386,7 @@ values = [2.0, 4.0]
     ('[sweep]\nvary = [{key = "speed.hz", from = 0, to = 2, steps = 3, log = true}]', "log found with from or to <= 0"),
     ('[sweep]\nkind = "random"\nvary = [{key = "speed.hz", from = 1, to = 2}]', "draws and seed belong to"),
     ('[sweep]\nvary = [{key = "motor.hz", values = [1]}]', "the scene has no 'motor' there"),
-    ('[sweep]\nvary = [{key = "speed.rpm", values = [1]}]', "sweep.vary[1].key: speed.rpm: unknown key"),
+    ('[sweep]\nvary = [{key = "speed.rpm", values = [1]}]', "speed: hz and rpm both found, expected one"),
     ('[sweep]\nvary = [{key = "blade.lean_deg", values = [80]}]', "sweep.vary[1].values: blade.lean_deg: found 80"),
     ('[sweep]\nvary = [{key = "speed.hz", values = [1]}, {key = "contact.clearance", from = 0.5, to = 1, steps = 2}]',
      "sweep.vary[2].from: contact.clearance: found 0.5 m"),
