@@ -72,8 +72,8 @@ class Circle:
             if any(np.linalg.norm(basis.T @ other, 2) > ALIKE for other in spaces.values()):
                 break
             spaces[n] = basis
-        told = spaces if len(spaces) > 1 else ()  # an n that is told from no other is not told
-        return cls(theta=theta, orders=tuple(n for n in told if n <= most))
+        distinct = spaces if len(spaces) > 1 else ()  # one n alone has no other n from which the sensors separate it
+        return cls(theta=theta, orders=tuple(n for n in distinct if n <= most))
 
     @property
     def n_max(self) -> int:
