@@ -9,7 +9,8 @@ from contact.loop.formulas import turned_work, works
 from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.motion import place_row
-from contact.loop.rub.rows import RubRows, blade_dot, fill_block
+from contact.loop.rub.rows import NOW, RubRows, blade_dot
+from contact.loop.rub.series import fill_row
 from contact.loop.rub.solve import place_now
 from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
 from contact.record.record import Tally
@@ -42,7 +43,7 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solve
     normal, ahead, tangent = w.normal[w.side[0], p], w.normal[1 - w.side[0], p], w.rows[dim - 1]
     nn, nt, tn, tt, slip = share * rows.fixed[R, R], 0.0, 0.0, 0.0, 0.0
     if rubs:
-        fill_block(rows, rows.line[j] * rows.directions + 1, w.waves[w.side[0], p], tangent)
+        fill_row(rows, w, j, 1, NOW, w.waves[w.side[0], p], tangent)
         n, across, along, t, slid_by = couplings(s, normal, ahead, tangent, rows.width)
         nn, nt, tn = nn + share * n, share * (across + rows.fixed[R, R + 1]), along + rows.fixed[R + 1, R]
         tt = t + rows.fixed[R + 1, R + 1]

@@ -10,7 +10,8 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.modal.rows import fill_some
-from contact.loop.rub.rows import RubRows, fill_block, waves_at
+from contact.loop.rub.rows import AHEAD, NOW, RubRows, fill_block, waves_at
+from contact.loop.rub.series import fill_row
 from contact.loop.rub.state import RubState, Work
 
 
@@ -47,7 +48,7 @@ def place_row(rows: RubRows, w: Work, j: int, side: int) -> None:
     p = rows.place[j]
     if w.filled[side, p] == 0:
         w.filled[side, p] = 1
-        fill_block(rows, rows.line[j] * rows.directions, w.waves[side, p], w.normal[side, p])
+        fill_row(rows, w, j, 0, NOW if side == w.side[0] else AHEAD, w.waves[side, p], w.normal[side, p])
 
 
 @jit

@@ -104,6 +104,7 @@ class RubRows(NamedTuple):
     W: Array  # (K d, K d) matrix of the contacts where it never changes and forces are solved for, else empty
     cell: float  # angle over which W is interpolated, 0 where it is not [rad]
     form: RowBlocks  # as `S` between waves, and with what the modes yield, where it is
+    cells: float  # in a radian, in which rows of a single tip are power series; 0 where they are sums of waves [1/rad]
     few: bool  # whether `S` is that between the tips by its own angle, a row each; else that between waves, by block
     S: RowBlocks
     harmonics: int  # waves that the rows, the profile and S take, in whole blocks

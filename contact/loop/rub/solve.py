@@ -9,7 +9,8 @@ from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, soft_at, strain_waves
 from contact.loop.rub.matrix import add_part, assemble, fill_factors, interpolate, known, law
 from contact.loop.rub.motion import felt, place_row, press_waves, push_waves, see_spare
-from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
+from contact.loop.rub.rows import NOW, RubRows, blade_dot, waves_at
+from contact.loop.rub.series import fill_row
 from contact.loop.rub.state import ROUGH, ModalBlocks, RubState, Solver, Work
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import affine, assign, dot
@@ -60,7 +61,7 @@ def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j
             if known:
                 continue
         if i > 0:
-            fill_block(rows, rows.line[j] * rows.directions + i, w.waves[now, p], row)
+            fill_row(rows, w, j, i, NOW, w.waves[now, p], row)
         else:
             place_row(rows, w, j, now)
             copy(w.normal[now, p], row)

@@ -16,6 +16,7 @@ from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room, staggered
 
 NODES = 8  # angles in a cell between which W is interpolated
+TERMS = 12  # of the power series of a row, an even number
 NOWHERE = -(1 << 62)  # number of no cell
 TOGETHER = 8  # rows that `solve.casing` takes at a time
 JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; friction, springs not solved
@@ -93,6 +94,8 @@ class Work(NamedTuple):
     disk: Array  # (2,) where the disk of a rotor is then, along x and y
     rigid: Array  # (P,) gap of the rigid casing at t_{n+1}
     moved: Array  # (P,) motion of the casing there
+    series: Array  # (d terms, width) power series of the rows of a single tip, by direction
+    series_at: Indices  # (d,) number of the cell of each
     spare: Array  # (width,) any other row
     turn: Array  # (2, harmonics) and its waves
     angles: Array  # (4, 3) what is turned at t_{n-1}, t_n and t_{n+1}, and the middle of a cell; cosine and sine
@@ -178,7 +181,7 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
         side=whole(1), normal=aligned(2, P, width), waves=aligned(2, P, 2, n), fresh=whole(2, P),
         filled=whole(2, P), motion_waves=aligned(d * lines if rows.many else 0, 2, n),
         bound=aligned(lines), disk=aligned(2), rigid=aligned(P), moved=aligned(P), spare=aligned(width),
-        turn=aligned(2, n),
+        series=aligned(d * TERMS if rows.cells > 0.0 else 0, width), series_at=whole(d) + NOWHERE, turn=aligned(2, n),
         angles=aligned(4, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
         soft=aligned(D, waves), row_columns=aligned(made[1], made[2]), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),

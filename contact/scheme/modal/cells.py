@@ -1,20 +1,28 @@
-"""Over which angle the matrix of many contacts may be interpolated; see `contact.loop.rub.matrix`."""
+"""Over which angle the matrix of many contacts may be interpolated, and the rows of one be power series.
+
+See `contact.loop.rub.matrix` and `contact.loop.rub.series`.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contact.base.arrays import Array
 from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_system import RubSystem, waves_of_tips
+from contact.model.gaps.rub_system import RimTable, RubSystem, waves_of_tips
 from contact.model.trig import turned_back
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.rub_delassus import blade_delassus
 
-EXACT = 1e-15  # of W's largest entry: what interpolation may leave
+if TYPE_CHECKING:
+    from contact.loop.modal.rows import RowBlocks
+
+EXACT = 1e-15  # of W's largest entry, or the rows': what interpolation, or a series, may leave
 LEAST = 24  # steps in a cell: in fewer, W at the nodes takes more time than W at each step
+STAY = 40  # steps in a cell of rows: in fewer, a series takes more time than the sums of waves
 MOST = 1 << 20  # numbers at the nodes: more do not stay in the cache
 
 
@@ -37,6 +45,20 @@ def cell(rub: Rub, system: RubSystem, parts: Propagator, share: float, nodes: in
     rough = float(size @ (0.5 * p) ** nodes)
     width = (allowed / rough) ** (1.0 / nodes) if rough > 0.0 else 2.0 * math.pi
     return (width, form) if width >= LEAST * abs(turn) else (0.0, none)
+
+
+def cells_of_rows(rub: Rub, rim: RimTable, casing: RowBlocks, h: float, terms: int) -> float:
+    """Cells in a radian in which rows of a single tip are power series; 0 where sums of waves take less time.
+
+    The remainder of a wave n of size A is at most A (n D/2)^terms / terms! in a cell of width D (Taylor).
+    """
+    vectors = casing.start.size - 1
+    size = np.hypot(rim.cos, rim.sin).max(axis=(0, 2))
+    rough = float(size @ (0.5 * np.arange(size.size)) ** terms) / math.factorial(terms)
+    if rough == 0.0 or casing.wave.size < 2 * terms * vectors:
+        return 0.0
+    cells = (rough / (EXACT * float(size.max()))) ** (1.0 / terms)
+    return cells if STAY * cells * rub.speed.fastest * h <= 1.0 else 0.0
 
 
 def _form(system: RubSystem, parts: Propagator, share: float, turn: float) -> Array:

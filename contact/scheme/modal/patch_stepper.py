@@ -211,7 +211,7 @@ def _rows(rows: Array, S: Array, W: Array, opening: Array, glide: Array) -> RubR
         line=np.arange(k), place=np.arange(k), glide=glide, angle=np.zeros(k),
         heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
         blade=np.zeros((R, 0)), own=np.zeros((k, 2), dtype=np.int64), apart=np.zeros((k, 2), dtype=np.int64),
-        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, cell=0.0, form=empty, few=False,
+        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, cell=0.0, form=empty, cells=0.0, few=False,
         S=RowBlocks(*row_blocks(rows_of_waves(first, none, none, WAVES))), harmonics=WAVES,
     )  # fmt: skip
 

@@ -19,7 +19,7 @@ from contact.model.rotor.rotor import Rotor
 from contact.model.trig import PRUNE, fourier, turned_back
 from contact.record.spin import SUMS
 from contact.scheme.modal.blocks import BLOCK, row_blocks, rows_of_waves, whole
-from contact.scheme.modal.cells import cell
+from contact.scheme.modal.cells import cell, cells_of_rows
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.rub_delassus import blade_delassus, unchanging
 
@@ -135,6 +135,7 @@ def _jumps(rotor: Rotor | None, h: float) -> Array:
 def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: float, form: Array) -> RubRows:
     """Rows of the casing, tips and residual compliance; W, or `cell` and `form` from which it is found."""
     from contact.loop.rub.rows import RubRows
+    from contact.loop.rub.state import TERMS
 
     rim, m = system.rim, int(system.first[1])
     width = joined(system)
@@ -155,8 +156,9 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: flo
     glide[:, 1:2] = system.radius[:, None]
     apart = system.own if width == m else 0 * system.own
     apart.setflags(write=False)
+    casing = _casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count)
     return RubRows(
-        casing=_casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count),
+        casing=casing,
         width=whole(width), reach=reach, rim=rim_of(rub, len(system.still) // system.contacts, reach.shape[1]),
         many=not few, seen=_seen(rim, width, count) if not few else _no_blocks(),
         directions=system.directions, line=system.line,
@@ -166,7 +168,8 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: flo
         apart=apart, fixed=fixed_delassus(system, parts),
         still=system.still, turns=system.turns, steady=False, W=W,
         cell=cell,
-        form=_blocks(*_between_waves(form, count), count) if cell > 0.0 else _no_blocks(), few=few,
+        form=_blocks(*_between_waves(form, count), count) if cell > 0.0 else _no_blocks(),
+        cells=cells_of_rows(rub, rim, casing, parts.h, TERMS) if system.contacts == 1 else 0.0, few=few,
         S=_blocks(harmonic, S_cos, S_sin, count),
         harmonics=count,
     )  # fmt: skip

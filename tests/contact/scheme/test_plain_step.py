@@ -87,6 +87,33 @@ def test_interpolating_the_matrix_of_many_contacts_over_the_angle_changes_forces
     np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-9 * found[0].max())
 
 
+def rough_rim(n_max=16, size=22):
+    """A casing with every harmonic in every mode, smaller the higher it is."""
+    rng = np.random.default_rng(4)
+    order = np.abs(np.tile([*range(n_max + 1), *range(1, n_max + 1)], 2))
+    rows = rng.standard_normal((order.size, size)) / (1.0 + order[:, None])
+    return ct.ModalBody(
+        omega=np.linspace(300.0, 9000.0, size), zeta=[0.003] * size, channels=ct.bodies.rim_channels(n_max), rows=rows,
+        S=2e-8 * np.eye(order.size), kind="rim", n_max=n_max, radius=0.4,
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", [ct.Unilateral(), ct.Coulomb(mu=0.3), ct.laws.Hertz(k=3e9, mu=0.3)])
+def test_series_of_the_rows_of_one_tip_over_the_angle_change_forces_by_round_off(law):
+    """Where the speed rises after the end of the run, the rows are sums of waves in each step."""
+    steps, found = 4000, []
+    for speed in (ct.Speed.constant(-2.0), ct.Speed(time=[0.0, 1.0, 1.1], hz=[-2.0, -2.0, -140.0])):
+        rub = ct.Rub(
+            rough_rim(), [blade()], [ct.ContactPoint(lean_deg=10.0)], clearance=-2e-4, speed=speed, turning="blades"
+        )
+        scene = ct.Scene(what=rub, law=law, dt=H, t_end=steps * H, on_limit="flag", record=ct.Record(every=1))
+        found.append(ct.run(scene).force)
+    assert 0.2 * steps < (found[0] > 0.0).sum() < steps
+    assert not np.array_equal(found[0], found[1])  # two ways of computing
+    np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-10 * found[0].max())
+
+
 def three_tips(casing, **more):
     """Two blades with three tips in all."""
     points = [*tips(2, axial=False), *tips(1, blade=1, angle=190.0, axial=False)]
