@@ -59,6 +59,7 @@ def test_sweep_of_the_tip_lowers_the_third_bending_mode_as_measured():
 
 
 @pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore:.*material-units")  # the hook is in inches and pounds
 def test_no_result_of_others_fails(tmp_path):
     rows = table.main(tmp_path, quick=True)
     assert "FAIL" not in {row["verdict"] for row in rows}
