@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -26,6 +27,7 @@ IN_REALITY = (
     'below 0), damping or a stop ends such a motion, and none of them does here. on_limit = "flag" in [scene] runs on '
     "to a tenth of the radius and ends without an error."
 )
+OF_ROTOR = {"the turning rim": "the drive of the rotor", "varying loads": "the unbalance"}
 SUDDEN = 500  # steps
 SHORT = "The rise was too short to fit its growth."
 CLOSED = 0.99  # of the time: contact that stays closed
@@ -44,7 +46,9 @@ def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, fl
         words.append(growth.verdict)
     elif name in ("wall", "radius"):
         words.append(AT_ONCE if result.steps < SUDDEN else SHORT)
-    words += [closed, _fed_words(result.energy)]
+    elif name == "rotor":
+        words.append(_forced_words(theory))
+    words += [closed, _fed_words(result.energy, OF_ROTOR if name == "rotor" else {})]
     if growth is not None and grows:
         words += [_impact_words(growth, theory), growth.at_half_step]
     numerical = growth is not None and growth.numerical
@@ -69,6 +73,8 @@ def _limit_words(name: str, reached: float, allowed: float) -> str:
         return f"diverged: the rim moved {reached:.3g} m, {WALL:g} of its wall is {allowed:.3g} m."
     if name == "radius":
         return f"diverged: rim and tip moved {reached:.3g} m, a tenth of the radius is {allowed:.3g} m."
+    if name == "rotor":
+        return f"diverged: the rotor moved {reached:.3g} m, its limit of motion is {allowed:.3g} m."
     if name == "gap":
         return f"diverged: a gap moved {reached:.3g} m, a million times what start and load could do."
     if name == "energy":
@@ -76,8 +82,15 @@ def _limit_words(name: str, reached: float, allowed: float) -> str:
     return "diverged: the energy is not a finite number, the motion has outgrown the arithmetic."
 
 
-def _fed_words(energy: EnergyBudget) -> str:
-    """Sources of the energy, the largest first."""
+def _forced_words(theory: float) -> str:
+    """State what moved a rotor whose growth was not seen."""
+    if theory > 0.0:
+        return SHORT
+    return "It does not grow by itself: its load moves it. Check unbalance, gravity, start and units."
+
+
+def _fed_words(energy: EnergyBudget, named: Mapping[str, str]) -> str:
+    """Sources of the energy, the largest first; `named` are other names of some."""
     contact = -energy.lost_in_contact
     parts = {
         "friction": energy.friction, "the turning rim": energy.rotation, "gravity and whirl": energy.body_force,
@@ -86,8 +99,8 @@ def _fed_words(energy: EnergyBudget) -> str:
     given = sorted(((value, part) for part, value in parts.items() if value > 0.0), reverse=True)
     if not given:
         return ""
-    named = [f"{part} ({value:.3g} J)" for value, part in given if value > 0.01 * given[0][0]]
-    text = f"Energy came from {', '.join(named)}."
+    words = [f"{named.get(part, part)} ({value:.3g} J)" for value, part in given if value > 0.01 * given[0][0]]
+    text = f"Energy came from {', '.join(words)}."
     if given[0][1] == "the contact law":
         text += " Contact only pushes overlapping bodies apart: if none do, reduce dt or take the forward law."
     return text

@@ -15,6 +15,7 @@ from contact.io.trust import OF_LIMITS, Flag
 from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import passed
 from contact.model.gaps.rub import rub_of
+from contact.model.rotor.rotor import Rotor
 from contact.on_rotor import rotor_orbit
 from contact.prepared import Prepared, allow_far
 from contact.record.energy import EnergyBudget
@@ -60,7 +61,7 @@ def finished(
     repeated at half the step where it grows; None: it is not.
     """
     stepper, energy = ready.stepper, budget_of(ready)
-    limit = None if failed < 0 else passed(stepper.limits)
+    limit = None if failed < 0 else _passed(ready)
     if not math.isfinite(energy.unaccounted):
         limit = limit or ("overflow", math.nan, math.nan)
         parts = [_finite(part) for part in parts]
@@ -83,7 +84,7 @@ def finished(
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             result = replace(result, divergence=divergence(ready.problem, ready.law.mu, result, limit))
         assert result.divergence is not None
-        asked = ready.on_limit == "flag" and limit[0] in ("wall", "radius")
+        asked = ready.on_limit == "flag" and limit[0] in ("wall", "radius", "rotor")
         flags, kind = (*flags, Flag(result.divergence.words, OF_LIMITS[limit[0]], failed=not asked)), DivergedError
     else:
         result = with_growth(ready, result, marks)
@@ -99,6 +100,12 @@ def finished(
     raise error
 
 
+def _passed(ready: Prepared) -> tuple[str, float, float] | None:
+    """The limit that a run passed, by the name of the motion; None within all limits."""
+    found = passed(ready.stepper.limits)
+    return ("rotor", *found[1:]) if found is not None and isinstance(ready.problem, Rotor) else found
+
+
 def with_growth(
     ready: Prepared, result: Result, marks: Sequence[Mark] | None, limit: tuple[str, float, float] | None = None
 ) -> Result:
@@ -107,8 +114,12 @@ def with_growth(
     Where `marks` are given, a run that passed a limit before its growth can be fitted is repeated with denser states.
     It goes on to a tenth of the radius, for LONGER times its steps at most. A motion that reaches this grows.
     """
-    from contact.stability.of_run import of_run
+    from contact.stability.of_run import of_rotor_run, of_run
 
+    if limit is not None and limit[0] == "rotor":
+        assert isinstance(ready.problem, Rotor)
+        found = of_rotor_run(ready.problem, result)
+        return result if found is None or found.state != "grows" else replace(result, growth=found)
     with np.errstate(all="ignore"):
         growth, far = of_run(ready.problem, result), limit is not None and limit[0] == "radius"
         early = limit is not None and limit[0] in ("wall", "radius") and marks is not None

@@ -194,9 +194,9 @@ def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, what: str) -
 
 
 def _allowed(what: object) -> float:
-    """Largest deflection that a rim is allowed, or of a rotor the disk in its casing [m]; infinite of a rotor alone."""
+    """Largest deflection that a rim is allowed, or of a rotor the disk in its casing, or any node without one [m]."""
     if isinstance(what, Rotor):
-        return math.inf
+        return what.limit
     rub: Rub = rub_of(what)
     return float(motion_limits(rub.casing.line_radius(0), math.inf if rub.rotor else rub.wall)[RIM])
 
@@ -309,7 +309,7 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     rotor = rotor_of(what)
     if rotor is not None:
         run = replace(run, body="rotor", n=1, wave=whirl_sense(disk_path(cast("Rotor | Rub", what), result.state), 1.0))
-    passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
+    passed = result.divergence is not None and result.divergence.limit in ("wall", "radius", "rotor")
     if passed:
         run = replace(run, limit_m=allowed)
     if isinstance(outcome, NumericsError) and not passed:

@@ -18,7 +18,7 @@ from contact.io.toml import written
 
 CheckName = Literal[
     "E", "rho", "sound", "nu", "size", "thickness", "zeta", "speed", "lean", "clearance", "roundness", "friction",
-    "gravity", "frequency", "mass", "stiffness", "compliance", "velocity", "force", "stress", "time",
+    "gravity", "frequency", "mass", "stiffness", "compliance", "velocity", "force", "stress", "time", "unbalance",
 ]  # fmt: skip
 Path = tuple[str | int, ...]
 
@@ -160,6 +160,11 @@ ALL = (
     Check(
         name="time", quantity="time", unit="s", lower=1e-12, upper=1e7, reason="a wave through an atom to a season",
         usual=(1e-9, 1e4),
+    ),
+    Check(
+        name="unbalance", quantity="mass times eccentricity", unit="kg m", lower=0.0, upper=1000.0,
+        reason="a lost blade of the largest turbine leaves 100 kg m", usual=(1e-9, 100.0),
+        slips=(Slip("g mm", 1e-6), Slip("kg mm", 1e-3), Slip("g m", 1e-3)),
     ),
 )  # fmt: skip
 CHECKS: dict[str, Check] = {check.name: check for check in ALL}

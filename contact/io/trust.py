@@ -56,6 +56,11 @@ TROUBLES = MappingProxyType({
         "describes such a motion; a warning with on_limit = \"flag\"",
         "search for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
     ),
+    "motion-rotor": Trouble(
+        "a rotor without a casing moved further than linear theory describes", "failure above a tenth of the shaft's "
+        "length, above 2.5 m where no length is known, or above the stated limit; a warning with on_limit = \"flag\"",
+        "reduce the unbalance or the speed, add damping, put the rotor into a casing, or state rotor.limit",
+    ),
     "motion-unbounded": Trouble(
         "a gap moved by a million times what start and load could do", "failure above 1e6: the motion feeds on itself",
         "reduce dt or friction; check stiffness and units",
@@ -118,7 +123,7 @@ TROUBLES = MappingProxyType({
 })  # fmt: skip
 OF_LIMITS = MappingProxyType({
     "wall": "wall-deflection", "radius": "motion-radius", "gap": "motion-unbounded", "energy": "energy-grows",
-    "overflow": "motion-overflow",
+    "overflow": "motion-overflow", "rotor": "motion-rotor",
 })  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit_entry, jit_inside
+from contact.loop.limits import outgrown, tip_motion
 from contact.loop.tally import store, store_state
 from contact.record.record import Samples, Tally
 
@@ -27,6 +28,7 @@ class RotorState(NamedTuple):
     hz: Array  # speed at the end of the last step, one entry
     force: Array  # of no contact
     gap: Array
+    limits: Array  # of `contact.model.gaps.limits.rotor_limits`
 
 
 class RotorLaws(NamedTuple):
@@ -45,6 +47,7 @@ class RotorLaws(NamedTuple):
     speed: Array  # rows (from [s], angle there, Omega there, its slope)
     plane: Array  # (2, m)
     rest: Array  # x and y at rest
+    places: Array  # (nodes, 2, m)
 
 
 @jit_inside
@@ -146,9 +149,22 @@ def note_orbit(s: RotorState, laws: RotorLaws, unbalance: Array, angle: float, o
     s.turn[0] = turn
 
 
+@jit_inside
+def note_motion(s: RotorState, laws: RotorLaws) -> None:
+    """Add the distance of all nodes from their straight places to the largest of the run."""
+    far = 0.0
+    for node in range(laws.places.shape[0]):
+        x, y = 0.0, 0.0
+        for i in range(s.q.size):
+            x += laws.places[node, 0, i] * s.z[i]
+            y += laws.places[node, 1, i] * s.z[i]
+        far = max(far, x * x + y * y)
+    tip_motion(s.limits, math.sqrt(far))
+
+
 @jit_entry
 def advance_rotor(s: RotorState, laws: RotorLaws, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:
-    """Steps of a rotor without contact; -1, or the step whose state is not finite."""
+    """Steps of a rotor without contact; -1, or the step whose state is not finite or beyond the limit of motion."""
     m = s.q.size
     ramp = laws.P.shape[0] > 1
     for step in range(first, first + steps):
@@ -172,6 +188,7 @@ def advance_rotor(s: RotorState, laws: RotorLaws, sums: Tally, out: Samples, h: 
             passed(s, sums, s.P, s.W)
         else:
             passed(s, sums, laws.P[0], laws.W[0])
-        if not math.isfinite(s.z[0]):
+        note_motion(s, laws)
+        if not math.isfinite(s.z[0]) or outgrown(s.limits):
             return step
     return -1

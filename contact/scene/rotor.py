@@ -70,6 +70,12 @@ class RotorTable(Table):
         default=None, description=f"modes of a [[shaft]] that are kept; {MODES}, or all if they are fewer, if left out"
     )
 
+    limit: Length | None = Field(
+        default=None,
+        description="largest motion without a casing [m]: the run stops beyond it; a tenth of the length of a [[shaft]], "
+        "2.5 m of other rotors if left out",
+    )
+
     @property
     def given(self) -> list[str]:
         """Its keys that are in the file."""
@@ -257,8 +263,10 @@ class RotorFile(SceneFile):
         allowed = {"[[shaft]]": {"modes"}, "rotor.basis": {"basis", "node"}}.get(
             kinds[0], {"mass", "stiffness", "zeta", "zeta_internal"}
         )
-        if others := [name for name in self.rotor.given if name not in allowed]:
+        if others := [name for name in self.rotor.given if name not in allowed | {"limit"}]:
             raise ValueError(f"rotor.{others[0]} found beside {kinds[0]}, expected only {', '.join(sorted(allowed))}")
+        if self.rotor.limit is not None and self.casing is not None:
+            raise ValueError("rotor.limit found beside [casing], expected none: a tenth of the casing's radius limits it")
         if not self.shaft and (self.disk or self.bearing or self.unbalance.at is not None):
             found = "[[disk]]" if self.disk else "[[bearing]]" if self.bearing else "unbalance.at"
             raise ValueError(f"{found} found without [[shaft]], expected pieces of a shaft beside it")
@@ -344,7 +352,10 @@ class RotorFile(SceneFile):
                 raise InputError(f"rotor.modes: found {modes}, expected 1 to {unknowns}, the modes of the shaft")
         else:
             what = Jeffcott(**self.rotor.model_dump(include={"mass", "stiffness", "zeta", "zeta_internal"}))
-        return Rotor.of(what, speed, at=at, unbalance=unbalance, modes=modes, gravity=gravity, settled=settled)
+        return Rotor.of(
+            what, speed, at=at, unbalance=unbalance, modes=modes, gravity=gravity, settled=settled,
+            limit=self.rotor.limit,
+        )  # fmt: skip
 
     def _shaft(self) -> Shaft:
         return Shaft(

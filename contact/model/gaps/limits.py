@@ -32,6 +32,15 @@ def motion_limits(radius: float, thickness: float) -> Array:
     return np.array([rim, far, 0.0, 0.0, rim, 0.0])
 
 
+def rotor_limits(limit: float) -> Array:
+    """Limits of a rotor without a casing: the largest distance of a node from its straight place [m].
+
+    >>> rotor_limits(0.05).tolist()
+    [inf, 0.05, 0.0, 0.0, inf, 0.0]
+    """
+    return np.array([math.inf, limit, 0.0, 0.0, math.inf, 0.0])
+
+
 def passed(limits: Array | None) -> tuple[str, float, float] | None:
     """Name of the limit that a run passed, the value reached and the value allowed [m]; None within all limits.
 

@@ -16,11 +16,15 @@ from contact.base.errors import InputError
 from contact.base.keyed import require_keyed
 from contact.io.brief import brief
 from contact.io.keys import Key
+from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub_laws import Speed
 from contact.model.rate import Change, Rate, changes
 from contact.model.rotor.jeffcott import Jeffcott
 from contact.model.rotor.shaft import Shaft
+
+PART = 0.1  # of the length: a larger motion of a shaft is none of linear theory
+LIMIT = PART * CHECKS["size"].upper  # m: of a rotor whose length is not known
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +38,7 @@ class Release:
     """
 
     time: Annotated[float, Key("when the part leaves [s]", "not negative", "time or 0")]
-    moment: Annotated[float, Key("added unbalance, mass times its distance from the axis [kg m]", "not negative")]
+    moment: Annotated[float, Key("added unbalance, mass times its distance from the axis [kg m]", "not negative", "unbalance")]
     angle_deg: Annotated[
         float, Key("direction of the added unbalance, in the rotor from its x axis [degrees]", "turn")
     ] = 0.0
@@ -54,7 +58,7 @@ class Unbalance:
     (0.001+0.001j)
     """
 
-    moment: Annotated[float, Key("mass times its distance from the axis [kg m]", "not negative")] = 0.0
+    moment: Annotated[float, Key("mass times its distance from the axis [kg m]", "not negative", "unbalance")] = 0.0
     angle_deg: Annotated[float, Key("its direction in the rotor from the rotor's x axis [degrees]", "turn")] = 0.0
     release: Release | None = None
 
@@ -125,7 +129,10 @@ class Rotor:
     pulls towards -y and needs the body's participation. The rotor starts at rest and straight or, `settled`, where
     gravity and its start speed bend it; `displacement` and `velocity` (m,) of the modes are added.
 
-    Raises InputError for channels that are not there and shapes that do not fit.
+    A run without a casing ends where a node with channels x and y is further than `limit` [m] from its straight place:
+    linear theory assumes small motions. `Rotor.of` takes a tenth of a shaft's length.
+
+    Raises InputError for channels that are not there, shapes that do not fit and a limit that is not positive.
 
     >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6, zeta=0.02), hz=80.0, unbalance=Unbalance(moment=1e-3))
     >>> rotor.at, rotor.body.omega.size
@@ -141,6 +148,7 @@ class Rotor:
     settled: bool = True
     displacement: ArrayLike | None = None
     velocity: ArrayLike | None = None
+    limit: float = LIMIT
 
     __repr__ = brief
 
@@ -157,6 +165,8 @@ class Rotor:
             require_shape(name, values, (m,))
             object.__setattr__(self, name, values)
         require_finite(gravity=self.gravity)
+        if not self.limit > 0.0:
+            raise InputError(f"limit: found {self.limit!r}, expected a positive length in m, or inf")
         require_not_negative(gravity=self.gravity)
         if self.gravity > 0.0 and self.body.participation is None:
             raise InputError("gravity: found a body without participation, expected one: reduce it again, or gravity 0")
@@ -173,12 +183,14 @@ class Rotor:
         settled: bool = True,
         displacement: ArrayLike | None = None,
         velocity: ArrayLike | None = None,
+        limit: float | None = None,
     ) -> Rotor:
         """Make the rotor of a disk on a massless shaft, of a beam shaft, or of a body of someone's matrices.
 
         `hz`: turns per second, or a `Speed` over time. `at`: place of the unbalance [m] on a shaft, its first disk if
         left out; of a body the node, such as "6" of the channels 6.x and 6.y, the first one if left out. `modes` of a
-        shaft that are kept, all if left out.
+        shaft that are kept, all if left out. `limit` [m]: largest motion; left out, a tenth of the length of a shaft,
+        of others 2.5 m, a tenth of the longest rotor.
 
         >>> from contact.model.rotor import Bearing, Disk, Piece
         >>> shaft = Shaft(pieces=[Piece(length=0.6, diameter=0.03)], disks=[Disk(at=0.3, mass=8.0)],
@@ -194,11 +206,19 @@ class Rotor:
             (body, internal), node = what.reduced(modes), str(what.node(float(place)))
         else:
             body, node = what, str(at) if at is not None else nodes_of(what)[0]
+        if limit is None:
+            limit = PART * what.length if isinstance(what, Shaft) else LIMIT
         speed = hz if isinstance(hz, Speed) else Speed.constant(float(hz))
         return Rotor(
             body=body, speed=speed, at=node, unbalance=unbalance or Unbalance(), internal=internal, gravity=gravity,
-            settled=settled, displacement=displacement, velocity=velocity,
+            settled=settled, displacement=displacement, velocity=velocity, limit=limit,
         )  # fmt: skip
+
+    @property
+    def places(self) -> Array:
+        """Rows of x and y of all nodes that have both, (nodes, 2, m)."""
+        at = [[self.body.channel(f"{node}.{axis}") for axis in "xy"] for node in nodes_of(self.body)]
+        return self.body.rows[np.array(at)]
 
     @property
     def plane(self) -> Array:

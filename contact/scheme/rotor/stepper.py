@@ -11,6 +11,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.trust import Flag
+from contact.model.gaps.limits import rotor_limits
 from contact.model.law import Law
 from contact.model.rotor.rotor import Rotor
 from contact.record.energy import Stored
@@ -66,6 +67,11 @@ class RotorStepper(PlainStepper):
         """State and sums."""
         return self.state, self.sums
 
+    @property
+    def limits(self) -> Array:
+        """The largest motion of a node."""
+        return self.state.limits
+
     def why(self) -> Flag:
         """Explain a failed step."""
         return Flag("the motion is not a number", "motion-overflow", failed=True)
@@ -115,7 +121,7 @@ def rotor_stepper(rotor: Rotor, law: Law, h: float) -> RotorStepper:
     state = RotorState(
         z=z, new=np.zeros(d), q=np.zeros(m), P=np.zeros((d, d)), W=np.zeros((3, d, d)), share=np.zeros(4),
         turns=np.zeros((TURNS + 1, 5)), turn=np.zeros(1, dtype=np.int64), hz=np.array([rotor.speed.hz[0]]),
-        force=np.zeros(0), gap=np.zeros(0),
+        force=np.zeros(0), gap=np.zeros(0), limits=rotor_limits(rotor.limit),
     )  # fmt: skip
     laws = RotorLaws(
         first=float(speeds[0]), spacing=float(speeds[1] - speeds[0]) if speeds.size > 1 else 1.0,
@@ -123,6 +129,7 @@ def rotor_stepper(rotor: Rotor, law: Law, h: float) -> RotorStepper:
         step_parts=np.array([P for P, _ in parts]), work_parts=np.array([W for _, W in parts]),
         release=release, until=until, before=before if release >= 0 else after, after=after, speed=table,
         plane=np.ascontiguousarray(rotor.plane), rest=rotor.plane @ start,
+        places=np.ascontiguousarray(rotor.places),
     )  # fmt: skip
     top = max(highest(generator(rotor, omega)[0][: 2 * m, : 2 * m]) for omega in (low, high))
     words = "exact at a constant speed"

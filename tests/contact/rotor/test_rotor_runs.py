@@ -1,5 +1,7 @@
 """Runs of rotors through `ct.run`: resonance, release, run-up, damping that turns, energy and momentum."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -150,3 +152,36 @@ def test_a_law_of_contact_is_refused_for_a_rotor_alone():
 def test_a_step_of_three_to_a_turn_is_refused():
     with pytest.raises(ct.LimitError, match="speed = 80 Hz has 3 steps a period"):
         ct.run(jeffcott(80.0), t_end=0.1, dt=1.0 / 240.0)
+
+
+@pytest.mark.parametrize(("factor", "stops"), [(0.95, False), (1.05, True)])
+def test_a_rotor_whose_motion_grows_stops_at_its_limit_with_its_growth_and_whirl(factor, stops):
+    hz = factor * OMEGA * (1.0 + ZETA / 0.03) / (2.0 * np.pi)  # 160 and 176 Hz, the threshold is 168 Hz
+    rotor = jeffcott(hz, inner=0.03, unbalance=None, displacement=[1e-3, 0.0], limit=5e-3)
+    asked = {"t_end": 6.0, "dt": 1e-4, "record": STATES}
+    if not stops:
+        assert ct.run(rotor, **asked).divergence is None
+        return
+    with pytest.raises(ct.NumericsError, match=r"limit of motion is 0\.005 m.*forward whirl at") as caught:
+        ct.run(rotor, **asked)
+    result = caught.value.result
+    c, inner = 2.0 * (ZETA + 0.03) * OMEGA, 2.0 * 0.03 * OMEGA
+    rate = np.roots([1.0, c, OMEGA**2 - 1j * inner * 2.0 * np.pi * hz]).real.max()
+    assert result.growth.state == "grows"
+    assert result.growth.rate == pytest.approx(rate, rel=0.02)
+    assert result.divergence.theory == pytest.approx(rate, rel=1e-9)
+    assert np.abs(orbit_of(rotor, result)).max() <= 5e-3 < result.divergence.reached < 5.1e-3
+    kept = ct.run(rotor, **asked, on_limit="flag")
+    assert [flag.code for flag in kept.flags] == ["motion-rotor"]
+    assert not kept.flags[0].failed
+
+
+def test_a_shaft_may_move_by_a_tenth_of_its_length_at_any_node():
+    rotor = R.Rotor.of(shaft(), 60.0, modes=12, unbalance=R.Unbalance(moment=10.0))
+    assert rotor.limit == pytest.approx(0.05)
+    with pytest.raises(ct.NumericsError, match=r"its load moves it\. Check unbalance") as caught:
+        ct.run(rotor, t_end=0.2, dt=2e-5)
+    assert caught.value.result.divergence.reached > 0.05
+    assert ct.run(replace(rotor, unbalance=R.Unbalance(moment=1e-3)), t_end=0.05, dt=2e-5).divergence is None
+    with pytest.raises(ct.InputError, match="limit: found 0.0, expected a positive length"):
+        replace(rotor, limit=0.0)
