@@ -72,7 +72,7 @@ class RotorTable(Table):
 
     limit: Length | None = Field(
         default=None,
-        description="largest motion without a casing [m]: the run stops beyond it; a tenth of the length of a [[shaft]], "
+        description="largest motion without a casing [m]: the run stops beyond; a tenth of the length of a [[shaft]], "
         "2.5 m of other rotors if left out",
     )
 
@@ -266,7 +266,7 @@ class RotorFile(SceneFile):
         if others := [name for name in self.rotor.given if name not in allowed | {"limit"}]:
             raise ValueError(f"rotor.{others[0]} found beside {kinds[0]}, expected only {', '.join(sorted(allowed))}")
         if self.rotor.limit is not None and self.casing is not None:
-            raise ValueError("rotor.limit found beside [casing], expected none: a tenth of the casing's radius limits it")
+            raise ValueError("rotor.limit found beside [casing], expected none: the casing's radius limits it")
         if not self.shaft and (self.disk or self.bearing or self.unbalance.at is not None):
             found = "[[disk]]" if self.disk else "[[bearing]]" if self.bearing else "unbalance.at"
             raise ValueError(f"{found} found without [[shaft]], expected pieces of a shaft beside it")

@@ -46,7 +46,7 @@ def interactions_page(name: str, found: Any, figures: Mapping[str, Figure], sour
 
 def speeds_section(found: Any, figures: Mapping[str, Figure], words: tuple[str, ...] = ()) -> Section:
     """Pictures over speed and the table; `found` None where there is no table."""
-    rotor = found is not None and getattr(found.peaks, "rotor", False)
+    rotor = found is not None and found.peaks.rotor
     captions = OF_SPEED | ({"interactions": OF_ROTOR} if rotor else {})
     pictures = tuple(Picture.of(figures[key], captions[key]) for key in OF_SPEED if key in figures)
     rows = () if found is None else found.records()

@@ -38,7 +38,9 @@ class Release:
     """
 
     time: Annotated[float, Key("when the part leaves [s]", "not negative", "time or 0")]
-    moment: Annotated[float, Key("added unbalance, mass times its distance from the axis [kg m]", "not negative", "unbalance")]
+    moment: Annotated[
+        float, Key("added unbalance, mass times its distance from the axis [kg m]", "not negative", "unbalance")
+    ]
     angle_deg: Annotated[
         float, Key("direction of the added unbalance, in the rotor from its x axis [degrees]", "turn")
     ] = 0.0

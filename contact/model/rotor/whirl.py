@@ -13,10 +13,11 @@ from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.io.columns import Column
 from contact.io.reported import Reported
-from contact.model.rotor.rotor import Rotor, nodes_of
+from contact.model.rotor.rotor import Rotor
 
 SLOW = 1e-9  # of the largest |s|: an eigenvalue without oscillation
 ROUND = 1e-3  # share of one sense beyond the other below which a motion is planar
+SAME = 1e-9  # of the square of a critical speed: two that differ by less are equal
 REAL = 1e-6  # imaginary part of a critical speed that is round-off
 
 WHIRL = (
@@ -139,11 +140,9 @@ def growth(rotor: Rotor, speed_hz: ArrayLike) -> Array:
 
 def sense_of(rotor: Rotor, shape: NDArray[np.complex128], sign: float = 1.0) -> list[str]:
     """forward, backward or planar of each shape (m, modes), by the area of its orbits; `sign` of the speed."""
-    area, size = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
-    for node in nodes_of(rotor.body):
-        x, y = (rotor.body.rows[rotor.body.channel(f"{node}.{axis}")] @ shape for axis in "xy")
-        area -= 2.0 * (np.conj(x) * y).imag
-        size += np.abs(x) ** 2 + np.abs(y) ** 2
+    x, y = np.moveaxis(rotor.places, 1, 0) @ shape
+    area = -2.0 * (np.conj(x) * y).imag.sum(axis=0)
+    size = (np.abs(x) ** 2 + np.abs(y) ** 2).sum(axis=0)
     share = sign * np.divide(area, size, out=np.zeros(area.size), where=size > 0.0)
     return ["forward" if one > ROUND else "backward" if one < -ROUND else "planar" for one in share]
 
@@ -152,12 +151,12 @@ def critical_speeds(rotor: Rotor) -> list[dict[str, Any]]:
     """Speeds [turns/s] at which the undamped rotor whirls once a turn, ascending: {speed_hz, sense}.
 
     K Q = Omega^2 (I - i G) Q with the symmetric part of K. Unbalance drives the forward ones; on bearings that are not
-    isotropic the backward ones too.
+    isotropic the backward ones too. Of two equal speeds one is forward and one is backward.
 
     >>> from contact.model.rotor import Jeffcott
-    >>> [round(2.0 * np.pi * one["speed_hz"], 6) for one in critical_speeds(
+    >>> [(round(2.0 * np.pi * one["speed_hz"], 6), one["sense"]) for one in critical_speeds(
     ...     Rotor.of(Jeffcott(mass=1.0, stiffness=400.0), 1.0))]
-    [20.0, 20.0]
+    [(20.0, 'forward'), (20.0, 'backward')]
     """
     from scipy.linalg import eig
 
@@ -168,11 +167,24 @@ def critical_speeds(rotor: Rotor) -> list[dict[str, Any]]:
     squared, shape = eig(K, np.eye(m) - 1j * G)
     fine = np.isfinite(squared) & (squared.real > 0.0) & (np.abs(squared.imag) <= REAL * np.abs(squared))
     order = np.flatnonzero(fine)[np.argsort(squared[fine].real, kind="stable")]
-    senses = sense_of(rotor, shape[:, order].astype(np.complex128))
+    senses = sense_of(rotor, _apart(rotor, squared[order].real, shape[:, order].astype(np.complex128)))
     return [
         {"speed_hz": math.sqrt(squared[k].real) / (2.0 * math.pi), "sense": sense}
         for k, sense in zip(order.tolist(), senses, strict=True)
     ]
+
+
+def _apart(rotor: Rotor, squared: Array, shape: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The shapes (m, modes), those of equal eigenvalues combined to the most forward and the most backward one."""
+    found = shape.copy()
+    equal = np.diff(squared) <= SAME * squared[1:]
+    for own in np.split(np.arange(squared.size), np.flatnonzero(~equal) + 1):
+        if own.size > 1:
+            basis = np.linalg.qr(shape[:, own])[0]
+            x, y = np.moveaxis(rotor.places, 1, 0) @ basis
+            area = 1j * (x.conj().T @ y - y.conj().T @ x)
+            found[:, own] = basis @ np.linalg.eigh(area)[1][:, ::-1]
+    return found
 
 
 def unbalance_response(rotor: Rotor, speed_hz: ArrayLike) -> UnbalanceResponse:

@@ -108,7 +108,7 @@ def speeds_sample() -> Any:
 
     runs = (run(2.0, "safe", -0.5), run(4.5, "unstable", 3.0), run(9.0, "safe", -0.4))
     row = SimpleNamespace(from_hz=4.0, to_hz=5.0, at=runs[1], peak=None, n=3, wave="with", body="casing")
-    peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.linspace(1.0, 10.0, 10)))
+    peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.linspace(1.0, 10.0, 10)), rotor=False)
     return SimpleNamespace(
         rows=(row,), runs=runs, peaks=peaks, COLUMNS=COLUMNS, words="3 runs of the scene: 1 unstable, 2 safe.",
         records=lambda: records_of(COLUMNS, SimpleNamespace(rows=(row,))),

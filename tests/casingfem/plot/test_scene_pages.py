@@ -167,7 +167,7 @@ def table(**ranges):
         for verdict, parts in ranges.items()
         for low, high in parts
     ]
-    peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.array([1.0, 5.0, 10.0])))
+    peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.array([1.0, 5.0, 10.0])), rotor=False)
     return SimpleNamespace(rows=rows, peaks=peaks, records=list, words="60 runs of the scene.", COLUMNS=())
 
 

@@ -183,5 +183,5 @@ def test_a_shaft_may_move_by_a_tenth_of_its_length_at_any_node():
         ct.run(rotor, t_end=0.2, dt=2e-5)
     assert caught.value.result.divergence.reached > 0.05
     assert ct.run(replace(rotor, unbalance=R.Unbalance(moment=1e-3)), t_end=0.05, dt=2e-5).divergence is None
-    with pytest.raises(ct.InputError, match="limit: found 0.0, expected a positive length"):
+    with pytest.raises(ct.InputError, match=r"limit: found 0\.0, expected a positive length"):
         replace(rotor, limit=0.0)

@@ -132,6 +132,16 @@ ROSS_CRITICAL = [91.7898326, 96.29661317, 271.28522677, 300.38458856, 636.091227
 ROSS_WHIRL = [91.56162911, 96.45747282, 265.41862166, 305.37247739, 658.31289265, 821.19430854, 1062.76763362]
 
 
+def test_equal_critical_speeds_of_an_isotropic_rotor_are_one_forward_and_one_backward():
+    bearings = [R.Bearing(at=at, kxx=2e7) for at in (0.0, 0.6)]
+    symmetric = R.Shaft(pieces=[R.Piece(length=0.6, diameter=0.06, rho=1e-6)], disks=[R.Disk(at=0.3, mass=20.0)],
+                        bearings=bearings)  # fmt: skip
+    for what in (R.Jeffcott(mass=10.0, stiffness=4e6), symmetric):
+        first, second = R.critical_speeds(R.Rotor.of(what, 50.0))[:2]
+        assert first["speed_hz"] == pytest.approx(second["speed_hz"], rel=1e-9)
+        assert {first["sense"], second["sense"]} == {"forward", "backward"}
+
+
 @pytest.mark.parametrize("matrices", [True, False])
 def test_a_rotor_of_ross_has_the_same_critical_speeds_by_its_matrices_and_by_its_sizes(matrices):
     """Two disks on a shaft on bearings that are softer along y; speeds [rad/s] of ROSS 2.3.0, whirl at 500 rad/s.
