@@ -220,7 +220,7 @@ class Rotor:
     def places(self) -> Array:
         """Rows of x and y of all nodes that have both, (nodes, 2, m)."""
         at = [[self.body.channel(f"{node}.{axis}") for axis in "xy"] for node in nodes_of(self.body)]
-        return self.body.rows[np.array(at)]
+        return np.asarray(self.body.rows[np.array(at)])
 
     @property
     def plane(self) -> Array:
