@@ -132,7 +132,8 @@ class Divergence:
     `limit`: "wall" half of its thickness, "radius" a tenth of it, "gap" of contacts on the ground, "rotor" that of a
     rotor without a casing, "energy", or "overflow". `reached` and `allowed` in metres, of the energy in joules, nan of
     an overflow. `growth` [1/s] of the force's variation just before, nan where too few samples show it; `theory` [1/s]
-    of a contact that stays closed at this speed, nan where no poles show it. `words`: all this, and what ends such a motion in reality.
+    of a contact that stays closed at this speed, nan where no poles show it. `words`: all this, and what ends such a
+    motion in reality.
 
     >>> Divergence(limit="wall", step=5, time=1e-3, reached=2e-3, allowed=1.5e-3, words="").to_dict()["growth_1_s"]
     """
