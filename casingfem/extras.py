@@ -21,7 +21,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
         "test-data": Extra("responses in HDF5 files, motions for ParaView (--vtu)", ("h5py",)),
         "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
-        "cluster": Extra("sweeps on a Dask cluster (sweep --scheduler)", ("distributed",)),
+        "cluster": Extra("sweeps and chances on a Dask cluster (sweep, chance --scheduler)", ("distributed",)),
         "excel": Extra("tables in Excel workbooks (.xlsx)", ("openpyxl",)),
         "direct": Extra("MKL's factorisation for modes of large structures (direct = pardiso)", ("pypardiso",)),
         "docs": Extra("these pages as a site (make docs)", ("sphinx", "furo", "sphinx-gallery", "myst-parser")),

@@ -8,7 +8,7 @@ from scipy.stats import beta, binom, norm, t
 
 from casingfem.chance.points import REPLICATES
 from casingfem.errors import InputError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 
 LEVEL = 0.95
 
@@ -51,6 +51,10 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     Clopper's and Pearson's interval covers what is uncertain of s itself (E. Korn, B. Graubard, Survey Methodology 24,
     1998, 193). With no hit, or nothing but hits, n is the number of draws.
 
+    An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences,
+    m p = c + q, with q the share of those with c + 1. Clopper's and Pearson's interval of q gives that of p. Where all
+    have c hits, q may be as far below zero.
+
     Parameters
     ----------
     hit
@@ -68,6 +72,9 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     draws, hits = own.size, int(np.count_nonzero(own))
     if draws < 2 * REPLICATES or hits in (0, draws):
         return clopper_pearson(hits, draws, level=level)
+    counts = np.array([np.count_nonzero(own[k::REPLICATES]) for k in range(REPLICATES)])
+    if draws % REPLICATES == 0 and np.ptp(counts) <= 1:
+        return _neighbours(counts, draws // REPLICATES, level)
     means = np.array([own[k::REPLICATES].mean() for k in range(REPLICATES)])
     spread, mean = float(means.var(ddof=1)), hits / draws
     if spread == 0.0:
@@ -75,6 +82,14 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     half = 0.5 * (1.0 + level)
     worth = mean * (1.0 - mean) * REPLICATES / spread * float((norm.ppf(half) / t.ppf(half, REPLICATES - 1)) ** 2)
     return Estimate(mean, *clopper_pearson(mean * worth, worth, level=level)[1:])
+
+
+def _neighbours(counts: IntArray, size: int, level: float) -> Estimate:
+    """Probability from numbers of hits that are c or c + 1, in sequences of `size` draws."""
+    fewest = int(counts.min())
+    more = clopper_pearson(int(np.count_nonzero(counts > fewest)), REPLICATES, level=level)
+    low = fewest + (more.low if more.value else -more.high)
+    return Estimate((fewest + more.value) / size, max(low / size, 0.0), min((fewest + more.high) / size, 1.0))
 
 
 def quantile(values: FloatArray, at: float, *, level: float = LEVEL) -> Estimate:

@@ -1,14 +1,14 @@
-"""All draws of a scene on several cores, kept lot by lot: a run that was stopped goes on where it was.
+"""All draws of a scene on several cores or a cluster, kept lot by lot: a run that was stopped goes on where it was.
 
 A lot depends on its number alone, each process has one BLAS thread, and arrays are kept with all their digits. Whatever
-the number of processes, their order, or how often the run was broken off, the results are the same to the last bit.
+the number of processes, their order, or how often they or the run were stopped, the results are the same to the last
+bit.
 """
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,14 +17,16 @@ from casingfem.chance.importance import Importance, indices, mixed_designs
 from casingfem.chance.load import ChanceScene, load_chance
 from casingfem.io.arrays import FloatArray
 from casingfem.io.side_by_side import one_thread, usable_cores
+from contact.base.errors import InputError
 from contact.io.infiles import read_bytes
 from contact.io.npz import load_npz, write_npz
 from contact.io.outfiles import json_text, write_atomic
-from contact.io.workers import worker_pool
 from contact.scene.problems import SceneError
+from contact.sweep.spread import on_workers
 
 LOT = 512  # draws of a file: what a stopped run loses at most, for each process
 DESIGN = "design"
+PAIRS = "pairs"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,6 +57,7 @@ def run_draws(
     given: ChanceScene,
     *,
     processes: int | None = None,
+    scheduler: str | None = None,
     folder: Path | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Drawn:
@@ -64,6 +67,8 @@ def run_draws(
     ----------
     processes
         Worker processes; by default one for each core.
+    scheduler
+        Address of a Dask scheduler whose workers are used in place of processes. They see the same files.
     folder
         Where finished draws are kept and searched for; without it nothing is kept.
     progress
@@ -73,25 +78,23 @@ def run_draws(
     ------
     SceneError
         If the folder has draws of another scene.
+    InputError
+        If the scheduler cannot be reached, or workers are killed again and again.
     """
     store = None if folder is None else open_store(given, folder)
     names = list(parts_of(given))
     kept = {} if store is None else {name: found for name in names if (found := read_lot(store, name)) is not None}
     resumed = sum(len(range(*lot_of(name, given))) for name in kept if not name.startswith(DESIGN))
     missing = [name for name in names if name not in kept]
-    workers = min(processes or usable_cores(), max(len(missing), 1))
-    with one_thread(), worker_pool(workers, set_up, str(given.path), given.source["sha256"]) as executor:
-        pairs = executor.submit(about_pairs)
-        waiting = {executor.submit(compute, name): name for name in missing}
-        for future in as_completed(waiting):
-            name = waiting[future]
-            found = result_of(future, executor)
-            if store is not None:
+    parts = [Part(str(given.path), json_text(given.source), name) for name in (PAIRS, *missing)]
+    with one_thread():
+        for name, found in on_workers(parts, compute, processes or usable_cores(), scheduler):
+            if store is not None and name != PAIRS:
                 write_npz(store / f"{name}.npz", found)
             kept[name] = found
             if progress is not None:
-                progress(f"{len(kept)} of {len(names)} parts", len(kept) / len(names))
-        about = result_of(pairs, executor)
+                progress(f"{len(kept)} of {len(names) + 1} parts", len(kept) / (len(names) + 1))
+    about = kept[PAIRS]
     lots = [kept[name] for name in names if not name.startswith(DESIGN)]
     return Drawn(
         given=given,
@@ -131,15 +134,6 @@ def importance_of(given: ChanceScene, kept: dict[str, Lot], groups: list[str]) -
     }
 
 
-def result_of(future: Future[Any], executor: Executor) -> Any:
-    """A future's result; where it failed, the rest is called off first."""
-    try:
-        return future.result()
-    except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
-        raise
-
-
 # --- the store ------------------------------------------------------------------------------------------------
 
 
@@ -168,32 +162,42 @@ def read_lot(store: Path, name: str) -> Lot | None:
 
 # --- in the worker processes ----------------------------------------------------------------------------------
 
-_worker: list[Drawing] = []  # of this process, filled once by `set_up`
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A task of a worker: scene file, what it has to contain (`ChanceScene.source` as text), name of the part."""
+
+    path: str
+    source: str
+    name: str
 
 
-def set_up(path: str, digest: str) -> None:
-    """Load the scene and solve its perfect casing."""
+def compute(part: Part) -> tuple[str, Lot]:
+    """Name and arrays of one lot of draws, of one part of the design, or of the pairs of the perfect casing."""
+    own = drawing_of(part.path, part.source)
+    if part.name == PAIRS:
+        return part.name, about_pairs(own)
+    if part.name.startswith(DESIGN):
+        _, size, number = part.name.split("_")
+        designs = mixed_designs(own.groups, own.dimension, seed=own.given.table.seed, size=int(size))
+        return part.name, {"results": own.results(designs[int(number)])}
+    return part.name, own.drawn(range(*lot_of(part.name, own.given)))
+
+
+@lru_cache(maxsize=1)
+def drawing_of(path: str, source: str) -> Drawing:
+    """The scene with its perfect casing solved, once in each process."""
     given = load_chance(path)
-    if given.source["sha256"] != digest:
-        raise RuntimeError(f"{path} changed while its draws were computed")
-    _worker.append(Drawing.of(given))
+    if json_text(given.source) != source:
+        found = "found another scene, study or version in a worker process than in the command"
+        raise InputError(f"{path}: {found}, expected the same: leave the files unchanged, install the same versions")
+    return Drawing.of(given)
 
 
-def about_pairs() -> Lot:
+def about_pairs(own: Drawing) -> Lot:
     """The pairs of the perfect casing, the inputs by name."""
-    own = _worker[-1]
     pairs = own.casings.pairs
     return {
         "n": pairs.n, "rank": pairs.rank, "freq": pairs.freq, "floor": np.array([own.floor]),
         "groups": np.array(list(own.groups)),
     }  # fmt: skip
-
-
-def compute(name: str) -> Lot:
-    """One lot of draws, or one part of the design."""
-    own = _worker[-1]
-    if name.startswith(DESIGN):
-        _, size, part = name.split("_")
-        designs = mixed_designs(own.groups, own.dimension, seed=own.given.table.seed, size=int(size))
-        return {"results": own.results(designs[int(part)])}
-    return own.drawn(range(*lot_of(name, own.given)))

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 @click.command()
 @SCENE
 @click.option("--processes", type=click.IntRange(1, 256), default=None, help="Worker processes; one a core.")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://host:port, instead of processes.")
 @options
-def chance(file: Path, processes: int | None, as_json: bool, out: Path | None) -> None:
+def chance(file: Path, processes: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
     """Probability of dangerous speeds of SCENE over random casings, blades, clearances and friction.
 
     [chance] of SCENE names the study of the casing, whose random imperfections are drawn. With --out DIR finished draws
@@ -40,7 +41,8 @@ def chance(file: Path, processes: int | None, as_json: bool, out: Path | None) -
             working.say(f"chance {file.name}, {words}", share)
 
         folder = None if out is None else out / STORES["chance"]
-        found = Chance.of(run_draws(given, processes=processes, folder=folder, progress=progress))
+        drawn = run_draws(given, processes=processes, scheduler=scheduler, folder=folder, progress=progress)
+        found = Chance.of(drawn)
 
         def ran(runs: int, most: int) -> None:
             working.say(f"chance {file.name}, {runs} of {most} runs", runs / most)

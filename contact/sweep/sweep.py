@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,17 +17,17 @@ from contact.base.errors import InputError
 from contact.io.columns import Column, Columns, records_of
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
-from contact.io.workers import forks, worker_pool
+from contact.io.workers import forks
 from contact.prepared import Scene
 from contact.run_many import Outcome, first_step, run_many
 from contact.scene.load import scene_of
 from contact.sweep.columns import COLUMNS, MEASURED
 from contact.sweep.plan import SweepPlan, Value, changed, unit_of
 from contact.sweep.row import Row, Store, read_run, row_of, run_path, sweep_record, write_run
+from contact.sweep.spread import on_workers
 
 MOST = 64  # runs a task contains at most
 BATCH = 8  # runs that share one compiled loop
-TRIES = 5  # of a task whose workers die
 IN_NAMES = ("", "-", "degrees", "Hz", "turns/s", "rpm")  # units that the name of a key has itself
 Rows = dict[str, Row]
 
@@ -99,7 +97,7 @@ def run_sweep(
     `folder`: the store; without one nothing is kept. `jobs` processes, or a Dask `scheduler` by its address, whose
     workers see the same files. `progress` is called with the number of runs there.
 
-    Raises InputError when the scheduler cannot be reached, or a task's workers died TRIES times.
+    Raises InputError when the scheduler cannot be reached, or a task's workers died again and again.
     """
     progress = progress or notebook_progress("sweep", f"{{}} of {len(plan.runs)} runs".format)
     store = None if folder is None else Store.open(folder)
@@ -164,40 +162,11 @@ def _keep(folder: Path | None, digest: str, row: Row) -> None:
 
 def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator[Rows]:
     """Rows of the tasks in the order of completion, wherever they run."""
-    if scheduler is not None:
-        from contact.sweep.dask_cluster import on_cluster
-
-        return on_cluster(todo, run_task, scheduler, TRIES)
-    return in_processes(todo, jobs) if jobs > 1 and len(todo) > 1 else map(run_task, todo)
-
-
-def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
-    """Rows from worker processes; if one is killed, its unfinished tasks are given to others."""
-    waiting, rounds = dict(enumerate(todo)), 0
-    if forks():  # what this process loads or compiles now, its copies have
+    if scheduler is None and not (jobs > 1 and len(todo) > 1):
+        return map(run_task, todo)
+    if scheduler is None and forks():  # what this process loads or compiles now, its copies have
         _load_loop(todo[0])
-    while waiting:
-        if rounds == TRIES:
-            raise InputError(f"sweep: {len(waiting)} tasks ended with their worker killed, {TRIES} times over")
-        rounds += 1
-        with suppress(BrokenProcessPool), worker_pool(min(jobs, len(waiting))) as pool:
-            futures = _given_out(pool, waiting)
-            for future in as_completed(futures):
-                try:
-                    rows = future.result()
-                except BrokenProcessPool:
-                    continue
-                del waiting[futures[future]]
-                yield rows
-
-
-def _given_out(pool: ProcessPoolExecutor, waiting: dict[int, Task]) -> dict[Future[Rows], int]:
-    """Futures of the tasks; where a worker dies meanwhile, of those that it was early enough for."""
-    futures: dict[Future[Rows], int] = {}
-    with suppress(BrokenProcessPool):
-        for number, task in waiting.items():
-            futures[pool.submit(run_task, task)] = number
-    return futures
+    return on_workers(todo, run_task, jobs, scheduler)
 
 
 def _load_loop(task: Task) -> None:

@@ -207,3 +207,22 @@ def test_a_spectrum_beyond_the_mesh_is_refused(made):
     result = run(made, scene="bad.toml")
     assert result.exit_code == 2
     assert "found harmonic 40 of the radius, expected at most 25" in " ".join(result.output.split())
+
+
+@pytest.mark.campaign  # two workers import everything
+def test_workers_of_a_cluster_give_the_same_table(made, first, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        options = ("--scheduler", cluster.scheduler_address, "--out", str(tmp_path / "out"))
+        result = run(made, *options)
+    assert result.exit_code == 0, result.output
+    for name in ("chance.csv", "chance_pairs.csv", "chance_speeds.csv"):
+        assert (tmp_path / "out" / name).read_bytes() == (made / "out" / name).read_bytes()
+
+
+def test_without_a_scheduler_that_answers_the_address_is_reported(made, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("contact.sweep.dask_cluster.PATIENCE", "0.1s")
+    result = run(made, "--scheduler", "tcp://127.0.0.1:1")
+    assert result.exit_code == 2
+    assert "scheduler: found nobody at 'tcp://127.0.0.1:1'" in " ".join(result.output.split())

@@ -35,6 +35,16 @@ def test_intervals_of_probabilities_contain_the_truth_as_often_as_they_say():
     assert plain > inside
 
 
+@pytest.mark.parametrize("limit", [0.5, 0.501, 0.507, 0.513])
+def test_an_interval_is_narrow_and_right_where_sequences_have_nearly_the_same_number_of_hits(limit):
+    """Half of each sequence is below 0.5: 256 of 512 draws, where independent draws leave +-0.044."""
+    found = [cf.chance.probability(cf.chance.points(seed, range(512), 1)[:, 0] < limit) for seed in range(100)]
+    assert sum(each.low <= limit <= each.high for each in found) >= 93
+    assert max(each.high - each.low for each in found) < 0.03
+    if limit == 0.5:
+        assert found[0] == pytest.approx((0.5, 0.5 - 0.2059 / 32.0, 0.5 + 0.2059 / 32.0), abs=1e-5)
+
+
 def test_quantiles_of_splits_to_first_order_are_those_of_rayleigh():
     splits = rayleigh(cf.chance.points(5, range(4096), 2))
     for at in (0.5, 0.9, 0.99):

@@ -20,7 +20,7 @@ from contact.scene.load import scene_data, scene_of
 from contact.scene.roundness import RandomRoundness
 from contact.sweep import dask_cluster as sweep_dask
 from contact.sweep import plan as sweep_plan
-from contact.sweep import sweep
+from contact.sweep import spread, sweep
 from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import load_sweep
 from contact.sweep.row import Store, row_of, sweep_record
@@ -601,22 +601,20 @@ def dies(task):
 
 @pytest.mark.campaign  # where workers are no copies they import everything: 3 s
 def test_a_task_that_kills_its_workers_time_and_again_is_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep, "_load_loop", lambda task: None)
-    monkeypatch.setattr(sweep, "run_task", dies)
-    monkeypatch.setattr(sweep, "TRIES", 2)
-    assert list(sweep.in_processes([(tmp_path / "once", 1)], 1)) == [[1]]
-    rows = sweep.in_processes([(tmp_path / "never", 0), (tmp_path / "many", 9)], 1)
+    monkeypatch.setattr(spread, "TRIES", 2)
+    assert list(spread.in_processes([(tmp_path / "once", 1)], dies, 1)) == [[1]]
+    rows = spread.in_processes([(tmp_path / "never", 0), (tmp_path / "many", 9)], dies, 1)
     assert next(rows) == [0]
-    with pytest.raises(ct.InputError, match=r"^sweep: 1 tasks ended with their worker killed, 2 times over$"):
+    with pytest.raises(ct.InputError, match=r"^workers: 1 tasks ended with their worker killed, 2 times over$"):
         next(rows)
-    assert [len((tmp_path / name).read_text()) for name in ("once", "never", "many")] == [2, 1, 2]
+    assert [len((tmp_path / name).read_text()) for name in ("once", "never", "many")] == [2, 1, 3]
 
 
 class DyingPool:
-    """Does three tasks; then its workers are dead."""
+    """Does some tasks; then its workers are dead."""
 
-    def __init__(self):
-        self.left = 3
+    def __init__(self, count):
+        self.left = count
 
     def submit(self, work, task):
         if not self.left:
@@ -627,24 +625,26 @@ class DyingPool:
         return done
 
 
-@pytest.mark.parametrize("count", [15, 16])
-def test_a_worker_that_dies_while_tasks_are_given_out_loses_none_of_them(count, monkeypatch):
-    """Five pools do fifteen tasks."""
+@pytest.mark.parametrize("later", [3, 0])
+def test_a_worker_that_dies_while_tasks_are_given_out_loses_none_of_them(later, monkeypatch):
+    """Many deaths are no reason to stop while tasks are finished; five in succession without any are."""
+    opened = []
 
     @contextmanager
     def dying_pool(_):
-        yield DyingPool()
+        opened.append(3 if len(opened) < 2 else later)
+        yield DyingPool(opened[-1])
 
-    monkeypatch.setattr(sweep, "worker_pool", dying_pool)
-    monkeypatch.setattr(sweep, "forks", lambda: False)
-    monkeypatch.setattr(sweep, "run_task", lambda task: {str(task): {}})
-    rows = sweep.in_processes(range(count), 2)
-    assert {key for _ in range(15) for key in next(rows)} == {str(task) for task in range(15)}
-    if count == 15:
-        assert next(rows, None) is None
+    monkeypatch.setattr(spread, "worker_pool", dying_pool)
+    found = spread.in_processes(range(30), str, 2)
+    if later:
+        assert set(found) == set(map(str, range(30)))
+        assert len(opened) == 10
         return
-    with pytest.raises(ct.InputError, match="sweep: 1 tasks ended with their worker killed, 5 times over"):
-        next(rows)
+    assert [next(found) for _ in range(6)]
+    with pytest.raises(ct.InputError, match="workers: 24 tasks ended with their worker killed, 5 times over"):
+        next(found)
+    assert len(opened) == 7
 
 
 @pytest.mark.campaign
