@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -134,9 +135,9 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
 
 
 def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
-    """Growth of the motion of a rotor's run, alone or in a casing; `amplitude` is the distance of the disk.
+    """Growth of the motion of a rotor's run, alone or in a casing; `amplitude` is the largest distance of the disk.
 
-    The distance counts from the disk's mean place over the last half of the run. None of too few states.
+    The distance counts from the disk's mean place, both over the last half of the run. None of too few states.
 
     >>> import contact as ct
     >>> disk = ct.rotor.Jeffcott(mass=1.0, stiffness=1e4, zeta=0.02)
@@ -159,9 +160,10 @@ def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
     found = envelope(result.state_time, q, seen.parts.omega, seen.parts.groups.of, turn)
     if found is None:
         return None
-    path = disk_path(what, q)
-    moved = np.abs(path - path[len(path) // 2 :].mean())
-    return _verdict(seen._replace(wall=math.inf), result, q, found, moved)
+    path, half = disk_path(what, q), len(q) // 2
+    moved = np.abs(path - path[half:].mean())
+    growth = _verdict(seen._replace(wall=math.inf), result, q, found, moved)
+    return replace(growth, amplitude=float(moved[half:].max()))  # what a lost blade stirs up before has died away
 
 
 def disk_path(what: Rotor | Rub, q: Array) -> NDArray[np.complex128]:
