@@ -125,6 +125,7 @@ def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
     speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     if len(contact.Q) > 1 or contact.omega.size < MANY or not np.isfinite(speed).all():
         return list(poles(contact, speed))
+    contact.require_known(2.0 * math.pi * speed)
     found: list[Complex] = [np.zeros(0, dtype=complex)] * speed.size
     for sense in np.unique(np.sign(speed)):
         S, own = float(contact.compliance(sense)[0, 0]), np.flatnonzero(np.sign(speed) == sense)

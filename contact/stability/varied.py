@@ -95,6 +95,7 @@ def _require(contact: ClosedContact, speeds: Array, cases: Cases) -> None:
         raise InputError(f"tips: found {len(contact.Q)} contacts, expected one")
     if not (np.all(np.isfinite(speeds)) and np.all(speeds > 0.0)):
         raise InputError("speed_hz: found speeds that are not above 0, expected turns per second above 0")
+    contact.require_known(2.0 * math.pi * speeds)
     if cases.casing.shape[1] != contact.casing:
         raise InputError(f"cases: found {cases.casing.shape[1]} modes, expected {contact.casing}, those of the casing")
 

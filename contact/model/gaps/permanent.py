@@ -19,6 +19,7 @@ from contact.base.arrays import (
 )
 from contact.base.errors import InputError
 from contact.io.keys import Key
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import RubSystem, matrices_of, rub_system
@@ -48,7 +49,8 @@ class ClosedContact:
     the others belong to the bodies with the points. `damping` [1/s], `gyroscopic` [1/s per rad/s], `stiffness` [1/s^2]
     and `stiffness_by_speed` [1/s^2 per (rad/s)^2], (m, m), and their higher powers (k, m, m) are zero where they are
     left out. A body at rest has no
-    share in those of speed; `turns` shows whether the casing turns or its blades do.
+    share in those of speed; `turns` shows whether the casing turns or its blades do. `known` are the bodies that turn
+    and whose matrices hold in a range of speeds (`ModalBody.known_speeds`).
 
     Raises InputError for shapes that do not fit, or a compliance that cannot be inverted.
     """
@@ -69,6 +71,7 @@ class ClosedContact:
     gyroscopic_higher: Array | None = None
     stiffness_higher: Array | None = None
     turns: Turning = "casing"
+    known: tuple[ModalBody, ...] = ()
 
     def __post_init__(self) -> None:
         keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt", *SQUARES, *HIGHER)
@@ -98,10 +101,17 @@ class ClosedContact:
         )
 
     def matrices(self, speed: float) -> tuple[Array, Array]:
-        """C and K at a speed [rad/s], (m, m)."""
+        """C and K at a speed [rad/s], (m, m). Raises InputError at a speed at which those of a body are not known."""
+        self.require_known(speed)
         C, K = self.parts()
         odd, even = powers(speed, len(C), len(K))
         return np.tensordot(odd, C, 1), np.tensordot(even, K, 1)
+
+    def require_known(self, speed: Array | float) -> None:
+        """Raise InputError at speeds [rad/s] at which the matrices of a body that turns are not known."""
+        for body in self.known:
+            for one in np.ravel(speed).tolist():
+                body.require_known(one)
 
     @property
     def rates(self) -> Array:
@@ -292,8 +302,15 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
             rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
     return ClosedContact(
         omega=system.omega, zeta=system.zeta, G=G, Q=rows[0], T=rows[1], S_nn=S[::2, ::2], S_nt=S[::2, 1::2], casing=m,
-        mu=mu, turns=rub.turning, **squares,
+        mu=mu, turns=rub.turning, known=_limited(rub), **squares,
     )  # fmt: skip
+
+
+def _limited(rub: Rub) -> tuple[ModalBody, ...]:
+    """Bodies that turn and whose matrices hold in a range of speeds."""
+    seen = matrices_of(rub)
+    found = zip(seen.bodies, seen.senses, strict=True)
+    return tuple(body for body, sense in found if sense and body.known_speeds is not None)
 
 
 def bodies_squares(rub: Rub) -> dict[str, Array]:

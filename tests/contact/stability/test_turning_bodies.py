@@ -185,3 +185,11 @@ def test_a_confirming_run_resolves_the_modes_at_its_speed():
     )  # fmt: skip
     run = confirming_run(what, 40.0, mu=0.2)
     assert run.run == pytest.approx(run.poles, rel=0.005)
+
+
+@pytest.mark.parametrize("imperfect", [0.0, 0.05])
+def test_growth_at_a_speed_at_which_a_basis_is_not_known_is_refused(imperfect):
+    casing = replace(turning_ring(imperfect=imperfect), spin=5.0 * TURN, known_speeds=[4.0 * TURN, 6.0 * TURN])
+    assert np.isfinite(ct.stability.of_rim(rim(casing), np.array([4.0, 6.0])).growth).all()
+    with pytest.raises(ct.InputError, match=r"speed: found 7 Hz \(420 rpm\), expected 4 to 6 Hz"):
+        ct.stability.of_rim(rim(casing), np.array([5.0, 7.0]))
