@@ -57,7 +57,7 @@ def rotor_history(what: object, result: Result) -> RotorHistory | None:
     """Speed, motion and support forces of a rotor in a casing; None of other problems, or without states.
 
     >>> import contact as ct
-    >>> scene = ct.load_scene("data/scenes/blade_off.toml")
+    >>> scene = ct.load_scene("data/scenes/blade_off/rigid.toml")
     >>> result = ct.run(scene, t_end=1e-3, record=ct.Record(every=10, state_every=10))
     >>> rotor_history(scene.what, result).disk.shape
     (10, 2)

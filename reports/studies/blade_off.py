@@ -1,7 +1,7 @@
 """A blade-off: 36 flexible blades on a gyroscopic shaft, a casing of 60 modes on mounts, fifteen seconds.
 
-`python -m reports.studies.blade_off [--quick] [--out DIR]` reduces data/studies/blade_off_casing.toml and
-blade_off_blade.toml, takes a blade away after 10 ms and lets friction slow the rotor. Tables: runs with 1, 12 and 36
+`python -m reports.studies.blade_off [--quick] [--out DIR]` reduces casing.toml and blade.toml of
+data/scenes/blade_off, takes a blade away after 10 ms and lets friction slow the rotor. Tables: runs with 1, 12 and 36
 blades with their time a step; a thicker casing, a larger clearance, a coating; ten draws of mistuned blades; modes,
 residual compliance, the sense of whirl and the step against the run's own finest choice. DIR/blade_off/index.html shows
 rotor, tips and casing as a film, and speed, orbit and forces over the fifteen seconds. Times are processor times.
@@ -70,7 +70,7 @@ class Bases:
 
     def body(self, name: str, thickness: float | None = None, modes: int | None = None) -> ct.ModalBody:
         """The basis of a study, its wall or its number of modes changed."""
-        study = load_shell_study(DATA / "studies" / f"blade_off_{name}.toml")
+        study = load_shell_study(DATA / "scenes" / "blade_off" / f"{name}.toml")
         assert study.interface is not None
         assert study.file.reduce is not None
         key = name, thickness or 0.0, modes or study.file.reduce.modes

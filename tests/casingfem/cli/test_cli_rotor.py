@@ -38,7 +38,7 @@ def test_campbell_refuses_scenes_of_other_kinds():
 
 
 def test_campbell_of_a_rotor_in_a_casing_is_that_of_the_rotor():
-    found = invoke("campbell", SCENES / "blade_off.toml", "--steps", 3, "--json")
+    found = invoke("campbell", SCENES / "blade_off" / "rigid.toml", "--steps", 3, "--json")
     assert found.exit_code == 0, found.stderr
     critical = json.loads(found.stdout)["critical_speeds"]
     np.testing.assert_allclose([one["speed_hz"] for one in critical], np.sqrt(4e5) / (2.0 * np.pi), rtol=1e-9)

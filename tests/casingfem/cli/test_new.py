@@ -103,7 +103,7 @@ def test_the_shell_completes_names(words, start, found):
     assert found in [item.value for item in known]
 
 
-@pytest.mark.parametrize("name", ["rotor37", "rotor67"])
+@pytest.mark.parametrize("name", ["blade_off", "rotor37", "rotor67"])
 def test_a_folder_of_scenes_is_an_example_that_runs_by_itself(tmp_path, name):
     ran = invoke("example", name, "--out", tmp_path, "--json")
     assert ran.exit_code == 0, ran.output
@@ -119,7 +119,23 @@ def test_a_folder_of_scenes_is_an_example_that_runs_by_itself(tmp_path, name):
         missing = [text for _, text in strings(tables) if text.endswith(".csv") and not (folder / text).exists()]
         assert not missing
         bases = {text for key, text in strings(tables) if key == "basis"}
-        assert bases <= {"blade.npz", "casing.npz"}
+        assert bases <= {"blade.npz", "casing.npz", "casing_thick.npz"}
+
+
+@pytest.mark.campaign
+def test_the_folder_of_a_lost_blade_runs_its_bases_and_its_scenes(tmp_path):
+    invoke("example", "blade_off", "--out", tmp_path)
+    folder = tmp_path / "scenes" / "blade_off"
+    for study in ("casing", "casing_thick", "blade"):
+        assert invoke("reduce", folder / f"{study}.toml", "--out", folder).exit_code == 0
+    speed = {}
+    for name in ("rub", "wider", "thicker"):
+        scene = folder / f"{name}.toml"
+        scene.write_text(scene.read_text().replace("t_end = 1.0", "t_end = 0.05"))
+        ran = invoke("rub", scene, "--json")
+        assert ran.exit_code == 0, ran.output
+        speed[name] = json.loads(ran.stdout)["rotor"]["speed_hz_end"]
+    assert speed["thicker"] < speed["rub"] < speed["wider"] < 100.0
 
 
 def strings(tables, key=""):

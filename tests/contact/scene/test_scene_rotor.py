@@ -163,7 +163,7 @@ def test_rotors_in_casings_that_do_not_fit_are_refused_by_their_keys(tmp_path, o
 
 @pytest.mark.slow
 def test_the_example_of_a_blade_off_slows_by_friction_and_reports_its_orbit(tmp_path):
-    text = (Path(__file__).parents[3] / "data" / "scenes" / "blade_off.toml").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "data" / "scenes" / "blade_off" / "rigid.toml").read_text(encoding="utf-8")
     answer = CliRunner().invoke(main, ["rub", str(written(tmp_path, text)), "--json"])
     assert answer.exit_code == 0, answer.output
     found = json.loads(answer.stdout)
