@@ -53,7 +53,7 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
 
     An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences,
     m p = c + q, with q the share of those with c + 1. Clopper's and Pearson's interval of q gives that of p. Where all
-    have c hits, q may be as far below zero.
+    have c hits, q may be as far below zero. Rare events, with c = 0, are not even: the rule is not used for them.
 
     Parameters
     ----------
@@ -73,7 +73,8 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     if draws < 2 * REPLICATES or hits in (0, draws):
         return clopper_pearson(hits, draws, level=level)
     counts = np.array([np.count_nonzero(own[k::REPLICATES]) for k in range(REPLICATES)])
-    if draws % REPLICATES == 0 and np.ptp(counts) <= 1:
+    whole = draws % REPLICATES == 0 and 0 < counts.min() and counts.max() < draws // REPLICATES
+    if whole and np.ptp(counts) <= 1:
         return _neighbours(counts, draws // REPLICATES, level)
     means = np.array([own[k::REPLICATES].mean() for k in range(REPLICATES)])
     spread, mean = float(means.var(ddof=1)), hits / draws
