@@ -225,11 +225,11 @@ def _seen(rim: RimTable, width: int, count: int) -> RowBlocks:
     """Waves of each row of the casing by its modes, which `_casing` has by waves."""
     from contact.loop.modal.rows import RowBlocks
 
-    rows, harmonics, m = rim.cos.shape
-    table = np.zeros((rows, 2, count, width))
+    (rows, harmonics, m), even = rim.cos.shape, width + width % 2
+    table = np.zeros((rows, 2, count, even))
     table[:, 0, :harmonics, :m], table[:, 1, :harmonics, :m] = rim.cos, rim.sin
-    halves = table.reshape(rows, 2 * count, 2, width // 2)  # `row_blocks` takes their columns in turns
-    return RowBlocks(*row_blocks(np.ascontiguousarray(halves.transpose(0, 1, 3, 2)).reshape(rows, 2 * count, width)))
+    halves = table.reshape(rows, 2 * count, 2, even // 2)  # `row_blocks` takes their columns in turns
+    return RowBlocks(*row_blocks(np.ascontiguousarray(halves.transpose(0, 1, 3, 2)).reshape(rows, 2 * count, even)))
 
 
 def _no_blocks() -> RowBlocks:

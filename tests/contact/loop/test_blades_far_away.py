@@ -1,5 +1,7 @@
 """A blade that never touches changes nothing: the steps of a single tip against those of several."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -54,3 +56,20 @@ def test_a_tip_presses_rubs_and_wears_as_if_a_far_blade_were_not_there(mu, machi
         assert worn.max() > 1e-8
         np.testing.assert_allclose(wear.worn, worn, rtol=0.0, atol=1e-10 * worn.max())
         assert wear.dissipated == pytest.approx(one.wear.dissipated, rel=1e-9)
+
+
+@pytest.mark.slow  # it compiles the loop of many tips
+def test_forty_tips_press_an_odd_number_of_modes_as_if_one_more_were_not_seen():
+    even = ring(S=4e-7, zeta=0.01, imperfect=0.05)
+    odd = replace(even, omega=even.omega[:-1], zeta=even.zeta[:-1], rows=even.rows[:, :-1])
+    unseen = replace(even, rows=np.where(np.arange(even.omega.size) == even.omega.size - 1, 0.0, even.rows))
+    tips = [ct.ContactPoint(blade=j, lean_deg=20.0, angle_deg=9.0 * j) for j in range(40)]
+    found = [
+        ct.run(
+            ct.Rub(casing, [blade(S=1e-6, zeta=0.01)] * 40, tips, clearance=-1e-5, speed=ct.Speed.constant(15.0)),
+            law=ct.Coulomb(mu=0.1), scheme=ct.ExactModal(), t_end=200 * H, dt=H, record=ct.Record(every=1),
+        )
+        for casing in (odd, unseen)
+    ]  # fmt: skip
+    assert found[0].peak_force.min() > 0.0
+    np.testing.assert_allclose(found[0].force, found[1].force, rtol=0.0, atol=1e-9 * found[0].peak_force.max())
