@@ -16,7 +16,6 @@ from contact.base.errors import InputError
 from contact.base.keyed import require_keyed
 from contact.io.brief import brief
 from contact.io.keys import Key
-from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub_laws import Speed
 from contact.model.rate import Change, Rate, changes
@@ -24,7 +23,7 @@ from contact.model.rotor.jeffcott import Jeffcott
 from contact.model.rotor.shaft import Shaft
 
 PART = 0.1  # of the length: a larger motion of a shaft is none of linear theory
-LIMIT = PART * CHECKS["size"].upper  # m: of a rotor whose length is not known
+LIMIT = 2.5  # m: of a rotor whose length is not known, `PART` of the longest structure that scenes accept
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -175,5 +175,10 @@ CAMPAIGNS = (
         "sets under kill -9 are the old or the new",
         ("contact/io", "casingfem/cli"),
     ),
+    Campaign(
+        "verification.robustness.chance_kills",
+        "chances under kill -9 give the same tables",
+        ("casingfem/chance", "contact/sweep"),
+    ),
     Campaign("studies.rig", "the chain of `make study`", ("casingfem", "contact")),
 )  # fmt: skip
