@@ -41,7 +41,7 @@ def example(name: str | None, as_json: bool, out: Path | None) -> None:
     folder = Path("data") if out is None else out
     written = [str(path) for path in write(known[name], folder)]
     following = known[name].commands(folder)
-    told({"name": name, "files": written, "next": list(following)}, as_json)
+    shown({"name": name, "files": written, "next": list(following)}, as_json)
 
 
 def listed(known: Mapping[str, examples.AnyExample]) -> str:
@@ -75,10 +75,10 @@ def new(name: Path, as_json: bool, out: Path | None) -> None:
         fail(f"{folder}: found such a file or folder, expected none: it stays; give another NAME", BAD_INPUT)
     written = [str(path) for path in write_files(folder, examples.first_files())]
     following = [f"cd {folder}", *(f"casingfem {step}" for step in examples.STEPS)]
-    told({"files": written, "next": following}, as_json)
+    shown({"files": written, "next": following}, as_json)
 
 
-def told(document: dict[str, Any], as_json: bool) -> None:
+def shown(document: dict[str, Any], as_json: bool) -> None:
     """Print which files were written, and the next command to type."""
     lines = [*(f"wrote {path}" for path in document["files"]), "next:", *(f"  {line}" for line in document["next"])]
     deliver(document, "\n".join(lines), as_json=as_json, out=None, files={})

@@ -46,6 +46,7 @@ def figures(
     from casingfem.plot.rotor import figure_rotor_run
     from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
     from contact.histories import strain_energy, tip_motion
+    from contact.model.gaps.rub import Rub
     from contact.on_rotor import rotor_history
     from contact.recovery import casing_motion
     from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
@@ -71,7 +72,8 @@ def figures(
         found["orbit"] = figure_orbit(moved)
     rotor = rotor_history(scene.what, result)
     if rotor is not None:
-        found["rotor"] = figure_rotor_run(rotor, max(0.0, float(getattr(scene.what, "clearance", 0.0))))
+        clearance = scene.what.clearance if isinstance(scene.what, Rub) else 0.0
+        found["rotor"] = figure_rotor_run(rotor, max(0.0, clearance))
     if rim is not None:
         found["waves"] = figure_waves(rim, pairs_of(scene.what), top_hz=top)
     over_angle = force_over_angle(scene.what, result)

@@ -1,8 +1,8 @@
 """Lines of mesh files and of those that they include, by Abaqus' *INCLUDE or Nastran's INCLUDE, each with its place.
 
-The last line of a file that does not end it is whole, a number cut short, or not to be told: editors leave such lines,
-and so does a copy that was cut off. A cut number cannot be told from a whole one by itself, but a line that nobody
-reads, a field that is full or followed by a blank, and a number as wide as all others of its kind can.
+Editors leave a last line without its end, and so does a copy that was cut off. A number there may be cut short. It is
+whole where the field is full or followed by a blank, or where the number is as wide as all others of its kind. A line
+that nobody reads does not matter. In all other cases nobody can decide.
 """
 
 from __future__ import annotations

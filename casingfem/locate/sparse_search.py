@@ -112,7 +112,7 @@ def search(
     """The changes found, in order of their number, and the casing with them.
 
     A step that chance might make is kept if the next one shows that it was none: the first of two equal faults may
-    explain little alone. Changes smaller than `least` are not told.
+    explain little alone. Changes smaller than `least` are left out.
     """
     changes = len(bounds.lower)
     path: list[tuple[list[int], Point]] = [([], evaluate(np.zeros(changes)))]

@@ -251,7 +251,7 @@ class _Pair:
             return math.nan
         m = len(shaft.K)
         n = m + len(self.ring.K)
-        C, K = (_both(getattr(shaft, name), getattr(self.ring, name)) for name in ("C", "K"))
+        C, K = _both(shaft.C, self.ring.C), _both(shaft.K, self.ring.K)
         b = np.concatenate([-shaft.w, self.ring.w])[:, None]
         C, K = C + 2j * speed * np.eye(n), K - speed**2 * np.eye(n) + 1j * speed * C
         around = force / (self.clearance + force * give)
