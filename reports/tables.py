@@ -112,12 +112,30 @@ def show_all(out: Path, prefix: str, tables: Mapping[str, tuple[str, Sequence[Ro
     return [row for _, rows in tables.values() for row in rows]
 
 
+def unread(flag: str, value: object) -> str:
+    """Why a report cannot read the folder of a flag; "" if it can, or if the flag is no folder.
+
+    >>> unread("folder", ROOT / "nowhere").replace(str(ROOT), "")
+    "found no folder '/nowhere', expected one that exists"
+    >>> unread("beside", ROOT / "docs").replace(str(ROOT), "")
+    "found no casingfem/ in '/docs', expected a checkout of this repository"
+    """
+    if not isinstance(value, Path):
+        return ""
+    if not value.is_dir():
+        return f"found no folder '{value}', expected one that exists"
+    if flag == "beside" and not (value / "casingfem").is_dir():
+        return f"found no casingfem/ in '{value}', expected a checkout of this repository"
+    return ""
+
+
 def command_line(
     description: str | None, main: Callable[..., object], **flags: str | tuple[int | str | Path, str]
 ) -> None:
     """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help, or value and help.
 
-    The exit code is 1 where rows that it returns say that something is wrong.
+    A flag whose value is a path names a folder that the report reads; "beside" names another checkout. The exit code is
+    2 if such a folder is missing, and 1 if returned rows report an error.
     """
     parser = argparse.ArgumentParser(description=(description or "").partition("\n")[0])
     parser.add_argument("--quick", action="store_true", help="leave out what takes long")
@@ -129,6 +147,10 @@ def command_line(
             parser.add_argument(f"--{name}", type=type(default), default=default, help=f"{words}; {default} by default")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     arguments = parser.parse_args()
+    for name in flags:
+        missing = unread(name, getattr(arguments, name))
+        if missing:
+            parser.error(f"--{name}: {missing}")
     rows = main(arguments.out, arguments.quick, **{name: getattr(arguments, name) for name in flags})
     wrong = failures(rows)
     if wrong:

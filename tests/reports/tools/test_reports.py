@@ -1,5 +1,6 @@
 """What reports share: the command line, tables, verdicts."""
 
+import runpy
 import sys
 
 import numpy as np
@@ -19,6 +20,27 @@ def test_command_line_ends_with_an_error_where_rows_state_fail(tmp_path, monkeyp
     monkeypatch.setattr(sys, "argv", ["report", "--out", str(tmp_path)])
     with pytest.raises(SystemExit, match="1 rows say that something is wrong"):
         tables.command_line("A report.", lambda out, quick: [{"verdict": "pass"}, {"verdict": "FAIL"}])
+
+
+@pytest.mark.parametrize(
+    ("report", "flag", "message"),
+    [
+        ("reports.benchmarks.tips_beside", "--beside", "no folder '{}/nowhere', expected one that exists"),
+        ("reports.benchmarks.tips_beside", "--beside=.", "no casingfem/ in '.', expected a checkout"),
+        ("reports.verification.updating.public_sets", "--folder", "no folder '{}/nowhere', expected one that exists"),
+    ],
+)
+def test_a_report_without_the_folder_it_reads_ends_with_a_sentence(
+    report, flag, message, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, report, raising=False)
+    words = [flag] if "=" in flag else [flag, str(tmp_path / "nowhere")]
+    monkeypatch.setattr(sys, "argv", ["report", *words, "--out", str(tmp_path)])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_module(report, run_name="__main__")
+    assert ended.value.code == 2
+    assert f"error: {flag.partition('=')[0]}: found {message.format(tmp_path)}" in capsys.readouterr().err
 
 
 def test_table_lines_up_and_shows_gaps(capsys):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
 from reports.verification.updating.public_sets import SETS, main, readings
 
 LINES = np.arange(1000.0)  # Hz
@@ -38,8 +37,3 @@ def test_every_public_set_has_readings_of_its_peaks():
     seen = readings()
     assert set(seen) == {each.name for each in SETS}
     assert all(peak.within > 0.0 for peaks in seen.values() for peak in peaks)
-
-
-def test_a_missing_folder_of_public_sets_is_refused(tmp_path):
-    with pytest.raises(InputError, match="found no folder"):
-        main(tmp_path, folder=tmp_path / "nowhere")
