@@ -297,23 +297,3 @@ def is_scene(file: Path) -> bool:
         return "scene" in read_toml(file)[1]
     except (OSError, ValueError):
         return False
-
-
-def scene_report(file: Path, as_json: bool, folder: Path) -> None:
-    """Run a scene and write its page; of a run that failed or diverged too, which then ends with exit code 3."""
-    from casingfem.cli.scene_page import page
-    from contact import load_scene
-
-    scene = load_scene(file)
-    part = folder / STORES["report"]
-    with ProgressMessage(f"report on {file.name}: running") as working:
-        result, broken = ran(scene, lambda done: working.say(f"report on {file.name}, run", done), part)
-        html = page(scene, result, file, lambda what: working.say(f"report on {file.name}: {what}"))
-    document = {
-        "report": str(folder / "report.html"),
-        "seconds": working.seconds,
-        "flags": [flag.to_dict() for flag in result.flags],
-    }
-    deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
-    part.unlink(missing_ok=True)
-    require_solved(f"report {file}", result, broken)

@@ -9,6 +9,7 @@ from casingfem.cli.pictures import figures, speed_figures, turn_of
 from contact.io.infiles import read_bytes, text_of
 
 if TYPE_CHECKING:
+    from casingfem.plot.page import Page
     from casingfem.plot.pages.scene import Ran
     from contact.interacting import Interactions
     from contact.prepared import Scene
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
     from contact.rim_motion import RimMotion
 
 
-def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
-    """The HTML page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
+def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> "Page":
+    """The page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
     from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.pages.scene import scene_page
     from contact.histories import rub_film

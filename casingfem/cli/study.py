@@ -224,20 +224,13 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 
 
 @click.command()
-@STUDY
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @options
-def report(file: Path, as_json: bool, out: Path | None) -> None:
-    """Write report.html on STUDY, or on a contact scene, which is run, to --out DIR (here if left out)."""
-    from casingfem.cli.contact import is_scene, scene_report
+def report(files: tuple[Path, ...], as_json: bool, out: Path | None) -> None:
+    """Write report.html on FILE, a study or a contact scene, to --out DIR (here if left out).
 
-    folder = out if out is not None else Path()
-    if is_scene(file):
-        scene_report(file, as_json, folder)
-        return
-    study = any_study(file)
-    with ProgressMessage(f"report on {file.name}") as working:
-        from casingfem.plot.pages.study import study_report
+    A scene is run. Of several files the page has one part each: a blade, its casing, the scenes of both.
+    """
+    from casingfem.cli.report import write_report
 
-        html = study_report(study, working.say)
-    document = {"report": str(folder / "report.html"), "seconds": working.seconds, "source": study.source}
-    deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
+    write_report(files, as_json, out if out is not None else Path())

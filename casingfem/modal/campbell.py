@@ -18,7 +18,7 @@ from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
-from contact.io.columns import Column, Columns, records_of, table_lines
+from contact.io.columns import Column, Columns, Rows, records_of, table_lines
 from contact.io.reported import Reported
 
 
@@ -122,13 +122,15 @@ class Campbell(Reported):
         found = self._met(orders)
         return [[(order, at) for order, k, at in found if k == mode] for mode in range(self.freq.shape[1])]
 
+    def modes_met(self, orders: int = 8) -> Rows:
+        """One row a mode, as `MODES` names its columns."""
+        rows = zip(records_of(MODES, self), self.met(orders), strict=True)
+        return [row | {"engine_orders": met} for row, met in rows]
+
     def table(self, orders: int = 8) -> str:
         """One row a mode: frequencies at the first and last speed, Southwell's coefficient, engine orders met."""
-        rows = [
-            row | {"engine_orders": met} for row, met in zip(records_of(MODES, self), self.met(orders), strict=True)
-        ]
         first, last = self.speed_hz[0], self.speed_hz[-1]
-        return "\n".join([f"speeds {first:.4g} to {last:.4g} Hz", *table_lines(MODES, rows)])
+        return "\n".join([f"speeds {first:.4g} to {last:.4g} Hz", *table_lines(MODES, self.modes_met(orders))])
 
     def _met(self, orders: int) -> list[tuple[int, int, float]]:
         return [(order, k, at) for order in range(1, orders + 1) for k, at in self.crossings(order)]

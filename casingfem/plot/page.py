@@ -195,6 +195,28 @@ def origin(source: Mapping[str, Any]) -> str:
     return " · ".join([part for part in parts if part] + [f"{now.day} {now:%B %Y}"])
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Page:
+    """The contents of a page: title, verdict, sections; `notice` is in a frame at the top (such as SYNTHETIC).
+
+    `source` is the line of `origin`.
+
+    >>> "Forty modes." in Page(title="Casing", sections=(Section("Modes", ("Forty modes.",)),)).html()
+    True
+    """
+
+    title: str
+    sections: Sequence[Section]
+    verdict: Verdict | None = None
+    lead: str = ""
+    notice: str = ""
+    source: str = ""
+
+    def html(self) -> str:
+        """HTML of this page alone."""
+        return render_pages(self.title, [self])
+
+
 def render_page(
     title: str,
     sections: Sequence[Section],
@@ -204,25 +226,30 @@ def render_page(
     notice: str = "",
     source: str = "",
 ) -> str:
-    """HTML of a page that needs no other file; `notice` is in a frame at the top (such as SYNTHETIC).
-
-    `source` is the line of `origin`.
+    """HTML of a page, of the same arguments as `Page`.
 
     >>> page = render_page("Casing", [Section("Modes", ("Forty modes.",))], notice="SYNTHETIC data")
     >>> "SYNTHETIC data" in page, "http" in page
     (True, False)
+    """
+    return Page(title=title, sections=sections, verdict=verdict, lead=lead, notice=notice, source=source).html()
+
+
+def render_pages(title: str, pages: Sequence[Page]) -> str:
+    """HTML of one page with the contents of several, that needs no other file.
+
+    >>> html = render_pages("Rotor", [Page(title=name, sections=(Section("Modes"),)) for name in ("Blade", "Casing")])
+    >>> html.count("<h1>"), html.count("<h2>"), html.count("<h3>")
+    (1, 2, 2)
     """
     folder = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["written"] = written
     environment.filters["prose"] = prose
     template = environment.get_template("page.html.j2")
-    figures = [figure for section in sections for figure in section.figures]
+    figures = [figure for page in pages for section in page.sections for figure in section.figures]
     scripts = dict.fromkeys(name for figure in figures for name in figure.scripts)  # each once; what all share is first
-    return template.render(
-        title=title, sections=sections, verdict=verdict, lead=lead, notice=notice, source=source,
-        scripts=["shared", *scripts] if scripts else [],
-    )  # fmt: skip
+    return template.render(title=title, pages=pages, scripts=["shared", *scripts] if scripts else [])
 
 
 def packed(values: ArrayLike, *, most: float | None = None, bits: int = 16) -> dict[str, Any]:

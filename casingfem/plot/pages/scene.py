@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from casingfem.plot.history import time_unit
-from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
+from casingfem.plot.page import Cell, Page, Picture, Section, Table, Verdict, origin, written
 from casingfem.plot.pages.interactions import speeds_section
 from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
 from contact.io.columns import Columns
@@ -74,8 +74,8 @@ class Ran:
 def scene_page(
     name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
     source: Mapping[str, Any], films: Sequence[Picture] = (),
-) -> str:  # fmt: skip
-    """HTML of the page; `found` is the result of `contact.interactions`, or `why` is the reason why there is none."""
+) -> Page:  # fmt: skip
+    """The page; `found` is the result of `contact.interactions`, or `why` is the reason why there is none."""
     shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
@@ -87,7 +87,7 @@ def scene_page(
     sections.append(Section("The scene", preformatted=scene))
     notice = str(ran.flags[0]) if ran.flags else ""
     verdict = scene_verdict(ran, found)
-    return render_page(f"Scene {name}", sections, notice=notice, verdict=verdict, source=origin(source))
+    return Page(title=f"Scene {name}", sections=sections, notice=notice, verdict=verdict, source=origin(source))
 
 
 def scene_verdict(ran: Ran, found: Any = None) -> Verdict:

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
+from casingfem.modal.campbell import MODES, campbell
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.body.turning import turning_shapes
 from casingfem.plot.modes import figure_frequencies, figure_rim, groups
@@ -15,14 +17,17 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
+from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
+from casingfem.structure.imported.turning_structure import rotation_of
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plies import Ply
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study
 
 TURNED = 12  # shapes that a reader can turn
+SPEEDS, FOLLOWED = 12, 8  # speeds and most modes of a Campbell diagram
 SHOWN = 4  # harmonics of a field that are named
 
 
@@ -183,6 +188,23 @@ def modes_section(found: ModeSet, reference: Modes | None) -> Section:
         )
     table = Table.of(f"All {len(found)} modes", found.COLUMNS, found.records(), folded=True)
     return Section("Modes", tuple(paragraphs), tuple(figures), (table,))
+
+
+def campbell_section(structure: Shell | MeshStructure, count: int) -> Section:
+    """Frequencies over speed with engine orders, to one and a half times the speed of the study."""
+    rotation = rotation_of(structure)
+    assert rotation is not None
+    try:
+        found = campbell(structure, np.linspace(0.0, 1.5 * abs(rotation.omega), SPEEDS), min(count, FOLLOWED))
+    except ModelError as error:
+        return Section("Campbell diagram", (f"There is none: {error}.",))
+    return Section(
+        "Campbell diagram",
+        figures=(
+            Picture.of(found.plot(), "Frequencies over speed, without Coriolis forces; lines are engine orders."),
+        ),
+        tables=(Table.of("Engine orders, each with the speed at which it meets a mode.", MODES, found.modes_met()),),
+    )
 
 
 def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:

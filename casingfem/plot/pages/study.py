@@ -10,11 +10,18 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.modes import modes
-from casingfem.plot.page import Section, Verdict, origin, render_page
+from casingfem.plot.page import Page, Section, Verdict, origin, render_page
 from casingfem.plot.pages.fit import shapes_section, update_section, update_verdict
-from casingfem.plot.pages.sections import inputs_section, modes_section, provenance_section, reduction_section
+from casingfem.plot.pages.sections import (
+    campbell_section,
+    inputs_section,
+    modes_section,
+    provenance_section,
+    reduction_section,
+)
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.imported.assembly import MeshStructure
+from casingfem.structure.imported.turning_structure import rotation_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study, perfect
 from casingfem.study.tasks import run_reduce, run_update
@@ -25,8 +32,8 @@ from casingfem.updating.shape_fit import ShapeFit, shape_fit
 SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measured it."
 
 
-def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda words: None) -> str:
-    """HTML of the page on a study; `say` is called with progress texts.
+def study_page(study: Study | MeshStudy, say: Callable[[str], None] = lambda words: None) -> Page:
+    """The page on a study; `say` is called with progress texts.
 
     Raises
     ------
@@ -40,6 +47,8 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
     if ideal is not None:
         reference = clock("modes of the perfect shell", lambda: modes(ideal, **study.file.modes.wanted))
     sections = [inputs_section(study), modes_section(found, reference)]
+    if turns(study.structure):
+        sections.append(clock("Campbell diagram", lambda: campbell_section(study.structure, len(found))))
     structure: Shell | MeshStructure = study.structure
     fit: UpdateResult | None = None
     compared: ShapeFit | None = None
@@ -55,8 +64,8 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
         sections.append(reduction_section(basis, updated=study.table is not None))
     say("drawing")
     sections.append(provenance_section(study, clock.seconds))
-    return render_page(
-        f"Study {study.path.stem}", sections, verdict=study_verdict(study, found, fit, compared),
+    return Page(
+        title=f"Study {study.path.stem}", sections=sections, verdict=study_verdict(study, found, fit, compared),
         source=origin(study.source),
         notice=SYNTHETIC if study.table is not None and study.table.synthetic else "",
     )  # fmt: skip
@@ -110,6 +119,12 @@ class Clock:
         result = part()
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - started
         return result
+
+
+def turns(structure: Shell | MeshStructure) -> bool:
+    """Whether a structure has a rotation at a speed."""
+    rotation = rotation_of(structure)
+    return rotation is not None and rotation.omega != 0.0
 
 
 def imperfect(structure: object) -> Shell | None:

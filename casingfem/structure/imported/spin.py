@@ -31,7 +31,11 @@ from casingfem.structure.imported.mesh.joints import WALL
 from casingfem.structure.shell.prestress import Products, Spin, products_of
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
-ASIDE = 0.3  # of the squared speed: with it frequencies are right to 1e-3 at speeds 12 % off (rotor 67, NASA TP-2879)
+WITHIN = 2.5e-3  # relative error of a frequency at the speeds at which a basis is known
+BEND = (
+    0.09  # that error over quadratic strains and the third power of `aside` (rotors 37 and 67, NASA TP-1659, TP-2879)
+)
+FARTHEST = 0.75  # of the squared speed
 
 
 class Inertia(NamedTuple):
@@ -150,7 +154,7 @@ class MeshTurning:
         """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load.
 
         Where the steady shape matters at the speed of the rotation, K1 and K2 are those of the parabola in Omega^2
-        through its stiffness there and at squares `ASIDE` lower and higher.
+        through its stiffness there and at squares `aside` lower and higher.
 
         Warns
         -----
@@ -160,13 +164,23 @@ class MeshTurning:
         added, square = self.spin(u), self.rotation.omega**2
         if added.steady is None or square * added.nonlinear <= LARGE:
             return products_of(added)
-        low, high = (np.sqrt([1.0 - ASIDE, 1.0 + ASIDE]) * np.sqrt(square)).tolist()
+        part = aside(square * added.nonlinear)
+        low, high = (np.sqrt([1.0 - part, 1.0 + part]) * np.sqrt(square)).tolist()
         hz = f"{low / (2.0 * np.pi):.4g} to {high / (2.0 * np.pi):.4g} turns a second"
         warn("reduce-steady", f"rotation: the stiffness over speed is that from {hz}")
-        apart = ASIDE * square
+        apart = part * square
         below, here, above = (added.steady(float(np.sqrt(square + side * apart))) for side in (-1.0, 0.0, 1.0))
         slope, bend = (above - below) / (2.0 * apart), (above - 2.0 * here + below) / (2.0 * apart**2)
         return products_of(replace(added, K1=csc_array(slope - 2.0 * square * bend), K2=csc_array(bend)), (low, high))
+
+
+def aside(ratio: float) -> float:
+    """Part of the squared speed within which a parabola gives the frequencies to `WITHIN`, of quadratic strains.
+
+    >>> [round(aside(ratio), 2) for ratio in (0.01, 0.076, 0.955)]
+    [0.75, 0.71, 0.31]
+    """
+    return float(min(FARTHEST, (WITHIN / (BEND * ratio)) ** (1.0 / 3.0)))
 
 
 def mesh_spin(turning: MeshTurning) -> MeshSpin:

@@ -166,7 +166,7 @@ def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
     pages = {
         "sweep": sweep_page("rub", ["speed.hz [turns/s]"], ["speed.hz"], rows, SOURCE, drawn, MEASURED),
         "cycles": cycles_page("rod", cycles_sample(), SOURCE, trace_samples()),
-        "scene": scene_page("rub", "[scene]", ran_sample(), {}, source=SOURCE),
+        "scene": scene_page("rub", "[scene]", ran_sample(), {}, source=SOURCE).html(),
     }
     for name, text in pages.items():
         (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")

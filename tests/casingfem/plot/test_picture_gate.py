@@ -98,10 +98,10 @@ def test_the_gate_finds_each_fault_of_a_figure():
 PAGES = {
     "rub": lambda figures: scene_page(
         "rub", "[scene]", ran_sample(), figures, source=SOURCE, found=speeds_sample(), films=()
-    ),
+    ).html(),
     "rods": lambda figures: scene_page(
         "rods", "[scene]", ran_sample(rubs=False, growth=None, rim=None, speed_hz=0.0), {}, source=SOURCE
-    ),
+    ).html(),
     "sweep": lambda figures: sweep_page(
         "rub", ["speed.hz [turns/s]"], ["speed.hz"], run_rows("diverged", "grows"), SOURCE,
         Drawn(swept("diverged", "grows")), MEASURED,

@@ -27,7 +27,7 @@ from casingfem.plot.style import embed, know_in_notebook, new_figure, png
 from contact.io.outfiles import json_text, write_atomic, write_files
 from tests.casingfem.plot.browser import browser, found_browser
 from tests.casingfem.plot.page_gate import faults_of, page_faults
-from tests.casingfem.study.study_texts import THICK
+from tests.casingfem.study.study_texts import STEEL_PLATE, THICK
 
 UPDATE = """
 [update]
@@ -346,3 +346,21 @@ def test_the_page_shows_the_pieces_of_a_meridian_and_each_number_in_the_unit_of_
     ):
         assert words in text, words
     assert "Revolved" not in text
+
+
+@pytest.mark.slow
+def test_several_files_have_one_page_and_a_turning_part_its_campbell_diagram(tmp_path):
+    turning = STEEL_PLATE + "[rotation]\nspeed_hz = 50.0\nhub_radius = 0.3\n[modes]\ncount = 2\n"
+    for name, text in (("turning", turning), ("still", STEEL_PLATE + "[modes]\ncount = 2\n")):
+        (tmp_path / f"{name}.toml").write_text(text)
+    files = [str(tmp_path / "turning.toml"), str(tmp_path / "still.toml")]
+    result = CliRunner().invoke(main, ["report", *files, "--out", str(tmp_path), "--json"])
+    assert result.exit_code == 0, result.output
+    assert [part["source"]["study"] for part in json.loads(result.stdout)["parts"]] == ["turning.toml", "still.toml"]
+    page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert page.open == []
+    assert [page.tags.count(head) for head in ("h1", "h2")] == [1, 2]
+    inside = re.findall(r'href="#(\w+)">([^<]+)', page.html)
+    assert [words for _, words in inside if "Campbell" in words] == ["Study turning: Campbell diagram"]
+    assert all(f'<section id="{mark}">' in page.html for mark, _ in inside)
+    assert "engine orders met" in page.text

@@ -187,7 +187,9 @@ def test_safe_speeds_are_those_between_the_dangerous_ones():
 
 
 def test_a_page_has_no_repr_and_every_number_its_unit():
-    html = scene_page("rub", "[scene]", ran_sample(), {}, found=table(), source={"scene": "a.toml", "sha256": "0" * 64})
+    html = scene_page(
+        "rub", "[scene]", ran_sample(), {}, found=table(), source={"scene": "a.toml", "sha256": "0" * 64}
+    ).html()
     text = re.sub(r"<[^>]+>", " ", html.partition("<main>")[2])
     assert not re.search(r"\w+\(\w+=|\bnan\b|\binf\b|\d[eE][+-]\d", text)
     heads = re.findall(r'<th scope="col" class="number">([^<]+)</th>', html)

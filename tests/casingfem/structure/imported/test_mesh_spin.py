@@ -155,14 +155,14 @@ def test_parts_without_an_axis_or_without_support_are_named():
 
 @pytest.mark.slow
 def test_the_basis_of_a_blade_that_untwists_has_the_frequencies_near_its_speed():
-    """Its steady shape follows the speed, so that the stiffness over speed is that of the shape, with its range."""
+    """Its steady shape follows the speed; its stiffness over speed is right to 0.25 % in the stated range."""
     axis = cf.Rotation(omega=0.0, axis=(0.0, 1.0, 1.0), centre=(-0.2, 0.05, 0.03))
-    with pytest.warns(cf.errors.ModelWarning, match=r"from 199.7 to 272.2 turns a second.*reduce-steady"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"from 223.1 to 253.4 turns a second.*reduce-steady"):
         basis = cf.reduce(block(axis.at(1500.0)), cf.TipNodes("tip", 1), modes=6, zeta=0.0)
     body = ct.ModalBody.of(basis)
-    for omega in (1350.0, 1650.0):
+    for omega in (1415.0, 1580.0):
         found = np.sqrt(np.linalg.eigvalsh(body.matrices(omega)[1])[:3]) / (2.0 * np.pi)
-        np.testing.assert_allclose(found, cf.modes(block(axis.at(omega)), 3).freq, rtol=5e-3)
-    for omega in (0.0, 2.0 * np.pi * 199.0, 2.0 * np.pi * 273.0):
-        with pytest.raises(ct.InputError, match=r"speed: found .* expected 199.7 to 272.2 Hz"):
+        np.testing.assert_allclose(found, cf.modes(block(axis.at(omega)), 3).freq, rtol=2.5e-3)
+    for omega in (0.0, 2.0 * np.pi * 222.0, 2.0 * np.pi * 254.0):
+        with pytest.raises(ct.InputError, match=r"speed: found .* expected 223.1 to 253.4 Hz"):
             body.matrices(omega)
