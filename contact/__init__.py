@@ -2,7 +2,7 @@
 
 Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim, Rub, Patch), laws
 (Unilateral, Penalty, Coulomb) and schemes (`contact.scheme`) are frozen values;
-`run` brings them together and returns a Result. Scene files: `load_scene`. Less common names are in rooms:
+`run` brings them together and returns a Result. Scene files: `load_scene`. Less common names are in these modules:
 `ct.bodies`, `ct.gaps`, `ct.laws`, `ct.rotor`, `ct.scheme`, `ct.stability`, `ct.cycles`, `ct.scene`, `ct.record`,
 `ct.reference`.
 
@@ -21,7 +21,7 @@ _exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
-    """A name of the stub; the version, which is looked up when it is asked for."""
+    """Look up a name of the stub file, or the version, when it is first used."""
     if name == "__version__":
         from contact.version import __version__
 

@@ -1,7 +1,7 @@
-"""Make the machine code of all step loops ahead of use: one tiny run of each kind, several at a time.
+"""Compile the machine code of all step loops before it is needed: one very short run of each kind, several at a time.
 
-A loop is compiled once for the types of its arguments, which depend on the kind of the run and not on its size: a run
-of a few steps of the smallest bodies leaves on disk what every later run of its kind reads.
+The types of a loop's arguments depend on the kind of the run, not on its size. So a run of a few steps of the smallest
+bodies compiles the code that every later run of its kind reads from disk.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ FEW = 4  # steps of a tiny run
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Made:
-    """A kind of run whose loops are on disk now, the seconds that took, and the share of all kinds that is done."""
+    """A kind of run whose loops are now on disk, the seconds that took, and the finished share of all kinds."""
 
     kind: str
     seconds: float
@@ -171,7 +171,7 @@ KINDS: Mapping[str, Callable[[], None]] = {
 def compiled_ahead(kinds: tuple[str, ...] = tuple(KINDS), *, workers: int = 1) -> Iterator[Made]:
     """Compile the loops of these kinds of run, `workers` at a time, and yield each kind as it is done.
 
-    What is on disk already is read. `ct.ahead.KINDS` names the kinds. Raises InputError for a kind that is not there.
+    Code that is already on disk is only read. `ct.ahead.KINDS` names the kinds. Raises InputError for an unknown kind.
 
     >>> [made.kind for made in compiled_ahead(("rods-massless-boundary",))]
     ['rods-massless-boundary']

@@ -1,4 +1,4 @@
-"""From the samples of all chunks and the sums of a run to its result."""
+"""Combine the samples of all chunks and the sums of a run into its result."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def collect(
 
 
 def _intervals(kind: Array, time: Array, end: float) -> Intervals:
-    """Pair closings with openings; a contact still closed ends with the run."""
+    """Pair closing times with opening times; a contact that is still closed ends with the run."""
     starts, ends = time[kind == 1].tolist(), time[kind == 0].tolist()
     if len(ends) < len(starts):
         ends.append(end)

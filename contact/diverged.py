@@ -35,7 +35,7 @@ AT_ONCE = "The numbers given move it at once: check clearance, units, friction a
 
 
 def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, float, float]) -> Divergence:
-    """Put a passed limit of a run in numbers and words."""
+    """State a passed limit of a run in numbers and words."""
     name, reached, allowed = limit
     time = result.steps * result.dt
     theory, closed = theory_of(problem, mu, time)
@@ -61,7 +61,7 @@ def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, fl
 
 
 def _impact_words(growth: RunGrowth, theory: float) -> str:
-    """That contact which opens and closes feeds a motion which closed contact does not."""
+    """State that opening and closing contact feeds a motion which permanently closed contact does not."""
     cause = growth.cause
     if cause is None or cause.closed > CLOSED or theory > 0.0 or math.isnan(theory) or growth.numerical:
         return ""
@@ -83,14 +83,14 @@ def _limit_words(name: str, reached: float, allowed: float) -> str:
 
 
 def _forced_words(theory: float) -> str:
-    """State what moved a rotor whose growth was not seen."""
+    """State what moved a rotor whose growth was not measured."""
     if theory > 0.0:
         return SHORT
     return "It does not grow by itself: its load moves it. Check unbalance, gravity, start and units."
 
 
 def _fed_words(energy: EnergyBudget, named: Mapping[str, str]) -> str:
-    """Sources of the energy, the largest first; `named` are other names of some."""
+    """Sources of the energy, the largest first; `named` gives other names for some of them."""
     contact = -energy.lost_in_contact
     parts = {
         "friction": energy.friction, "the turning rim": energy.rotation, "gravity and whirl": energy.body_force,
@@ -107,7 +107,7 @@ def _fed_words(energy: EnergyBudget, named: Mapping[str, str]) -> str:
 
 
 def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
-    """Growth [1/s] with all contacts closed at the speed of an instant, nan where unknown, and its meaning."""
+    """Growth [1/s] with all contacts closed at the speed of one instant (nan where unknown), and what it means."""
     if (rotor := rotor_of(problem)) is not None:
         return _of_rotor(rotor, time)
     try:
@@ -125,7 +125,7 @@ def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
 
 
 def _of_rotor(rotor: Rotor, time: float) -> tuple[float, str]:
-    """Growth [1/s] of a rotor without contact at the speed of an instant, and its whirl in words."""
+    """Growth [1/s] of a rotor without contact at the speed of one instant, and its whirl in words."""
     speed = rotor.speed.omega(time)
     hz = speed / (2.0 * math.pi)
     rate = float(growth_of_rotor(rotor, hz)[0])
@@ -140,7 +140,7 @@ def _of_rotor(rotor: Rotor, time: float) -> tuple[float, str]:
 
 
 def _closed(problem: Problem, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:
-    """All contacts closed, the speed [Hz], whether split pairs were averaged; None without rotation."""
+    """Bodies with all contacts closed, the speed [Hz], and whether split pairs were averaged; None without rotation."""
     rub: Rub | None = rub_of(problem)
     if rub is None:
         return None

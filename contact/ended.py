@@ -1,4 +1,4 @@
-"""End of a run: energies, limits and flags, growth, and the result or an error that contains it."""
+"""End of a run: energies, limits and flags, growth; the result, or an error that contains it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ADDED = 3.0  # times all other energy since the first call: contact that adds mo
 
 
 def budget_of(ready: Prepared) -> EnergyBudget:
-    """Energies up to now."""
+    """Energies up to the current step."""
     sums = ready.stepper.sums
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflowed is read too
         return EnergyBudget(
@@ -41,9 +41,10 @@ def budget_of(ready: Prepared) -> EnergyBudget:
 
 
 def runs_away(ready: Prepared, now: EnergyBudget, calm: EnergyBudget) -> bool:
-    """Whether the energy is no number any more, or contact has added more than all else since `calm`.
+    """Whether the energy is not a number, or contact has added more energy than all other sources since `calm`.
 
-    A coating may: a rim that turns presses other bars against the tip, and its drive's work is booked as the contact's.
+    With a coating this is no fault: the rotating rim presses further bars against the tip, and the work of its drive
+    counts as that of the contact.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         since = now.since(calm)
@@ -55,10 +56,10 @@ def finished(
     ready: Prepared, parts: Sequence[Samples], taken: int, seconds: float, failed: int = -1,
     calm: EnergyBudget | None = None, marks: Sequence[Mark] | None = None,
 ) -> Result:  # fmt: skip
-    """Result of a run after `taken` steps; raises NumericsError, which has it, where step `failed` >= 0 failed.
+    """Result of a run after `taken` steps. Raises NumericsError with the result if step `failed` >= 0 failed.
 
-    `calm`: energies early on, from where contact may not add any. `marks` of the run, from which its last stretch is
-    repeated at half the step where it grows; None: it is not.
+    `calm`: energies early in the run, after which contact may not add energy. `marks`: states from which the last part
+    of a growing run is repeated at half the step; None: it is not repeated.
     """
     stepper, energy = ready.stepper, budget_of(ready)
     limit = None if failed < 0 else _passed(ready)
@@ -101,7 +102,7 @@ def finished(
 
 
 def _passed(ready: Prepared) -> tuple[str, float, float] | None:
-    """The limit that a run passed, by the name of the motion; None within all limits."""
+    """The limit that a run passed and the name of the motion; None within all limits."""
     found = passed(ready.stepper.limits)
     return ("rotor", *found[1:]) if found is not None and isinstance(ready.problem, Rotor) else found
 
@@ -109,10 +110,11 @@ def _passed(ready: Prepared) -> tuple[str, float, float] | None:
 def with_growth(
     ready: Prepared, result: Result, marks: Sequence[Mark] | None, limit: tuple[str, float, float] | None = None
 ) -> Result:
-    """The result of a rim, a rub or a disk with the growth of its motion, checked at half the step where it grows.
+    """The result of a rim, rub or disk with the growth of its motion; where it grows, checked at half the step.
 
     Where `marks` are given, a run that passed a limit before its growth can be fitted is repeated with denser states.
-    It goes on to a tenth of the radius, for LONGER times its steps at most. A motion that reaches this grows.
+    The repeated run continues until the motion reaches a tenth of the radius, for at most LONGER times the steps. A
+    motion that reaches this limit grows.
     """
     from contact.stability.of_run import of_rotor_run, of_run
 
@@ -143,7 +145,7 @@ def with_growth(
 
 
 def _finite(part: Samples) -> Samples:
-    """Samples before the first that is not finite."""
+    """Samples before the first non-finite one."""
     bad = np.flatnonzero(~np.isfinite(part.force + part.gap).all(axis=1))
     if not bad.size:
         return part

@@ -1,4 +1,4 @@
-"""A part of a run once more: its last stretch at half the step, or from the start with denser states."""
+"""Repeat part of a run: its last part at half the step, or the whole run with states stored more often."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ COARSE = 1.5  # omega h from which a mode's velocity is the difference over the 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Mark:
-    """A run after `taken` steps: modal coordinates q and their last increments d."""
+    """State of a run after `taken` steps: modal coordinates q and their last increments d."""
 
     taken: int
     q: Array
@@ -43,12 +43,12 @@ class Mark:
 
 
 def mark(stepper: RubStepper, taken: int) -> Mark:
-    """Copy where the modes of a rub are."""
+    """Copy the state of the modes of a rub."""
     return Mark(taken=taken, q=readonly(stepper.state.q.copy()), d=readonly(stepper.state.d.copy()))
 
 
 def states(stepper: Stepper, first: int, count: int, share: float = 1.0) -> tuple[Array, Array]:
-    """Instants and coordinates of `count` steps from step `first`: about STATES states in a share of them."""
+    """Times and coordinates of `count` steps from step `first`, at about STATES of them."""
     record = Record(every=(every := max(1, int(share * count) // STATES)), state_every=every)
     K, size = stepper.sums.closed.size, stepper.size
     parts, at, failed = [], first, -1
@@ -68,14 +68,14 @@ def with_half_step(
     problem: Problem, law: Law, scheme: Scheme, dt: float, taken: int, marks: Sequence[Mark], growth: RunGrowth,
     count: int,
 ) -> RunGrowth:  # fmt: skip
-    """The growth of a run of `count` planned steps with that of its last stretch at half the step.
+    """The growth of a run of `count` planned steps, and the growth of its last part repeated at half the step.
 
-    The stretch is that of the fit, but no more than LONG of the run where the motion grows by e^FOLDS in that. A run
-    that ended early is repeated from its start, since the step may also change the motion that it comes to. Another
-    one is repeated from a mark before the stretch.
+    The last part is the interval of the fit. It is limited to LONG of the run if the motion grows by e^FOLDS within
+    that. A run that ended early is repeated from its start, since the step may also change which motion it reaches.
+    Other runs are repeated from a mark before the interval.
 
-    Where the growth differs the stretch is repeated at the same step too, up to COPIES times, after a change of the
-    motion by CHANGED of it: an irregular motion then takes another course.
+    Where the growth differs, the interval is also repeated at the same step, up to COPIES times, from a state changed
+    by a fraction CHANGED. An irregular motion then develops differently.
     """
     end = taken * dt
     begin = max(growth.since, end - max(LONG * end, FOLDS / growth.rate))
@@ -98,7 +98,7 @@ def with_half_step(
 
 
 class _Start(NamedTuple):
-    """A problem that begins after `first` steps of a run; its clock has passed `clock` of them."""
+    """A problem that starts after `first` steps of a run, `clock` steps after the zero of its clock."""
 
     problem: Problem
     first: int = 0
@@ -108,7 +108,7 @@ class _Start(NamedTuple):
 def _again(
     start: _Start, dt: float, parts: int, *, law: Law, scheme: Scheme, taken: int, begin: float
 ) -> tuple[float, float]:  # fmt: skip
-    """Growth from `begin` [s] to the end of a run whose steps are divided into parts, and half its interval [1/s]."""
+    """Growth from `begin` [s] to the end of a run with divided steps, and the half width of its interval [1/s]."""
     problem, first, clock = start
     stepper = scheme.prepare(problem, law, dt=dt / parts, courant=None)
     if stepper.limits is not None:
@@ -120,7 +120,10 @@ def _again(
 
 
 def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tuple[float, float]:
-    """Slope of the whole stretch [1/s] and the half width of its interval; nan of too few states."""
+    """Slope of log amplitude over the whole interval [1/s] and half width of its confidence interval.
+
+    Nan for too few states.
+    """
     late = time >= begin
     omega = np.concatenate([body.omega for body in rub.bodies])
     speed = rub.speed.omega(end)
@@ -133,7 +136,7 @@ def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tu
 
 
 def _starting_at(problem: Problem, at: Mark | None, dt: float, moved: Array | None = None) -> _Start:
-    """The problem from a mark of its run, or from its start; `moved` (m,) is added to its modal coordinates."""
+    """The problem that starts at a mark of its run, or at its start; `moved` (m,) is added to its modal coordinates."""
     rub: Rub = rub_of(problem)
     sizes = np.cumsum([body.omega.size for body in rub.bodies])[:-1]
     if at is None:
@@ -164,7 +167,7 @@ def _motion(start: Start, body: ModalBody) -> tuple[Array, Array]:
 
 
 def _velocity(rub: Rub, at: Mark, dt: float) -> Array:
-    """Velocities as of free modes that moved by d in the last step."""
+    """Velocities of free modes that moved by d in the last step."""
     turned = np.concatenate([body.omega for body in rub.bodies]) * dt
     fine = (turned > 0.0) & (turned < COARSE)
     velocity, w = at.d / dt, turned[fine]

@@ -1,4 +1,4 @@
-"""Histories that one can examine: forces, motion of a tip and of the rim before it, stored energy; a rub as a film."""
+"""Time histories for display: forces, motion of a tip and of the rim at the tip, stored energy; a rub as a film."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Places = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class TipMotion:
-    """Motion of one tip and of the rim where it is, (ns, 2) each: along the normal and along the rim [m]."""
+    """Motion of one tip and of the rim at its place, (ns, 2) each: along the normal and along the rim [m]."""
 
     time: Array
     tip: Array
@@ -36,10 +36,10 @@ class TipMotion:
 
 
 def force_table(result: Result, rows: int = ROWS) -> dict[str, Array]:
-    """Columns of the force history: time, and of each contact mean force, largest force and smallest gap of a row.
+    """Columns of the force history: time, and mean force, largest force and smallest gap of each contact.
 
-    A record longer than `rows` is summed up, so many samples to a row: the mean force is that of the impulse, no peak
-    is lost.
+    A record longer than `rows` is condensed to several samples a row. The mean force keeps the impulse, and no peak is
+    lost.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> from contact.run import run
@@ -62,7 +62,7 @@ def force_table(result: Result, rows: int = ROWS) -> dict[str, Array]:
 
 
 def strain_energy(what: What, result: Result) -> dict[str, Array]:
-    """Strain energy [J] of each modal body at `result.state_time`, by its name; none of other problems."""
+    """Strain energy [J] of each modal body at `result.state_time`, by its name; empty for other problems."""
     rub: Rub | None = rub_of(what)
     if rub is None or result.channels.size or not len(result.state):
         return {}
@@ -75,7 +75,7 @@ def strain_energy(what: What, result: Result) -> dict[str, Array]:
 def tip_motion(what: object, result: Result, casing: Array | None = None) -> TipMotion | None:
     """Motion of the first tip of a rim or rub whose states are stored, residual compliance included; else None.
 
-    `casing` is its `casing_motion` where that is known already.
+    `casing` is its `casing_motion` if it was computed before.
     """
     rub: Rub | None = rub_of(what)
     casing = casing_motion(what, result) if casing is None else casing
@@ -140,9 +140,9 @@ class RubFilm:
 
 
 def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None:
-    """The film of a rim or a rub whose states are stored; None of other problems and records.
+    """The film of a rim or rub whose states are stored; None for other problems and records.
 
-    A run too long for its frames, `A_PERIOD` in a period of the casing's motion, is shown in stretches spread over it.
+    With `A_PERIOD` frames in a period of the casing's motion, a long run is shown in parts spread over it.
     """
     rub: Rub | None = rub_of(what)
     if rub is None or len(result.state) < 2 or result.channels.size or not result.time.size:
@@ -175,7 +175,7 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
 
 
 def frames(rub: Rub, result: Result, count: int) -> tuple[Places, Places]:
-    """Stored states that a film shows, and the starts of its stretches."""
+    """Stored states that a film shows, and the first frame of each part."""
     stored = len(result.state_time)
     own = slice(0, rub.flexible)  # without the modes of a rotor and its angle, which grows
     power = np.mean(result.state_of("casing")[:, own] ** 2, axis=0)
@@ -191,7 +191,7 @@ def frames(rub: Rub, result: Result, count: int) -> tuple[Places, Places]:
 
 
 def largest(cos: Array, sin: Array) -> Places:
-    """The harmonics that have `KEPT` of the mean square, at most `MOST`, ascending."""
+    """The harmonics that contain `KEPT` of the mean square, at most `MOST`, ascending."""
     power = np.mean(cos**2 + sin**2, axis=0)
     order = np.argsort(-power, kind="stable")
     share = np.cumsum(power[order]) / (float(power.sum()) or 1.0)

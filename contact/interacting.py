@@ -1,4 +1,4 @@
-"""One table of dangerous speeds: closed contact proposes them, runs of the scene decide.
+"""Table of dangerous speeds: closed contact proposes them, runs of the scene decide.
 
 The growth of closed contact (`contact.stability.peaks`) states at which speeds contact can feed a motion, and which
 one. Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, at its own speed and
@@ -42,7 +42,7 @@ AROUND, STEPS = 2.0, 200  # times the scene's highest speed, in so many steps, w
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DangerousSpeed:
-    """One row of the table: a range of speeds [turns/s], what grows there, and the run at `at` in it.
+    """One row of the table: a range of speeds [turns/s], the motion that grows there, and the run at speed `at` in it.
 
     `peak` is the peak of the growth of closed contact that proposed the speed, None where the runs alone show it.
     """
@@ -54,7 +54,7 @@ class DangerousSpeed:
 
     @property
     def n(self) -> int | None:
-        """Nodal diameters of the motion: of the run where it decided, else of the closed contact's pole."""
+        """Nodal diameters of the motion: from the run that decided, else from the pole of closed contact."""
         return self.at.n if self.peak is None or self.at.verdict != "safe" else self.peak.n
 
     @property
@@ -67,7 +67,7 @@ class DangerousSpeed:
 
     @property
     def body(self) -> str:
-        """The body that has most of the energy."""
+        """The body with the largest share of the energy."""
         if self.peak is None or self.at.verdict != "safe" or self.at.body == "rotor":
             return self.at.body
         return "casing" if self.peak.casing_share > 0.5 else "blades"
@@ -127,8 +127,8 @@ COLUMNS = (
 class Interactions(Reported):
     """The table of dangerous speeds, the worst first; `runs` at all speeds, `peaks` of the growth of closed contact.
 
-    A row is a range of speeds of one verdict and one motion. Speeds of the range that no row has are safe: nothing
-    grows there, neither by closed contact nor in the runs.
+    A row is a range of speeds with one verdict and one motion. Speeds outside all rows are safe: nothing grows there,
+    neither with closed contact nor in the runs.
     """
 
     COLUMNS: ClassVar = COLUMNS
@@ -138,7 +138,7 @@ class Interactions(Reported):
     peaks: Peaks
 
     def of(self, verdict: Verdict) -> tuple[DangerousSpeed, ...]:
-        """Rows of one verdict."""
+        """Rows with one verdict."""
         return tuple(row for row in self.rows if row.at.verdict == verdict)
 
     @property
@@ -249,7 +249,7 @@ def interactions(
 
 
 def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interactions:
-    """Runs evenly over the speeds, at peaks of the growth of the rotor without contact, and at critical speeds."""
+    """Runs of a rotor: evenly over the speeds, at the peaks of its growth without contact, and at critical speeds."""
     tell("growth of the rotor")
     proposed = rotor_peaks(rotor, speed_hz)
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
@@ -279,7 +279,7 @@ def _require_runs(scene: Scene, runs: int) -> None:
 
 
 def _by_poles(peak: Peak) -> DangerousSpeed:
-    """A row of a contact that is closed by definition."""
+    """A row for contact that is always closed."""
     none = math.nan
     body = "casing" if peak.casing_share > 0.5 else "blades"
     at = SpeedRun(
@@ -290,7 +290,7 @@ def _by_poles(peak: Peak) -> DangerousSpeed:
 
 
 def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[DangerousSpeed]:
-    """Rows of stretches of one verdict: one for each peak in it; of none, one where it is not safe."""
+    """Rows of the intervals of one verdict: one for each peak; without peaks one row, unless it is safe."""
     by_speed = {peak.speed_hz: peak for peak in proposed}
     speed = [run.speed_hz for run in runs]
     found: list[DangerousSpeed] = []
@@ -312,10 +312,11 @@ def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[Dangerous
 def _of_peaks(
     stretch: Sequence[SpeedRun], inside: Sequence[tuple[SpeedRun, Peak]], low: float, high: float
 ) -> list[DangerousSpeed]:
-    """One row for each peak of a stretch from `low` to `high`.
+    """One row for each peak in the interval from `low` to `high`.
 
-    In a safe stretch each row has the speeds at which closed contact grows. Elsewhere the rows share the whole stretch;
-    it ends where closed contact ceases to grow, if that lies between two runs. Each has the worst run of its speeds.
+    In a safe interval each row has the speeds at which closed contact grows. Elsewhere the rows divide the whole
+    interval. It ends where closed contact stops growing, if that is between two runs. Each row has the worst run of its
+    speeds.
     """
     found = [peak for _, peak in inside]
     if stretch[0].verdict == "safe":
@@ -333,7 +334,7 @@ def _of_peaks(
 
 
 def _merged(rows: Sequence[DangerousSpeed]) -> list[DangerousSpeed]:
-    """Neighbours with one motion are one row, that of the worst run."""
+    """Join neighbouring rows with the same motion into one, with the worst run."""
     found: list[DangerousSpeed] = []
     for row in rows:
         last = found[-1] if found else None
@@ -353,5 +354,5 @@ def _badness(run: SpeedRun) -> float:
 
 
 def _ranked(rows: Sequence[DangerousSpeed]) -> tuple[DangerousSpeed, ...]:
-    """The worst verdict first, in it the worst run."""
+    """Rows with the worst verdict first, and in it the worst run first."""
     return tuple(sorted(rows, key=lambda row: (VERDICTS.index(row.at.verdict), -_badness(row.at), -row.at.closed)))

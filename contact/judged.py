@@ -20,11 +20,11 @@ def judged(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]:
 
 
 def energy_made(result: Result) -> tuple[float, float]:
-    """Energy that contact and scheme have made [J], and the largest energy of the run to compare it with [J].
+    """Energy that contact and scheme have made [J], and the largest energy of the run for comparison [J].
 
-    The largest of: what was there at the start, fell or was exchanged with loads, drive and friction; what moves and
-    strains at the end; an impact of the mean impulse at the largest speed of approach. A scheme with a gain of its own
-    books there what it puts wrongly into contact and damping: the three count together.
+    The latter is the largest of: the initial energy plus the work of gravity, loads, drive and friction; the kinetic
+    and strain energy at the end; an impact of the mean impulse at the largest approach speed. A scheme with a numerical
+    gain of its own enters errors of contact and damping there, so the three are added.
     """
     energy = result.energy
     with np.errstate(over="ignore", invalid="ignore"):
@@ -35,9 +35,10 @@ def energy_made(result: Result) -> tuple[float, float]:
 
 
 def too_much(law: Law, result: Result) -> tuple[float, float] | None:
-    """Energy made [J] and the most allowed [J] where it passes that; None elsewhere.
+    """Energy made [J] and the largest allowed energy [J], if it is exceeded; else None.
 
-    A coating may: a rim that turns presses other bars against the tip, and its drive's work is booked as the contact's.
+    With a coating this is no fault: the rotating rim presses further bars against the tip, and the work of its drive
+    counts as that of the contact.
     """
     made, largest = energy_made(result)
     return (made, MUCH_MADE * largest) if law.coating is None and made > MUCH_MADE * largest > 0.0 else None
@@ -57,7 +58,7 @@ def _energy(law: Law, result: Result) -> tuple[Flag, ...]:
 
 
 def _other(scheme: str) -> str:
-    """Methods without numerical energy, other than the method of the run."""
+    """Methods without numerical energy, other than that of the run."""
     if "Newmark (" in scheme or "HHT (" in scheme:
         return "Newmark (.5, .55) or Moreau-Jean, whose forces do not ring"
     if "averaged law" in scheme:
@@ -76,7 +77,7 @@ def _penetration(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]
 
 
 def _size(problem: Problem) -> tuple[float, str]:
-    """Length with which a penetration is compared [m], in words too; 0 where a problem has none."""
+    """Length with which a penetration is compared [m], also in words; 0 for a problem without one."""
     if isinstance(problem, Chain):
         lengths = [body.end - body.x for body in problem.bodies if body.end > body.x]
         return (min(lengths), "the shortest rod") if lengths else (0.0, "")
@@ -92,7 +93,7 @@ def _slip(result: Result) -> tuple[Flag, ...]:
 
 
 def _updates(result: Result) -> tuple[Flag, ...]:
-    """Whether the updates of an augmented Lagrangian came to an end."""
+    """Whether the updates of an augmented Lagrangian converged."""
     worst, largest = float(result.residual.max(initial=0.0)), float(np.abs(result.gap).max(initial=0.0))
     if "augmented Lagrangian" not in result.scheme or not worst > UNSETTLED * largest:
         return ()
@@ -102,6 +103,6 @@ def _updates(result: Result) -> tuple[Flag, ...]:
 
 
 def once(flags: tuple[Flag, ...]) -> tuple[Flag, ...]:
-    """Flags without those whose code another one has that states the run failed."""
+    """The flags without those whose code also occurs in a flag of a failed run."""
     failed = {flag.code for flag in flags if flag.failed}
     return tuple(flag for flag in flags if flag.failed or flag.code not in failed)

@@ -28,14 +28,19 @@ def readonly(values: ArrayLike) -> Array:
 
 
 def keep_readonly(value: object, *names: str) -> None:
-    """Make fields of a frozen dataclass read-only float arrays, those that are None aside, from its `__post_init__`."""
+    """From a frozen dataclass's `__post_init__`: make these fields read-only float arrays.
+
+    Fields that are None stay None.
+    """
     for name in names:
         if getattr(value, name) is not None:
             object.__setattr__(value, name, readonly(getattr(value, name)))
 
 
 def aligned(*shape: int) -> Array:
-    """Zeros that begin on a cache line, which is as wide as a vector of eight: loads across two cost double.
+    """Zeros in memory that begins on a cache line, as long as a vector of eight numbers.
+
+    A load across two lines costs double.
 
     >>> aligned(3, 8).ctypes.data % 64
     0
@@ -56,7 +61,7 @@ def require_shape(name: str, array: Array, shape: Sequence[int]) -> None:
 
 
 def require_positive(**fields: float) -> None:
-    """Raise InputError for the first field that is not a finite number > 0, or too far from 1 to be multiplied."""
+    """Raise InputError for the first field that is not finite and > 0, or is too large or small to multiply."""
     for name, value in fields.items():
         if not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{name}: found {value!r}, expected a finite number > 0")
@@ -93,7 +98,7 @@ def require_finite(**fields: float) -> None:
 
 
 def read_npz(path: Path, wanted: str, required: tuple[str, ...], texts: tuple[str, ...]) -> dict[str, Any]:
-    """Read every array of an npz file of this format, numbers but for `texts`; raises InputError with file and key."""
+    """Read all arrays of an npz file of this format: numbers, except `texts`. Raises InputError with file and key."""
     if not os.path.exists(path):  # unlike Path.exists also answers for a name with a zero byte
         raise InputError(f"{path}: found no such file, expected an npz file")
     try:

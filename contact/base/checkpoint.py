@@ -1,4 +1,4 @@
-"""A file with the results of a long computation so far, from which it continues after a stop."""
+"""A file with the results so far of a long computation, which continues from it after a stop."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ SHARE = 20.0  # times what a writing takes, likewise: a twentieth of the time at
 
 
 class Asked(Protocol):
-    """The computation to which a file belongs, as its arrays state it."""
+    """Input of the computation to which a file belongs, as arrays."""
 
     @property
     def asked(self) -> str:
-        """Digest of all that decides the result."""
+        """Digest of all input that decides the result."""
 
 
 Kept = TypeVar("Kept", bound=Asked)
@@ -47,7 +47,7 @@ class Checkpoint(Generic[Kept]):
             raise InputError(f"checkpoint: {self.path}: found {found}, expected {expected}")
 
     def keep(self, value: Callable[[], Kept], *, now: bool = False) -> None:
-        """Write a value when it is time, or now."""
+        """Save a value to the file if enough time has passed, or at once if `now`."""
         if not now and time.monotonic() < self._due:
             return
         begun = time.monotonic()

@@ -1,4 +1,4 @@
-"""The check of a value's fields against their keys."""
+"""Check the fields of a value against the ranges that their keys state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ REQUIRE = {
 
 
 def require_keyed(value: object) -> None:
-    """Raise InputError for the first field of a dataclass's value that its key does not allow."""
+    """Raise InputError for the first field of a dataclass instance that is outside the range of its key."""
     kind: Any = type(value)
     for one in keyed(kind):
         found: Any = getattr(value, one.name)

@@ -1,4 +1,4 @@
-"""Results of pure functions, kept for the last few arguments, which runs of a sweep share."""
+"""Cache of results of pure functions for the last few arguments, which runs of a sweep share."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ KEPT = 16  # results of a function
 
 
 def remembered(function: Callable[P, R]) -> Callable[P, R]:
-    """Keep the last results of a pure function of frozen values, numbers and arrays, given by place.
+    """Cache the last results of a pure function of frozen values, numbers and arrays, passed by position.
 
-    Arrays and values that contain some are distinguished by identity, numbers by value. Where an array can be written,
-    nothing is kept.
+    Arrays, and values that contain arrays, are compared by identity, numbers by value. With a writable array nothing is
+    cached.
 
     >>> import numpy as np
     >>> calls, array = [], np.arange(3.0)

@@ -22,7 +22,7 @@ CLOSES = 1e-6  # of the state: what a run misses its state of some periods befor
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Attractor:
-    """A periodic motion that runs settle on: its states after each period of the forcing, (periods, n), and its share.
+    """A periodic motion on which runs settle: its states after each period of the forcing, (periods, n), and its share.
 
     `amplitude` max |u| [m] by channel, over all its periods; `share` the part of the starts that reach it.
 
@@ -39,7 +39,7 @@ class Attractor:
 
     @property
     def periods(self) -> int:
-        """Periods of the forcing after which it closes."""
+        """Periods of the forcing until the motion repeats."""
         return len(self.states)
 
 
@@ -94,9 +94,9 @@ def basins(
     family: Family, value: float, size: Array, *, starts: int = 100, seed: int, settle: int = 300, longest: int = 4,
     progress: Callable[[int], None] | None = None,
 ) -> Basins:  # fmt: skip
-    """Run `starts` times from states drawn from a normal law with deviations `size` (n,), a state of an orbit state.
+    """Run from `starts` random states: normal deviates of size (n,) around 0, the components those of an orbit's state.
 
-    Each run goes on for `settle` periods, and is then asked whether it closes after 1 to `longest` periods. Starts
+    After `settle` periods each run is checked for a motion that repeats after 1 to `longest` periods. Starts
     inside a rigid contact are drawn anew. Raises InputError.
 
     >>> import contact as ct
@@ -141,7 +141,7 @@ def basins(
 
 
 def _start(motion: Motion, size: Array, draw: np.random.Generator) -> Array:
-    """A state outside the rigid contacts."""
+    """A random state outside the rigid contacts."""
     for _ in range(1000):
         x = size * draw.standard_normal(size.size)
         try:
@@ -153,7 +153,7 @@ def _start(motion: Motion, size: Array, draw: np.random.Generator) -> Array:
 
 
 def _settled(motion: Motion, x: Array, period: float, settle: int, longest: int) -> tuple[Array, Array]:
-    """States of the motion a run is on, none where it does not close, and its amplitudes."""
+    """States of the motion on which a run has settled, and its amplitudes; no states if the motion does not repeat."""
     for _ in range(settle):
         x = passage(motion, x, 0.0, period, tangent=False, extremes=False).x
     states, amplitudes, size = [x], [], np.linalg.norm(x)

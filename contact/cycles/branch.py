@@ -1,8 +1,8 @@
-"""A branch of periodic orbits: one step by pseudo-arclength, around folds, all steps to a range's edge, special points.
+"""A branch of periodic orbits: pseudo-arclength steps around folds up to the edges of the range, and special points.
 
-Unknown are the state and the parameter; the tangent is the null vector of [M - I, d Phi/d value] (Keller, 1977). The
-arclength counts the state relative to its size and the parameter relative to its range. Steps are as long as
-corrections are easy and the way is straight.
+The unknowns are the state and the parameter; the tangent is the null vector of [M - I, d Phi/d value] (Keller, 1977).
+The arclength counts the state relative to its size and the parameter relative to its range. Steps are longer where the
+correction converges fast and the branch is nearly straight.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Tangent(NamedTuple):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Course:
-    """Settings of a continuation: `span` is the range of the parameter, `size` the least size of a state."""
+    """Settings of a continuation: `span` is the range of the parameter, `size` the smallest scale of a state."""
 
     family: Family
     low: float
@@ -51,27 +51,27 @@ class Course:
         return self.high - self.low
 
     def product(self, a: Tangent, b: Tangent, x: Array) -> float:
-        """Inner product at a state."""
+        """Inner product of two directions at a state."""
         return float(a.x @ b.x) / max(float(x @ x), self.size**2) + a.value * b.value / self.span**2
 
     def unit(self, t: Tangent, x: Array) -> Tangent:
-        """The direction with length one."""
+        """The direction scaled to unit length."""
         length = np.sqrt(self.product(t, t, x))
         return Tangent(t.x / length, t.value / length)
 
     def difference(self, value: float) -> float:
-        """A small change of the parameter, into the range."""
+        """A small difference of the parameter that stays inside the range."""
         sense = 1.0 if value < self.low + 0.5 * self.span else -1.0
         return sense * DIFFERENCE * max(abs(value), 1e-3 * self.span)
 
     def slope(self, at: Orbit) -> Array:
-        """Derivative of the state after a period by the parameter (n,)."""
+        """Derivative of the state after one period with respect to the parameter (n,)."""
         change = self.difference(at.value)
         moved = map_of(self.family, at.value + change, at.start, at.periods)(at.x, tangent=False)
         return (moved.x - at.x) / change
 
     def tangent(self, at: Orbit, along: Tangent) -> Tangent:
-        """Direction of the branch at an orbit, the way `along` goes."""
+        """Direction of the branch at an orbit, on the side of `along`."""
         n = at.x.size
         J = np.zeros((n + 1, n + 1))
         J[:n, :n], J[:n, n] = at.M - np.eye(n), self.slope(at)
@@ -80,9 +80,9 @@ class Course:
         return self.unit(Tangent(found[:n], float(found[n])), at.x)
 
     def next(self, at: Orbit, along: Tangent, length: float) -> Orbit:
-        """The orbit on the plane across `along` at a distance.
+        """The orbit on the plane normal to `along` at a given distance.
 
-        Raises NumericsError where none is found, and InputError on the way to a value that the family has not.
+        Raises NumericsError where no orbit is found, and InputError for a value of the parameter outside the family.
         """
         n = at.x.size
         weight = 1.0 / max(float(at.x @ at.x), self.size**2)
@@ -107,10 +107,12 @@ class Course:
 
 
 class Signs(NamedTuple):
-    """Signs that change at special points: direction of the parameter, number of multipliers beyond 1, -1, in pairs.
+    """Quantities whose change marks a special point.
 
-    And how often each contact closes; where hits end at rest, how often they do: their number in a series has no
-    meaning.
+    Sign of d(parameter), numbers of multipliers above 1, below -1, in pairs.
+
+    Also how often each contact closes. Of impacts that end at rest, the number of such series counts, since the number
+    of impacts in a series has no meaning.
     """
 
     forward: bool
@@ -148,7 +150,7 @@ def kinds(left: Signs, right: Signs) -> list[str]:
 
 
 def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float, after: Tangent) -> list[Special]:
-    """Special points between an orbit and the next, `length` further, located by bisection along the tangent."""
+    """Special points between an orbit and the next one, at distance `length`; bisection along the tangent locates them."""
     left, right = signs(at, along), signs(new, after)
     low, found = 0.0, []
     for _ in range(MOST):
@@ -172,7 +174,7 @@ def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float,
 
 
 class Way(NamedTuple):
-    """A branch under way: its orbits and special points, the direction at the last one, the next step's length."""
+    """A branch during continuation: orbits and special points so far, last direction, length of the next step."""
 
     points: tuple[Orbit, ...]
     specials: tuple[Special, ...]
@@ -181,14 +183,14 @@ class Way(NamedTuple):
 
 
 def begun(course: Course, begin: Orbit, ahead: Tangent, longest: float) -> Way:
-    """A branch at its first orbit."""
+    """A branch that starts at its first orbit."""
     return Way((begin,), (), course.tangent(begin, ahead), FIRST * longest)
 
 
 def followed(
     course: Course, way: Way, *, longest: float, most: int, progress: Callable[[Way], None] | None = None
 ) -> Branch:
-    """All orbits of a branch from where it is; `progress` receives the distance after each."""
+    """All orbits of a branch from the current one on; `progress` receives the distance after each."""
     points, specials, along, length = list(way.points), list(way.specials), way.along, way.length
     while len(points) < most:
         at = points[-1]
@@ -228,7 +230,10 @@ def followed(
 
 
 def merged(course: Course, last: Orbit, new: Orbit) -> bool:
-    """Whether an orbit of even period has passed the one of half its period, beyond which all comes again."""
+    """Whether an orbit of even period has passed the orbit of half its period.
+
+    Beyond that point the branch repeats itself.
+    """
     if new.periods % 2:
         return False
     apart = []
@@ -239,7 +244,7 @@ def merged(course: Course, last: Orbit, new: Orbit) -> bool:
 
 
 def _why(course: Course, at: Orbit, along: Tangent, error: str) -> str:
-    """Reason why a branch stops: grazing within a step, where the map of a rigid contact has no slope."""
+    """Reason why a branch stops: grazing within a step, where the map of a rigid contact is not differentiable."""
     for length in (0.01, -0.01):
         value = at.value + length * along.value
         try:
@@ -252,7 +257,7 @@ def _why(course: Course, at: Orbit, along: Tangent, error: str) -> str:
 
 
 def _at_edge(course: Course, at: Orbit, value: float, x: Array) -> Orbit | None:
-    """The orbit where a step that goes outside leaves the range; None where that is the last one, or none is found."""
+    """The orbit where a step crosses the edge of the range; None if the last orbit is on it, or none is found."""
     edge = course.low if value < course.low else course.high
     if abs(at.value - edge) <= 1e-12 * course.span:
         return None

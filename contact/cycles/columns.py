@@ -1,4 +1,4 @@
-"""The columns of the points of a branch; the parameter and the amplitudes have names of the scene."""
+"""The columns of the points of a branch; the columns of parameter and amplitudes have the scene's names."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ POINTS = (
 
 
 def point_columns(parameter: str, channels: tuple[str, ...]) -> Columns:
-    """The columns of a branch over a parameter, whose amplitudes are those of these channels."""
+    """The columns of a branch over this parameter, with the amplitudes of these channels."""
     head, unit = PARAMETERS.get(parameter, (parameter, ""))
     values = Column(parameter, "Parameter of the branch.", lambda points: [point.value for _, point in points],
                     head=head, unit=unit, format=".8g")  # fmt: skip

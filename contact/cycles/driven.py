@@ -1,4 +1,4 @@
-"""A modal body under a harmonic force before unilateral contacts, as a motion that contacts switch."""
+"""A modal body under a harmonic force before unilateral contacts, as a piecewise linear motion that contacts switch."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ Parameter = Literal["freq_hz", "amplitude", "clearance"]
 
 
 class Family(Protocol):
-    """Periodically forced motions over one parameter."""
+    """A family of periodically forced motions over one parameter."""
 
     @property
     def name(self) -> str:
-        """The parameter."""
+        """Name of the parameter."""
         ...
 
     def at(self, value: float) -> tuple[Motion, float]:
-        """Motion at a value of the parameter, and the period of its forcing [s]."""
+        """The motion at a value of the parameter, and the period of its forcing [s]."""
         ...
 
     @property
@@ -40,7 +40,7 @@ class Family(Protocol):
 
     @property
     def begin(self) -> Array:
-        """State from which runs start."""
+        """State in which runs start."""
         ...
 
 
@@ -51,10 +51,10 @@ class DrivenBody:
     q'' + C q' + K q = rows_d^T F cos + load + W^T lam,  gap = clearance + N q + S lam + lam/stiffness,
     W = N - mu s T, s the sign of the slip T q' - slide of each contact.
 
-    `patch` names body, contacts, constant load and where runs start. A contact whose own S and 1/`stiffness` [N/m]
-    are zero is rigid and hits with Newton's `restitution`; at 0 it stays closed until its force is zero. Friction `mu`
-    needs one tangent for each contact and a ground that slides, fast enough that no slip turns. `shown` are the
-    channels whose amplitude is given, all by default. Raises InputError.
+    `patch` names body, contacts, constant load and where runs start. A contact whose own S and 1/`stiffness` [N/m] are
+    zero is rigid and its impacts have Newton's `restitution`; with 0 it stays closed until its force is zero. Friction
+    `mu` needs one tangent for each contact and a ground that slides, fast enough that no slip changes its direction.
+    `shown` are the channels whose amplitude is given, all by default. Raises InputError.
 
     >>> from contact.model.bodies.modal_body import ModalBody
     >>> mass = ModalBody(omega=[1.0], zeta=[0.025], channels=("x",), rows=[[-1.0]], S=[[0.0]])
@@ -109,14 +109,15 @@ class DrivenBody:
         return found
 
     def compliance(self) -> Array:
-        """Compliance of the contacts, (k, k) [m/N]: the body's S, with friction's share, and the obstacles'."""
+        """Compliance of the contacts, (k, k) [m/N]: that of the body S, with friction, plus that of the obstacles."""
         own = self.patch.compliance()[:: self.patch.dimensions] @ self.pushes()
         return np.asarray(own + np.diag(1.0 / np.asarray(self.stiffness)))
 
     def over(self, name: Parameter, *, freq_hz: float, looks: int | None = None) -> ForcedFamily:
         """Motions over one parameter, the others unchanged; `freq_hz` is its value, or its neighbourhood if it varies.
 
-        `looks` is the number of times in a period at which gaps are examined; events are located whatever it is.
+        `looks` is the number of times in a period at which gaps are examined. It does not limit the accuracy of located
+        events.
         """
         require_positive(freq_hz=freq_hz)
         if name not in ("freq_hz", "amplitude", "clearance"):
@@ -162,7 +163,7 @@ class ForcedFamily:
 
     @property
     def begin(self) -> Array:
-        """State from which runs start: that of the patch."""
+        """State in which runs start: that of the patch."""
         return self.state(np.asarray(self.body.patch.displacement), np.asarray(self.body.patch.velocity))
 
     def state(self, displacement: ArrayLike, velocity: ArrayLike) -> Array:
@@ -171,12 +172,12 @@ class ForcedFamily:
 
 
 def looks_of(period: float, rate: float, looks: int | None) -> float:
-    """Time between samples of the gaps [s]: as many a period as asked for, or by the fastest vibration."""
+    """Time between samples of the gaps [s]: the given number in a period, by default from the fastest vibration."""
     return period / (looks or min(max(math.ceil(period * rate / ANGLE), FEWEST), MOST))
 
 
 def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
-    """State (q, q'/scale), gaps, what is shown; rigid modes get a frequency too low to be felt."""
+    """The linear system: state (q, q'/scale), gaps, shown channels; rigid modes get a negligible frequency."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         plant = _unchecked(body, freq_hz, scale)
     if not all(np.isfinite(part).all() for part in (plant.A, plant.B, plant.D, plant.E, plant.rate)):
@@ -209,7 +210,7 @@ def _unchecked(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
 
 
 def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:
-    """A force F cos(w t) at a channel, which moves gaps and channels by the residual compliance too."""
+    """Harmonic force F cos(w t) at a channel; the residual compliance adds its direct effect on gaps and channels."""
     modes, patch = body.patch.body, body.patch
     at, none = modes.channel(body.channel), np.zeros(scale.size)
     met, shown = patch.channels()[:: patch.dimensions], [modes.channel(name) for name in body.shown]

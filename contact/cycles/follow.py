@@ -1,4 +1,7 @@
-"""All branches over a range: the one that runs settle on, those beyond its ends, of doubled period; kept on disk."""
+"""All branches over a range: the one on which runs settle, those beyond its ends and those of doubled period.
+
+Kept on disk.
+"""
 
 from __future__ import annotations
 
@@ -34,14 +37,14 @@ class Found:
     way: Way | None = None
 
     def begins(self, number: int) -> Orbit | None:
-        """First orbit of a branch, counted from 0, if it was found."""
+        """First orbit of a branch, by its number from 0, if it was found."""
         if number < len(self.done):
             return self.done[number].points[0]
         return self.way.points[0] if self.way is not None and number == len(self.done) else None
 
 
 def digest(family: Family, between: tuple[float, float], first: Orbit | None, *how: float) -> str:
-    """Digest of the input in 64 letters: range, its motion at both ends, first orbit, settings of the continuation."""
+    """Digest (64 letters) of the input: range, motions at both its ends, first orbit, settings of the continuation."""
     text = hashlib.sha256(repr((family.name, between, how)).encode())
     for value in between:
         motion, period = family.at(value)
@@ -61,9 +64,9 @@ def follow(
     `first` is an orbit at the first value, by default the one a run settles on; `longest` the longest step, 1 being a
     change of the state by its own size, or the range; `most` the number of orbits of a branch. Where a branch ends
     inside the range (a rigid contact grazes), a run from its last stable orbit goes on, a hundredth of the range at a
-    time, until it settles on an orbit, which is followed as another branch. From each flip the branch of doubled
-    period is followed, to `doublings` doublings. `checkpoint` names a file that keeps what is found meanwhile; where it
-    exists the search goes on from there, and finds the same to the last bit. `progress` is told branch, value, orbits.
+    time, until it settles on an orbit, which is followed as another branch. From each flip the branch of doubled period
+    is followed, to `doublings` doublings. `checkpoint` names a file that keeps what is found meanwhile; if it exists,
+    the search continues from it with bit-identical results. `progress` receives branch, value and number of orbits.
     Raises InputError, and NumericsError where no orbit is found.
 
     >>> import numpy as np
@@ -124,7 +127,10 @@ def _main(
     family: Family, between: tuple[float, float], first: Orbit | None, go: Go, looking: Callable[[float], None],
     known: Callable[[], Orbit | None],
 ) -> None:  # fmt: skip
-    """From the first value to the other end, by runs where a branch ends inside; `known` is where the next begins."""
+    """The main branch up to the other end, continued by runs where it ends inside the range; `known`.
+
+    Starts already found.
+    """
     begin, sense = first, float(np.sign(between[1] - between[0]))
     if begin is None:
         begin = known() or orbit(family, between[0])
@@ -144,7 +150,7 @@ def _main(
 def _beyond(
     family: Family, between: tuple[float, float], kept: Orbit, reached: float, looking: Callable[[float], None]
 ) -> Orbit | None:
-    """The next orbit that a run from a kept one settles on, beyond the range covered so far."""
+    """The next orbit on which a run from a known one settles, beyond the range covered so far."""
     step = (between[1] - between[0]) / TRIES
     value, x, start = reached + 0.1 * step, np.array(kept.x), kept.start
     while abs(value - between[0]) < abs(between[1] - between[0]):
@@ -160,7 +166,7 @@ def _beyond(
 def _doubled(
     family: Family, between: tuple[float, float], branch: Branch, doublings: int, longest: float, go: Go
 ) -> None:
-    """Branches of doubled period from the flips of a branch, and from theirs."""
+    """Branches of doubled period from the flips of a branch, and from the flips of those branches."""
     if doublings == 0:
         return
     for flip in branch.of("flip"):
@@ -171,7 +177,7 @@ def _doubled(
 
 
 def _beside(course: Course, flip: Special, longest: float) -> tuple[Orbit, Tangent] | None:
-    """An orbit of doubled period beside a flip, and the way away from it; None where none is found."""
+    """An orbit of doubled period beside a flip, and the direction away from the flip; None where none is found."""
     at = flip.orbit
     values, vectors = np.linalg.eig(at.M)
     across = vectors[:, int(np.argmin(np.abs(values + 1.0)))].real

@@ -1,4 +1,4 @@
-"""One period of a motion that contacts switch, with its derivative: exact between events, events located.
+"""One period of a motion that contacts switch, with its derivative: exact between events, which are located.
 
 At an opening, and at the closing of a contact that gives way, the forces are continuous and so is the derivative. A
 rigid contact's impact x+ = j(x-, t) multiplies it by d_x j + (f+ - d_x j f- - d_t j) grad(gap)/gap' (saltation,
@@ -27,9 +27,11 @@ TOUCH = 1e-7  # of the velocities that add up to the gap's: a slower hit is the 
 
 
 class Event(NamedTuple):
-    """A contact closes or opens; `speed` [m/s] at which a rigid one is hit, `stays` closed or rebounds.
+    """A closing or an opening.
 
-    `rests`: it is the end of a series of ever smaller hits.
+    `speed` [m/s] is the impact speed of a rigid contact, `stays` whether it then remains closed.
+
+    `rests`: the event ends a series of ever smaller impacts.
     """
 
     time: float
@@ -45,7 +47,7 @@ After = tuple[Array, Array | None, Closed, Event]  # state, derivative and close
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Passage:
-    """End of a period: state, derivative (n, n) if requested, events, contacts closed at `first` and at the end.
+    """End of a period: state, derivative (n, n) if requested, events, closed contacts at `first` and at the end.
 
     Over the period: least gap and largest force of each contact (k,), `amplitude` max |u| of what is shown (o,).
     """
@@ -70,7 +72,7 @@ class Extremes(NamedTuple):
     least: Array
 
     def after(self, phase: Phase, work: PhaseWork) -> Extremes:
-        """With those of another phase."""
+        """Extremes of this phase and another one together."""
         k, shut = self.gap.size, list(phase.closed)
         gap, force = work.least[:k].copy(), self.force.copy()
         gap[shut], force[shut] = np.minimum(self.gap[shut], 0.0), work.most[shut]
@@ -79,7 +81,7 @@ class Extremes(NamedTuple):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Motion:
-    """A plant under a drive, its phases made when they are met; those of the plant are shared over all drives."""
+    """A plant under a drive; its phases are computed when first needed, those of the plant once for all drives."""
 
     plant: Plant
     drive: Drive
@@ -100,7 +102,7 @@ class Motion:
         return np.asarray(self.drive.w * time * self.drive.harmonics)
 
     def gap_velocity(self, x: Array, time: float) -> tuple[Array, Array, Array]:
-        """Velocity of each gap: its part from x, and its part from time alone."""
+        """Velocity of each gap: the part due to the state x, and the part due to time alone."""
         plant, w, rows = self.plant, self.drive.w * self.drive.harmonics, self.plant.gap_rates
         moving = self.drive.c.rate(w).plus(self.drive.b.seen(plant.C))
         angle = self.angle(time)
@@ -112,7 +114,7 @@ class Motion:
         return np.asarray(driven.phase.A @ x + driven.b.at(self.angle(time)))
 
     def closed_at(self, x: Array, time: float) -> Closed:
-        """Contacts that press at a state; rigid ones are open, and must not be inside each other."""
+        """Contacts that press at a state; rigid contacts count as open, and must not be penetrated."""
         plant, moved = self.plant, self.drive.c.at(self.angle(time))
         gap, size = plant.C @ x + moved, np.abs(plant.C) @ np.abs(x) + np.abs(moved)
         if np.any((gap < -INSIDE * size)[plant.rigid]):
@@ -122,7 +124,7 @@ class Motion:
 
 
 def pressing(W: Array, g: Array) -> Array:
-    """Lam >= 0 with W lam + g >= 0, complementary, by principal pivoting (the least index after a while)."""
+    """Forces lam >= 0 with W lam + g >= 0, complementary, by principal pivoting (after some steps by least index)."""
     closed = g < 0.0
     if not closed.any():
         return np.zeros(g.size)
@@ -140,7 +142,9 @@ def pressing(W: Array, g: Array) -> Array:
 def passage(
     motion: Motion, x: Array, start: float, period: float, *, tangent: bool = True, extremes: bool = True
 ) -> Passage:
-    """Follow x from time `start` over `period` [s]; without `extremes`, gap, force and amplitude mean nothing.
+    """Follow the state x from time `start` over `period` [s].
+
+    Without `extremes`, gap, force and amplitude are not computed.
 
     Raises NumericsError for chatter.
     """
@@ -198,7 +202,7 @@ def _switched(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: in
 
 
 def _impact(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float) -> After:
-    """Newton's impact at one rigid contact; the rigid ones closed already take their share."""
+    """Newton's impact at one rigid contact; rigid contacts that are already closed take their share of the impulse."""
     plant, H = motion.plant, motion.plant.impulse
     velocity, rows, faster = motion.gap_velocity(x, time)
     speed, e = -float(velocity[hit]), float(plant.restitution[hit])
@@ -221,7 +225,7 @@ def _impact(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int,
 
 
 def _at_rest(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float, still: Array) -> After:
-    """The end of a series of ever smaller hits: all rigid contacts that touch come to rest together."""
+    """The end of a series of ever smaller impacts: all rigid contacts that touch come to rest together."""
     plant = motion.plant
     velocity, _, _ = motion.gap_velocity(x, time)
     gap = plant.C @ x + motion.drive.c.at(motion.angle(time))
@@ -252,7 +256,7 @@ def _kept(motion: Motion, x: Array, closed: Closed, stays: list[int], time: floa
 
 
 def _begun(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> PhaseWork:
-    """The work space of a phase that begins at y."""
+    """Work arrays of a phase that starts at state y."""
     work, phase, k = driven.work, driven.phase, reached.gap.size
     work.y[0], work.y[1] = y.real, y.imag
     most, least = work.most, work.least

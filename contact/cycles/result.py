@@ -1,4 +1,4 @@
-"""Result of a continuation: branches of orbits and special points, as a table, JSON and npz."""
+"""Result of a continuation: branches of orbits and special points; as a table, JSON and npz."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FEW = 4  # grazing points that are told one by one
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Special:
-    """A point where something changes: "fold", "flip", "Neimark-Sacker", "branch point" or "grazing".
+    """A special point of a branch: "fold", "flip", "Neimark-Sacker", "branch point" or "grazing".
 
     `orbit` is the first orbit after the change, `before` the last one before it, 1e-5 of a step apart.
 
@@ -80,23 +80,23 @@ class Branch:
         return np.array([point.multiplier for point in self.points])
 
     def amplitude(self, channel: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        """Amplitude of a channel over the points [m]."""
+        """Amplitude of a channel at each point [m]."""
         return np.array([point.amplitude[channel] for point in self.points])
 
     def of(self, kind: str) -> tuple[Special, ...]:
-        """Special points of a kind."""
+        """Special points of one kind."""
         return tuple(special for special in self.specials if special.kind == kind)
 
     @property
     def stretches(self) -> tuple[tuple[bool, float, float], ...]:
-        """Stable or not, from which value to which, in the order of the branch."""
+        """Intervals of stable and unstable orbits with their parameter values, in the order of the branch."""
         spans = [(kept, list(part)) for kept, part in groupby(self.points, key=lambda point: point.stable)]
         return tuple((kept, part[0].value, part[-1].value) for kept, part in spans)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Cycles(Reported):
-    """Branches of periodic orbits over a parameter: the one that was followed first, then those that leave it.
+    """Branches of periodic orbits over a parameter: the branch that was followed first, then the branches from it.
 
     >>> import contact as ct
     >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
@@ -174,7 +174,10 @@ class Cycles(Reported):
         }  # fmt: skip
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write npz without pickle; states, multipliers, amplitudes of every point beside the value itself."""
+        """Write an npz file without pickle.
+
+        States, multipliers and amplitudes of all points are separate arrays for other programs.
+        """
         points = [point for part in self.branches for point in part.points]
         specials = [(number, special) for number, part in enumerate(self.branches, 1) for special in part.specials]
         return save_value(path, self, {

@@ -1,4 +1,4 @@
-"""A turning rim against its blades over speed, clearance or friction, in the blades' frame: coefficients are constant.
+"""A rotating rim against its blades over speed, clearance or friction; constant coefficients in the blades' frame.
 
 A perfect casing's modes turn into each other, so with G as in `contact.model.gaps.permanent.ClosedContact`
 (D + Omega G)^2 q + C (D + Omega G) q + K q = (Q - mu s T)^T lam,
@@ -74,7 +74,7 @@ class RimFamily:
 
     @property
     def rub(self) -> Rub:
-        """The rub, of one tip where it is a rotating rim."""
+        """The rub; a rotating rim as a rub with one tip."""
         rub: Rub = rub_of(self.rim)
         return rub
 
@@ -86,7 +86,7 @@ class RimFamily:
 
     @property
     def begin(self) -> Array:
-        """State from which runs start: the bodies at rest, or as given."""
+        """State in which runs start: the bodies at rest, or as given."""
         rub = self.rub
         parts = [
             [np.zeros(body.omega.size) if part is None else np.asarray(part) / scale
@@ -118,10 +118,10 @@ class RimFamily:
 
 
 def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, float]:
-    """The rub in its coating as a run has left it: its profile by `harmonics`, and the coating's stiffness [N/m].
+    """The rub with its coating as a run has worn it: profile as `harmonics`, and stiffness of the coating [N/m].
 
-    The tip's land feels the mean of the surface under it, and all its bars together; nothing more is worn. Raises
-    InputError for tips on several tracks.
+    Under the tip's land the mean of the worn surface acts, and all its bars act together. The coating wears no further.
+    Raises InputError for tips on several tracks.
 
     >>> import contact as ct
     >>> from contact.record.wear import Wear
@@ -165,7 +165,10 @@ def _require_periodic(rub: Rub, mu: float) -> None:
 
 
 def _plant(rub: Rub, contact: ClosedContact, speed: float, stiffness: float) -> Plant:
-    """The state of `first_order`; the outputs are those in `SHOWN`, then each slip in the direction of rotation."""
+    """State space of `first_order`.
+
+    The outputs are those in `SHOWN`, then the slip of each tip in the direction of rotation.
+    """
     k, sense, m = len(contact.Q), math.copysign(1.0, speed), contact.omega.size
     bodies, (C, K) = first_order(contact, speed), contact.matrices(speed)
     shown, pushed = _shown(rub, contact, sense)
@@ -203,7 +206,7 @@ def _shown(rub: Rub, contact: ClosedContact, sense: float) -> tuple[Array, Array
 
 
 def _waves(rub: Rub, sense: float) -> dict[int, Complex]:
-    """Excitation at the tips, by order: sum of Re z e^{i order |Omega| t} over out-of-roundness and whirl, (tips,)."""
+    """Excitation at the tips by order, from out-of-roundness and whirl: sum of Re z e^{i order |Omega| t}, (tips,)."""
     angle = np.radians([tip.angle_deg for tip in rub.tips])
     terms = [(p, (cos + 1j * sin) * np.exp(-1j * p * angle)) for p, cos, sin in rub.profile.terms]
     terms += [
@@ -218,7 +221,7 @@ def _waves(rub: Rub, sense: float) -> dict[int, Complex]:
 
 
 def _drive(rub: Rub, contact: ClosedContact, speed: float, waves: dict[int, Complex], base: int) -> Drive:
-    """The out-of-roundness as it passes the tips; the slips' means."""
+    """Forcing by the out-of-roundness as it passes the tips, and mean slips."""
     k, n = len(rub.tips), 2 * contact.omega.size
     orders = [order for order in waves if order > 0] or [base]
     wave = np.stack([waves.get(order, np.zeros(k)) + 0j for order in orders], axis=1)

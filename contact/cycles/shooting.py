@@ -26,7 +26,9 @@ HALVINGS = 5
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Orbit:
-    """A periodic motion: it begins at `start` of the forcing's period and closes after `periods` of them, `period` s.
+    """A periodic motion.
+
+    It starts at phase `start` of the forcing and repeats after `periods` of its periods, `period` s.
 
     `x` is its state there, `multipliers` (n,) the eigenvalues of the derivative of that map; `amplitude` max |u| [m] by
     channel; `gap`, `force` (k,) the least gap [m] and the largest force [N] of each contact, `closings` (k,) how often
@@ -60,18 +62,18 @@ class Orbit:
 
     @property
     def multiplier(self) -> float:
-        """Largest |Floquet multiplier|: above 1 the orbit is left."""
+        """Largest |Floquet multiplier|; above 1 the orbit is unstable."""
         return float(np.abs(self.multipliers).max())
 
     @property
     def growth(self) -> float:
-        """Growth of a motion beside the orbit [1/s], log of the largest |multiplier| over the period."""
+        """Growth of a small deviation from the orbit [1/s]: log of the largest |multiplier| over the period."""
         size = self.multiplier
         return math.log(size) / self.period if size > 0.0 else -math.inf
 
     @property
     def stable(self) -> bool:
-        """Whether motions beside the orbit come back to it; without damping they do not."""
+        """Whether small deviations from the orbit decay; without damping they do not."""
         return self.multiplier < 1.0 - EVEN
 
     @property
@@ -80,7 +82,7 @@ class Orbit:
         return sum(often > 0 or contact in self.touching for contact, often in enumerate(self.closings))
 
     def twice(self) -> Orbit:
-        """The same motion as one of twice the period."""
+        """The same motion as an orbit of twice the period."""
         return replace(
             self, periods=2 * self.periods, period=2.0 * self.period, M=readonly(self.M @ self.M),
             multipliers=self.multipliers**2, closings=tuple(2 * often for often in self.closings),
@@ -95,7 +97,7 @@ class Orbit:
 
 
 class Map(NamedTuple):
-    """The map of an orbit's period at one value of the parameter."""
+    """The map over an orbit's period at one value of the parameter."""
 
     motion: Motion
     start: float
@@ -107,7 +109,7 @@ class Map(NamedTuple):
 
 
 def map_of(family: Family, value: float, start: float = 0.0, periods: int = 1) -> Map:
-    """The map at a value; `start` as a fraction of the forcing's period."""
+    """The map at a value of the parameter; `start` is a fraction of the forcing's period."""
     motion, period = family.at(value)
     return Map(motion, start * period, periods * period)
 
@@ -154,7 +156,7 @@ def orbit(
 
 
 def require_state(x: Array, family: Family, name: str) -> Array:
-    """A state of a family's motion, or sizes of one; raises InputError for anything else."""
+    """Check a state of a family's motion, or the sizes of one; raises InputError for anything else."""
     x = np.asarray(x, dtype=float)
     if x.shape != family.begin.shape:
         expected = f"{family.begin.shape}, displacements and then velocities"
@@ -165,7 +167,7 @@ def require_state(x: Array, family: Family, name: str) -> Array:
 
 
 def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, Passage]:
-    """Newton's step, halved until the motion closes better than before; the full step if none does."""
+    """Newton's step, halved until the motion repeats better than before; the full step if no half does."""
     before, last = np.linalg.norm(found.x - x), None
     for k in range(HALVINGS):
         trial = x + 0.5**k * change
@@ -185,11 +187,11 @@ def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, 
 def settled(
     family: Family, value: float, most: int, periods: int = 1, *, x: Array | None = None, at: float = 0.0
 ) -> tuple[Array, float]:
-    """State after a run of `most` periods, fewer if it settles, and its fraction of the forcing's period.
+    """State after a run of at most `most` periods, fewer if it settles, and the phase of the forcing.
 
-    The run begins at the family's start, or at a state x, `at` of the period. A run that does not settle gives the
-    state that came closest to itself over a period: chaos passes near orbits that it does not stay on. The state
-    returned has no rigid contact closed.
+    The run starts at the family's start, or in state x at phase `at`. A run that does not settle returns the state that
+    changed least over a period, since chaotic motion passes close to unstable orbits. No rigid contact is closed in the
+    returned state.
     """
     motion, period = family.at(value)
     x = family.begin if x is None else x
@@ -213,7 +215,7 @@ def settled(
 
 
 def _free_time(found: Passage, motion: Motion, period: float) -> float:
-    """Time to the middle of the longest stretch without a closed rigid contact [s]; 0 where none is touched."""
+    """Time to the middle of the longest interval without a closed rigid contact [s]; 0 without such contacts."""
     events = [event for event in found.events if motion.plant.rigid[event.contact]]
     if not events:
         return 0.0
@@ -235,7 +237,7 @@ def _free_time(found: Passage, motion: Motion, period: float) -> float:
 def made(
     family: Family, value: float, map_: Map, periods: int, start: float, x: Array, found: Passage, iterations: int
 ) -> Orbit:  # fmt: skip
-    """The orbit of a passage that closes."""
+    """The orbit of a passage that returns to its start."""
     assert found.M is not None
     closings, rests = [0] * len(found.force), [0] * len(found.force)
     for event in found.events:

@@ -33,15 +33,15 @@ class Forcing(NamedTuple):
     wave: Complex
 
     def seen(self, rows: Array) -> Forcing:
-        """Rows times the vector."""
+        """Product of rows with the vector."""
         return Forcing(rows @ self.rest, rows @ self.wave)
 
     def plus(self, other: Forcing) -> Forcing:
-        """Sum of both."""
+        """Sum with another forcing."""
         return Forcing(self.rest + other.rest, self.wave + other.wave)
 
     def at(self, angle: Array) -> Array:
-        """Value where the harmonics have these angles [rad], (n,)."""
+        """Value (n,) at these angles of the harmonics [rad]."""
         return np.asarray(self.rest + (self.wave @ np.exp(1j * angle)).real)
 
     def rate(self, w: Array) -> Forcing:
@@ -53,9 +53,9 @@ class Forcing(NamedTuple):
 class Plant:
     """Quantities constant along a branch: A (n, n), B (n, k), C (k, n), S (k, k), outputs D (o, n), E (o, k).
 
-    `rate` [rad/s] is a typical one, for closed rigid contacts; `restitution` (k,). The last `hidden` of what is shown
-    are for this program alone: `slips` names contacts with the row of their slip, which has to stay positive while they
-    are closed, or friction would turn.
+    `rate` [rad/s] is a typical rate, used for closed rigid contacts; `restitution` (k,). The last `hidden` outputs are
+    internal: `slips` gives contacts with the row of their slip. It must stay positive while the contact is closed, else
+    friction would change its direction.
     """
 
     A: Array
@@ -76,17 +76,17 @@ class Plant:
 
     @cached_property
     def soft(self) -> NDArray[np.intp]:
-        """Numbers of the others."""
+        """Indices of the contacts with a compliance."""
         return np.flatnonzero(~self.rigid)
 
     @cached_property
     def soft_S(self) -> Array:
-        """S of the soft contacts alone."""
+        """The block of S of the contacts with a compliance."""
         return np.asarray(self.S[np.ix_(self.soft, self.soft)])
 
     @cached_property
     def gap_rates(self) -> Array:
-        """C A: velocity of each gap for each state, (k, n)."""
+        """C A: rate of each gap per unit of each state, (k, n)."""
         return np.asarray(self.C @ self.A)
 
     @cached_property
@@ -161,7 +161,10 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
 
 
 def _balanced(L: Array) -> Array:
-    """Rows, then columns, over their largest entry: contacts of any size may be independent. Zeros stay zeros."""
+    """Rows, then columns, divided by their largest entry, so that contacts of any scale can be compared.
+
+    Zeros stay zeros.
+    """
     for axis in (1, 0):
         largest = np.abs(L).max(axis=axis, keepdims=True)
         L = L / np.where(largest > 0.0, largest, 1.0)

@@ -1,4 +1,4 @@
-"""Strict reading, safe writing, checks of names, and the base of results; nothing here knows physics."""
+"""Strict reading, safe writing, checks of names, and the base class of results; independent of physics."""
 
 import lazy_loader
 

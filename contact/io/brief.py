@@ -1,4 +1,4 @@
-"""One line on a frozen value, printed for a shell, a mesh or a scene. Arrays are shown by their shapes."""
+"""One line that describes a frozen value, printed for a shell, a mesh or a scene. Arrays are shown by their shapes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MANY, LONG = 4, 90  # entries of a list, characters of a part, that are shown
 
 
 def brief(value: Any) -> str:
-    """The name of a dataclass and those of its fields that are not at their default.
+    """Name of the dataclass and its fields that differ from their defaults.
 
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def not_default(value: Any, field: Field[Any]) -> bool:
 
 
 def part(value: Any) -> str:
-    """A value inside of another, on one line."""
+    """A nested value in one line."""
     if isinstance(value, str):
         return repr(value)
     if isinstance(value, float):
@@ -53,6 +53,6 @@ def part(value: Any) -> str:
 
 
 def listed(entries: Iterable[str]) -> str:
-    """The first few entries, and how many there are."""
+    """The first few entries, and the number of entries."""
     found = list(entries)
     return ", ".join(found) if len(found) <= MANY else f"{', '.join(found[:MANY])}, ... {len(found)}"

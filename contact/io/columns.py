@@ -99,7 +99,7 @@ def plain(values: Iterable[Any]) -> Iterable[Any]:
 
 
 def present(values: Iterable[float]) -> list[float | None]:
-    """Numbers, with None for each nan.
+    """Numbers, None in place of nan.
 
     >>> present(np.array([1.5, np.nan]))
     [1.5, None]
@@ -108,7 +108,7 @@ def present(values: Iterable[float]) -> list[float | None]:
 
 
 def known(labels: Iterable[int]) -> list[int | None]:
-    """Labels, with None for each negative one.
+    """Labels, None in place of negative ones.
 
     >>> known(np.array([8, -1]))
     [8, None]
@@ -117,12 +117,12 @@ def known(labels: Iterable[int]) -> list[int | None]:
 
 
 def word(value: Any) -> str:
-    """Format of a column of words: the word itself."""
+    """Format of a column of words: the word unchanged."""
     return str(value)
 
 
 def mark(text: str) -> Callable[[Any], str]:
-    """Format of a truth value: the word where it is true.
+    """Format of a truth value: the word if true, else empty.
 
     >>> mark("rigid")(True), mark("rigid")(False)
     ('rigid', '')
@@ -131,7 +131,7 @@ def mark(text: str) -> Callable[[Any], str]:
 
 
 def cells_of(columns: Columns, rows: Rows, *, printed: bool = False) -> tuple[list[Column], list[list[str | None]]]:
-    """The columns that a table of a page shows, or a printed one, and their cells row by row; None for no value.
+    """The columns of a table on a page or in print, and their cells row by row; None where there is no value.
 
     Columns of words that are empty in all rows are left out.
     """
@@ -144,7 +144,7 @@ def cells_of(columns: Columns, rows: Rows, *, printed: bool = False) -> tuple[li
 
 
 def table_lines(columns: Columns, rows: Rows, *, width: int = WIDTH) -> list[str]:
-    r"""Rows as lines of text of at most `width` under their headers, numbers to the right, words to the left.
+    r"""Rows as lines of text of at most `width` under their headers; numbers align right, words left.
 
     >>> print("\n".join(table_lines([Column("n", "Nodal diameters.", iter, format="d"),
     ...                              Column("freq_hz", "Frequency.", iter, head="freq", unit="Hz", format=".1f")],
@@ -162,7 +162,9 @@ def table_lines(columns: Columns, rows: Rows, *, width: int = WIDTH) -> list[str
 def laid_out(
     heads: Sequence[str], rows: Sequence[Sequence[str]], sides: Sequence[str], width: int = WIDTH
 ) -> list[str]:  # fmt: skip
-    """A table as lines of at most `width` characters; further columns follow below, after the first one again.
+    """A table as lines of at most `width` characters.
+
+    Further columns follow below, each block with the first column again.
 
     A single column may be wider.
     """
@@ -175,7 +177,7 @@ def laid_out(
 
 
 def blocks_of(wide: Sequence[int], width: int = WIDTH) -> list[list[int]]:
-    """Columns of each part of a table, by the widths of all columns.
+    """Columns of each block of a table, by the widths of all columns.
 
     >>> blocks_of([4, 30, 40, 20])
     [[0, 1, 2], [0, 3]]

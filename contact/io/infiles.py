@@ -1,8 +1,8 @@
-"""Opening of all files that a user names: an unreadable file is refused in a sentence, and nothing hangs.
+"""Open the files that a user names: an unreadable file gets a clear error, and nothing hangs.
 
 A regular file is read up to a bound on its size. A pipe (`<(command)`, /dev/stdin, a FIFO) is read until its writer
 closes it, up to the same bound and to bounds on time. Folders, devices, sockets and links to nothing are refused.
-A file of a set that was not finished is refused too (`contact.io.publication`). Reading changes nothing on the disk.
+A file of an incomplete set is refused too (`contact.io.publication`). Reading changes nothing on the disk.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _read_pipes: ContextVar[dict[tuple[int, int], bytes] | None] = ContextVar("_read
 
 
 class TextError(ValueError):
-    """A file that is not the expected text: `line`, `found` and `expected` state place and finding."""
+    """A file that is not the expected text; `line`, `found` and `expected` describe the fault."""
 
     def __init__(self, line: int, found: str, expected: str) -> None:
         self.line, self.found, self.expected = line, found, expected
@@ -47,13 +47,10 @@ class TextError(ValueError):
 
 
 def open_file(path: str | os.PathLike[str], *, most: float = MOST) -> IO[bytes]:
-    """Open a file for reading, seekable; of a pipe its whole content.
+    """Open a file for reading, seekable; of a pipe, its whole content.
 
-    Raises
-    ------
-    OSError
-        What is no readable file of at most `most` bytes, or a pipe that gives nothing or has no end. The error has the
-        number that the system has for it, and in `strerror` a sentence: what was found, what is expected.
+    Raises ------ OSError The file is unreadable or larger than `most` bytes, or a pipe is empty or endless. The error
+    has the number of the system, and in `strerror` a sentence: what was found and what is expected.
     """
     name = os.fspath(path)
     require_whole(name)
@@ -109,7 +106,7 @@ def regular_file(path: str | os.PathLike[str], *, most: float = MOST) -> Path:
 
 @contextmanager
 def pipes_read_once() -> Iterator[None]:
-    """Inside, a second read of a pipe returns the same bytes, as of a file: to the parser, then to the hash."""
+    """Within this context a second read of a pipe returns the same bytes, for the parser and then for the hash."""
     if _read_pipes.get() is not None:
         yield
         return
@@ -121,9 +118,9 @@ def pipes_read_once() -> Iterator[None]:
 
 
 def text_of(data: bytes, *, utf16: bool = False) -> str:
-    r"""The text of bytes in UTF-8, whose mark is left out; with `utf16` also of UTF-16 that begins with its mark.
+    r"""The text of bytes in UTF-8, without its byte order mark; with `utf16` also UTF-16 that begins with the mark.
 
-    Raises TextError with the line, for another encoding and for what is no text.
+    Raises TextError with the line, for another encoding and for binary data.
 
     >>> text_of(b"\xef\xbb\xbfhz = 5"), text_of("a,b".encode("utf-16"), utf16=True)
     ('hz = 5', 'a,b')
@@ -149,7 +146,7 @@ def text_of(data: bytes, *, utf16: bool = False) -> str:
 
 
 def _opened(name: str) -> int:
-    """A descriptor, without waiting for anybody."""
+    """A file descriptor, opened without waiting."""
     try:
         return os.open(name, OPENING)
     except ValueError:
@@ -167,7 +164,7 @@ def _opened(name: str) -> int:
 
 
 def _missing(name: str) -> str:
-    """Description of a path where there is no file."""
+    """Description of a path where no file exists."""
     if os.path.islink(name):
         return f"found a link to {os.readlink(name)!r}, which is not there, expected a file"
     folder = os.path.dirname(name) or "."
@@ -204,7 +201,10 @@ def _content(descriptor: int, status: os.stat_result, name: str, most: float) ->
 
 
 def _to_the_end(descriptor: int, pipe: bool, name: str, most: float) -> bytes:
-    """All pieces until the last writer has closed the pipe. Before the first piece it may not have opened it yet."""
+    """All pieces until the last writer has closed the pipe.
+
+    Before the first piece the writer may not have opened it yet.
+    """
     pieces, size, last, writer = list[bytes](), 0, time.monotonic() + LONGEST, not pipe
     while True:
         try:
@@ -228,7 +228,7 @@ def _to_the_end(descriptor: int, pipe: bool, name: str, most: float) -> bytes:
 
 
 def _waited(descriptor: int, name: str) -> bool:
-    """Wait until the pipe has something to read, or its writer has closed it, which is returned."""
+    """Wait until the pipe has data or its writer has closed it; returns whether it was closed."""
     if not hasattr(select, "poll"):  # on Windows a read waits itself
         return True
     poll = select.poll()

@@ -1,4 +1,4 @@
-"""Ctrl-C, held back while a few operations belong together."""
+"""Delay Ctrl-C while a few operations must be completed together."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits until the end of the block; processes started inside never get it.
+    """Delay Ctrl-C to the end of the block; processes started inside never get it.
 
-    A signal may reach any thread, and Python interrupts the main one then: there it is noted until the end as well.
+    A signal may arrive in any thread and then interrupts Python's main thread; there it is delayed as well.
     """
     noted: list[int] = []
     main = threading.current_thread() is threading.main_thread()

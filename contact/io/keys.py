@@ -1,4 +1,4 @@
-"""Meaning and range of a field, stated beside it: values are checked by them, files and docs are made from them."""
+"""Meaning and range of a field, stated beside it; checks of values, input files and docs use them."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Key:
     text
         Meaning, with the unit in brackets.
     range
-        Of a number; what a file may state is `RANGES` of `contact.io.tables`. In a file a "length" and a "place" of a
+        Of a number; the ranges in files are `RANGES` of `contact.io.tables`. In a file a "length" and a "place" of a
         structure are at most a kilometre, a "turn" lies from -360 to 360 degrees, a "lean" between -90 and 90 degrees,
         an angle "below a turn" between 0 and 2 pi.
     check
         Name of the check of plausibility that a file's number must pass (`contact.io.plausible`); none if empty.
     least, most
-        Bounds of a number, the ends included; of a text or a list of stations nothing.
+        Bounds of a number, the ends included; they do not apply to texts and lists of stations.
     degrees
         Whether the value is an angle in radians that a file states in degrees, under the name that ends in `_deg`.
     stations

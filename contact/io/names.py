@@ -24,7 +24,7 @@ def names_fault(names: Iterable[str]) -> str:
 
 
 def hint(name: str, known: Collection[str], most: int = 1, cutoff: float = 0.6) -> str:
-    """The names that a mistyped one may mean, as the end of a sentence; "" where none is near.
+    """The names similar to a mistyped one, as the end of a sentence; "" if none is similar.
 
     >>> hint("thicknes", ["thickness", "mesh"]), hint("x", ["thickness"])
     (' (did you mean thickness?)', '')

@@ -1,4 +1,4 @@
-"""Progress in notebooks: a line that is written over, from two seconds on; nothing elsewhere."""
+"""Progress in notebooks: one line that is overwritten, after two seconds; nothing elsewhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def in_notebook() -> bool:
 
 
 def notebook_progress(what: str, words: Callable[..., str]) -> Callable[..., None] | None:
-    """A `progress` that states it in a notebook, `words` of its arguments; None elsewhere.
+    """A `progress` callback for notebooks, which shows `words` of its arguments; None outside notebooks.
 
     >>> notebook_progress("run", "{:.0%}".format) is None
     True
@@ -25,14 +25,14 @@ def notebook_progress(what: str, words: Callable[..., str]) -> Callable[..., Non
 
 
 class Line:
-    """One line on stderr, written over."""
+    """One line on stderr, overwritten each time."""
 
     def __init__(self, what: str, words: Callable[..., str]) -> None:
         self.what, self.words = what, words
         self.next = time.monotonic() + PATIENCE
 
     def __call__(self, *done: Any) -> None:
-        """State how far it is, unless that was stated just now."""
+        """Show the progress, unless it was shown a moment ago."""
         now = time.monotonic()
         if now >= self.next:
             self.next = now + PACE

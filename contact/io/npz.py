@@ -1,4 +1,4 @@
-"""Files of plain arrays (npz): without pickle, written whole or not at all, read with each member checked first."""
+"""Files of plain arrays (npz): no pickle, written whole or not at all, each member checked before reading."""
 
 from __future__ import annotations
 
@@ -54,11 +54,8 @@ def save_npz(stream: IO[bytes], arrays: Mapping[str, ArrayLike], *, compressed: 
 def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     """All arrays of a file by name.
 
-    Raises
-    ------
-    ValueError
-        No file, another kind of file, or a member that is damaged, encrypted, packed beyond measure, or not of plain
-        numbers or text; it is named.
+    Raises ------ ValueError The file does not exist or is of another kind, or a member is damaged, encrypted,
+    compressed too strongly, or not plain numbers or text. The message names the member.
     """
     name = ""
     try:
@@ -75,7 +72,7 @@ def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 
 def require_kinds(arrays: Mapping[str, NDArray[Any]], kinds: Mapping[str, ArrayKind]) -> None:
-    """Raise ValueError for the first array not of its kind; those that `kinds` does not name are real numbers."""
+    """Raise ValueError for the first array of a wrong kind; arrays that `kinds` does not name must be real numbers."""
     for name, array in arrays.items():
         letters, expected = KINDS[kinds.get(name, "real")]
         if array.dtype.kind not in letters:
@@ -83,7 +80,7 @@ def require_kinds(arrays: Mapping[str, NDArray[Any]], kinds: Mapping[str, ArrayK
 
 
 def _check(archive: ZipFile, size: int) -> None:
-    """Refuse, before unpacking, a file that is no npz or was made to fill the memory."""
+    """Refuse, before unpacking, a file that is not npz or that was made to exhaust memory."""
     members = archive.infolist()
     largest = max(members, key=lambda info: info.file_size, default=None)
     unpacked = sum(info.file_size for info in members)
@@ -96,7 +93,7 @@ def _check(archive: ZipFile, size: int) -> None:
 
 
 def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
-    """One array, its header held against its size before memory is asked for."""
+    """One array; its header is compared with its size before memory is allocated."""
     if info.flag_bits & 1 or info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         how = "encrypted" if info.flag_bits & 1 else f"packed by method {info.compress_type}"
         raise ValueError(f"found it {how}, expected it stored or deflated")
@@ -119,7 +116,7 @@ def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
 
 
 def whole(arrays: Mapping[str, NDArray[Any]], name: str) -> int:
-    """A number that counts; 0 where there is none.
+    """A nonnegative whole number; 0 if it is missing.
 
     >>> whole({"n_max": np.array(8)}, "n_max")
     8
@@ -131,7 +128,7 @@ def whole(arrays: Mapping[str, NDArray[Any]], name: str) -> int:
 
 
 def compliance_fault(S: NDArray[Any]) -> str:
-    """Fault of a static compliance matrix, which must be symmetric without negative eigenvalues; else nothing.
+    """Fault of a static compliance matrix, which must be symmetric and positive semidefinite; empty if there is none.
 
     >>> compliance_fault(np.diag([1e-8, 0.0])), compliance_fault(np.array([[1e-8, 0.0], [1e-8, 0.0]]))
     ('', 'asymmetry 1.00e+00 of its scale, expected a symmetric matrix')

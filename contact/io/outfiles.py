@@ -1,7 +1,7 @@
-"""Result files: written under a temporary name and moved into place, all of a set or none.
+"""Result files: written under a temporary name and moved into place, all files of a set or none.
 
-A set for a folder that is not there yet is written into a folder beside it, which then takes its name. In a folder that
-is there `contact.io.publication` replaces one set by another. A writer finishes first what a killed one left there.
+For a new folder, the set is written into a temporary folder, which is then renamed. In an existing folder
+`contact.io.publication` replaces one set by another. A writer first completes the set of a killed one.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ Content = str | bytes | Callable[[Path], object]  # what a file contains, or wha
 
 
 def write_files(folder: str | os.PathLike[str], files: Mapping[str, Content]) -> list[Path]:
-    r"""Write files into a folder (made if need be, like those in a file's name); none appears before all are complete.
+    r"""Write files into a folder (made if missing, like the folders in file names).
+
+     None appears before all are complete.
 
     Raises OSError, which names the file that could not be written.
 
@@ -57,7 +59,7 @@ def write_files(folder: str | os.PathLike[str], files: Mapping[str, Content]) ->
 
 
 def _written_as_new(target: Path, files: Mapping[str, Content]) -> bool:
-    """Whether a folder that was not there has the files now; not where another process has made it meanwhile."""
+    """Whether the files are now in a folder that did not exist; false if another process has made it meanwhile."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with _staged(target.parent, target, files) as publication:
         try:
@@ -89,7 +91,7 @@ def _write_one(final: Path, content: Content) -> Path:
 
 @contextmanager
 def _staged(beside: Path, target: Path, files: Mapping[str, Content]) -> Iterator[Publication]:
-    """The files of a set, complete in a staging folder in `beside`, which is gone in the end."""
+    """The complete files of a set in a staging folder inside `beside`, which is removed at the end."""
     publication = begun(beside, files, "set" if beside == target else target.name)
     staging = beside / publication.staging
     try:
@@ -123,7 +125,7 @@ def _check(target: Path, files: Mapping[str, Content]) -> None:
 
 
 def in_the_way(folder: Path) -> str | None:
-    """The path that prevents a folder or one of its parents from being made; None if there is none."""
+    """The path that prevents making a folder or one of its parents; None if there is none."""
     place = next((at for at in (folder, *folder.parents) if at.exists() or at.is_symlink()), None)
     if place is None or place.is_dir():
         return None
@@ -133,7 +135,7 @@ def in_the_way(folder: Path) -> str | None:
 
 @contextmanager
 def _named(part: Path, final: Path) -> Iterator[None]:
-    """Report an error of a file in preparation under its final name."""
+    """Report an error of a temporary file under its final name."""
     try:
         yield
     except OSError as error:
@@ -162,7 +164,7 @@ def json_text(document: Any, *, indent: int | None = None) -> str:
 
 
 def finite(value: Any) -> Any:
-    """The same plain data with nan and inf replaced by None."""
+    """The same plain data, with None for nan and inf."""
     if isinstance(value, float):  # nearly all entries are, and there may be millions
         return value if isfinite(value) else None
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""Numbers that exist: for each kind of quantity in an input file a range, its reason, and the usual slips of units.
+"""Plausible numbers: for each quantity of an input file a range, its reason, and common mistakes of units.
 
 A key of a table declares its check by its type, `Annotated[float, CHECKS["E"]]`. `implausible` walks a table and
 yields what lies outside, with a question that names the slip. `[checks] allow = ["E"]` in the file lets a check pass.
@@ -24,7 +24,7 @@ Path = tuple[str | int, ...]
 
 
 class Slip(NamedTuple):
-    """A unit that is written by mistake, and the factor that makes such a number SI."""
+    """A unit that is often used by mistake, and the factor from it to SI."""
 
     unit: str
     factor: float
@@ -49,7 +49,7 @@ class Check:
     slips: tuple[Slip, ...] = ()
 
     def fault(self, value: float) -> str | None:
-        """Fault of a value, and the slip that would explain it; None if the value is plausible."""
+        """Fault of a value, with the mistake of units that would explain it; None if the value is plausible."""
         if self.lower <= value <= self.upper:
             return None
         unit = f" {self.unit}" if self.unit else ""
@@ -57,7 +57,7 @@ class Check:
         return f"found {value:g}{unit}, expected {expected}{self.question(value)}"
 
     def question(self, value: float) -> str:
-        """Ask for the units that would make a value usual; empty where none would."""
+        """Question that names the units which would make a value usual; empty if there are none."""
         if value < 0.0 <= self.lower:  # no unit makes it positive
             return ""
         unit = f" {self.unit}" if self.unit else ""
@@ -185,14 +185,14 @@ class Implausible(NamedTuple):
 
 
 def advice(name: CheckName) -> str:
-    """What to write if the value is intended."""
+    """Text that tells the user how to keep an intended value."""
     return f'if it is meant, write {ALLOW} = ["{name}"]'
 
 
 def implausible(table: BaseModel, *, radius: float = 0.0, path: Path = ()) -> Iterator[Implausible]:
-    """All values of a table, and of the tables in it, that lie outside of the checks that their keys declare.
+    """All values of a table and its subtables that are outside the checks which their keys declare.
 
-    `radius` [m] is that of the rim that turns at the speeds of the table; 0 where it is not known.
+    `radius` [m] is that of the rim which rotates at the speeds of the table; 0 if unknown.
     """
     named: dict[str, Any] = {}
     odd: set[str] = set()
@@ -211,7 +211,7 @@ def implausible(table: BaseModel, *, radius: float = 0.0, path: Path = ()) -> It
 
 
 def inside(value: Any, radius: float, path: Path) -> Iterator[Implausible]:
-    """The same for whatever a key contains."""
+    """The same for a nested value, list or table of a key."""
     if isinstance(value, BaseModel):
         yield from implausible(value, radius=radius, path=path)
     elif isinstance(value, dict):
@@ -223,7 +223,7 @@ def inside(value: Any, radius: float, path: Path) -> Iterator[Implausible]:
 
 
 def numbers(value: Any, path: Path) -> Iterator[tuple[Path, float]]:
-    """The numbers of a key, each with its place: one, those of a list, or of a table of names."""
+    """The numbers of a key, each with its place: a single one, or those of a list or of a table of names."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         yield path, float(value)
     elif isinstance(value, list):
@@ -240,7 +240,7 @@ def declared(info: FieldInfo) -> list[Check]:
 
 
 def marks(annotation: Any) -> Iterator[Any]:
-    """All metadata inside of a type; tables are left out, they declare their own."""
+    """All metadata inside a type, without tables, which declare their own."""
     if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
         yield from getattr(annotation, "__metadata__", ())
         for part in get_args(annotation):
@@ -248,7 +248,7 @@ def marks(annotation: Any) -> Iterator[Any]:
 
 
 def question(infos: Sequence[FieldInfo], value: object) -> str:
-    """Ask for the units that would make a refused value of a key usual; empty where none would."""
+    """Question that names the units which would make a refused value of a key usual; empty if there are none."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     return next((asked for info in infos for check in declared(info) if (asked := check.question(value))), "")
@@ -274,5 +274,5 @@ def speed_fault(hz: float, radius: float, check: Check) -> str | None:
 
 
 def refused(found: Sequence[Implausible], allow: Sequence[str]) -> list[str]:
-    """Lines `key: found X, expected Y; remedy` for all values that a file does not allow."""
+    """Lines `key: found X, expected Y; remedy` for all refused values of a file."""
     return [f"{key}: {text}; {advice(name)}" for key, name, text in found if name not in allow]

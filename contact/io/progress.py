@@ -1,7 +1,7 @@
 """Progress of a long computation, reported to any listener.
 
-A computation calls `tell("3 of 12 groups", 0.25)`, or runs over its parts by `each`; what it repeats inside is not
-heard where it does so `quietly`. A command listens with `listening`; without a listener nothing happens.
+A computation calls `tell("3 of 12 groups", 0.25)`, or loops over its parts with `each`. Inside `quietly` nothing is
+reported. A command listens with `listening`; without a listener nothing happens.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 @contextmanager
 def listening(listener: Listener | None) -> Iterator[None]:
-    """Pass on reports of computations inside: text, finished share, and whether less may be enough.
+    """Pass reports of computations inside to a listener: text, finished share, and whether fewer steps may be enough.
 
     >>> heard = []
     >>> with listening(lambda *told: heard.append(told)):
@@ -34,13 +34,13 @@ def listening(listener: Listener | None) -> Iterator[None]:
 
 
 def quietly() -> AbstractContextManager[None]:
-    """Computations inside report to no listener."""
+    """Within this context computations report to no listener."""
     return listening(None)
 
 
 @contextmanager
 def as_part(whole: Callable[[float], tuple[str, float]]) -> Iterator[None]:
-    """Report of computations inside the words and the share of the whole: `whole` makes them from their own share.
+    """Report computations inside as a part of a larger one: `whole` makes text and total share from their own share.
 
     >>> heard = []
     >>> with listening(lambda *told: heard.append(told)), as_part(lambda done: ("run 2 of 4", (1 + done) / 4)):
@@ -57,14 +57,17 @@ def as_part(whole: Callable[[float], tuple[str, float]]) -> Iterator[None]:
 
 
 def tell(words: str, done: float | None = None, *, most: bool = False) -> None:
-    """Show the listener words and the share that is done, None where it is not known; `most`: of all there can be."""
+    """Report a text and the finished share, None if unknown; `most`.
+
+    The share counts the largest possible number of steps.
+    """
     listener = _LISTENER.get()
     if listener is not None:
         listener(words, done, most)
 
 
 def each(parts: Sequence[T], what: str) -> Iterator[T]:
-    """The parts one after another, each told by its number; one alone is not.
+    """Loop over the parts and report the number of each; a single part is not reported.
 
     >>> heard = []
     >>> with listening(lambda *told: heard.append(told)):

@@ -1,4 +1,4 @@
-"""Outputs of every result of both packages: a table, a picture, a notebook cell, a file, a copy."""
+"""Outputs of every result of both packages: table, picture, notebook cell, file, copy."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ PICTURES = "contact.pictures"  # entry points: functions (result, ax, **options)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reported:
-    """A frozen dataclass that is the result of a computation; it defines `COLUMNS`, `records` or `columns`.
+    """Base of frozen dataclasses that are results of computations; they define `COLUMNS`, `records` or `columns`.
 
-    Its arrays are read-only, in copies and after unpickling too.
+    Arrays are read-only, also in copies and after unpickling.
 
     >>> from contact.io.columns import Column
     >>> @dataclass(frozen=True, eq=False, repr=False)
@@ -54,7 +54,7 @@ class Reported:
         return self.COLUMNS
 
     def records(self) -> Iterable[Mapping[str, Any]]:
-        """One plain dictionary a row, its keys with their units, as `print` and a notebook show them."""
+        """One plain dictionary for each row, keys with units, as `print` and notebooks show them."""
         if described := self.described():
             return records_of(described, self)
         columns = self.columns()
@@ -72,12 +72,12 @@ class Reported:
         return pd.DataFrame({name: whole(values) for name, values in self.columns().items()})
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw the result: a matplotlib Figure; in the place of `ax`, an Axes of a figure of yours, if given.
+        """Draw the result as a matplotlib Figure, or into the Axes `ax` of an existing figure.
 
         Raises
         ------
         ValueError
-            Where nothing that is installed draws it.
+            If no installed package draws it.
         """
         for draw in painters():
             if (figure := draw(self, ax, **options)) is not None:
@@ -134,7 +134,7 @@ def _names(value: Any) -> tuple[str, ...]:
 
 @cache
 def _names_of(kind: Any) -> tuple[str, ...]:
-    """Names of a dataclass's fields, found once for each kind: a sweep makes thousands of results."""
+    """Names of a dataclass's fields, cached for each class, since a sweep makes thousands of results."""
     return tuple(field.name for field in fields(kind))
 
 
@@ -148,7 +148,7 @@ def restored(kind: type, values: Mapping[str, Any]) -> Any:
 
 @cache
 def painters() -> tuple[Any, ...]:
-    """Functions that draw results, from the entry points of the installed packages."""
+    """Functions that draw results, from the entry points of installed packages."""
     from importlib.metadata import entry_points
 
     return tuple(entry.load() for entry in entry_points(group=PICTURES))

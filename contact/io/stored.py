@@ -1,9 +1,9 @@
-"""Frozen values of both packages as npz files: plain arrays by their paths, and a JSON text for all the rest.
+"""Frozen values of both packages as npz files: plain arrays by their paths, and a JSON text for the rest.
 
 A value is a tree of dataclasses, named tuples, tuples, mappings, arrays, numbers and words. Each array is a member of
-its own, under the path that leads to it (`freq`, `grid.nodes`), so that any program reads it; `document` states how the
-tree hangs together. What the tree contains twice is written once. A file makes nothing but values of the two packages,
-through their own checks: no pickle.
+its own, under the path that leads to it (`freq`, `grid.nodes`), so that any program reads it; `document` states the
+structure of the tree. An object that occurs twice is written once. A file can only create values of the two packages,
+which pass their own checks; there is no pickle.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ MAPS: dict[str, Callable[..., Any]] = {"dict": dict, "mapping": lambda pairs: Ma
 
 
 class StoredError(ValueError):
-    """A value that no file can contain, or a file without a value: name, finding, expectation."""
+    """A value that cannot be stored, or a file without a value: name, finding, expectation."""
 
 
 def below(name: str, part: object) -> str:
-    """The name of a part below this name; the value of the file itself has an empty name."""
+    """The name of a part below this name; the root has an empty name."""
     return f"{name}.{part}" if name else f"{part}"
 
 
 def read_only(value: Any) -> Any:
-    """The same value with all its arrays read-only, those inside tuples, mappings and frozen values too."""
+    """The same value with all its arrays read-only, also inside tuples, mappings and frozen values."""
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
     for entry in parts_of(value):
@@ -48,7 +48,7 @@ def read_only(value: Any) -> Any:
 
 
 def parts_of(value: Any) -> Iterable[Any]:
-    """Entries of a collection, fields of a dataclass; nothing of other values."""
+    """Entries of a collection or fields of a dataclass; empty for other values."""
     if isinstance(value, tuple | list | frozenset):
         return value
     if isinstance(value, Mapping):
@@ -57,12 +57,12 @@ def parts_of(value: Any) -> Iterable[Any]:
 
 
 def save_value(path: str | os.PathLike[str], value: Any, beside: Mapping[str, Any] | None = None) -> Path:
-    """Write a frozen value, whole or not at all; `beside` are further arrays, for other programs.
+    """Write a frozen value, whole or not at all; `beside` are additional arrays for other programs.
 
     Raises
     ------
     StoredError
-        For a part that is neither plain nor a value of the two packages, a function for example.
+        For a part that is neither plain data nor a value of the two packages, such as a function.
     """
     packing = Packing()
     document = packing.packed(value, "")
@@ -76,7 +76,7 @@ def load_value(path: str | os.PathLike[str], kind: type) -> Any:
     Raises
     ------
     StoredError
-        For another file, a value of another kind, or one that its own checks refuse.
+        For another kind of file, a value of another class, or one that its own checks refuse.
     """
     try:
         arrays = load_npz(path)
@@ -90,41 +90,41 @@ def load_value(path: str | os.PathLike[str], kind: type) -> Any:
 
 
 class Packing:
-    """A value while it is packed: its arrays by name, and the objects met so far."""
+    """State of packing: arrays by name, and the objects met so far."""
 
     def __init__(self) -> None:
         self.arrays: dict[str, Any] = {}
         self._met: dict[int, tuple[int, Any]] = {}  # by identity: number, and the part itself, which so stays alive
 
     def packed(self, part: Any, name: str) -> Any:
-        """The part as JSON has it."""
+        """The JSON form of a part."""
         return {"same": self._met[id(part)][0]} if id(part) in self._met else written(part, name, self)
 
     def values(self, part: Any, values: Mapping[str, Any], name: str) -> dict[str, Any]:
-        """A value of named parts, by its class."""
+        """JSON forms of named parts, by the class of the value."""
         kind = f"{type(part).__module__}:{type(part).__qualname__}"
         return self.numbered(part, {"value": kind, "fields": self.inside(values, name)})
 
     def inside(self, values: Mapping[str, Any], name: str) -> dict[str, Any]:
-        """Parts by their names."""
+        """JSON forms of parts by their names."""
         return {key: self.packed(value, below(name, key)) for key, value in values.items()}
 
     def entries(self, part: Iterable[Any], name: str) -> list[Any]:
-        """Parts by their numbers."""
+        """JSON forms of parts by their positions."""
         return [self.packed(entry, below(name, k + 1)) for k, entry in enumerate(part)]
 
     def pairs(self, part: Mapping[Any, Any], name: str) -> list[Any]:
-        """Keys with their parts."""
+        """JSON forms of keys with their values."""
         return [[self.packed(key, name), self.packed(entry, below(name, key))] for key, entry in part.items()]
 
     def numbered(self, part: Any, document: dict[str, Any]) -> dict[str, Any]:
-        """The document of a part that is written once, however often the tree contains it."""
+        """The JSON form of a part that is written once, although the tree may contain it several times."""
         number = len(self._met)
         self._met[id(part)] = number, part
         return document | {"number_of": number}
 
     def array(self, part: Any, name: str) -> str:
-        """The name under which an array is kept."""
+        """The name under which an array is stored."""
         while name in self.arrays or name in ("format", "document"):
             name += "_"
         self.arrays[name] = part
@@ -132,7 +132,7 @@ class Packing:
 
 
 def written(part: Any, name: str, packing: Packing) -> Any:
-    """The JSON of a part by its class; of a sparse matrix or a dataclass by its fields."""
+    """JSON form of a part by its class; of a sparse matrix or dataclass by its fields."""
     if isinstance(part, np.generic):
         return packing.packed(part.item(), name)
     if part is None or isinstance(part, bool | str | int):
@@ -152,7 +152,7 @@ def written(part: Any, name: str, packing: Packing) -> Any:
 
 
 def collection(part: Any, name: str, packing: Packing) -> Any:
-    """The JSON of a tuple, list, set or mapping; None for another part."""
+    """JSON form of a tuple, list, set or mapping; None for other parts."""
     if isinstance(part, tuple):
         if names := getattr(part, "_fields", ()):
             return packing.values(part, dict(zip(names, part, strict=True)), name)
@@ -165,7 +165,7 @@ def collection(part: Any, name: str, packing: Packing) -> Any:
 
 
 def value(part: Any, name: str, packing: Packing) -> Any:
-    """The JSON of a sparse matrix or a dataclass of the two packages."""
+    """JSON form of a sparse matrix or a dataclass of the two packages."""
     if getattr(part, "format", "") == "csc" and hasattr(part, "indptr"):
         arrays = {key: getattr(part, key) for key in ("data", "indices", "indptr")}
         return packing.numbered(part, {"sparse": list(part.shape), "fields": packing.inside(arrays, name)})
@@ -176,14 +176,14 @@ def value(part: Any, name: str, packing: Packing) -> Any:
 
 
 class Unpacking:
-    """A file on its way to a value."""
+    """State of unpacking a file into a value."""
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
         self._arrays = arrays
         self._met: dict[int, Any] = {}
 
     def unpacked(self, part: Any) -> Any:
-        """The value of a JSON part; KeyError, TypeError or ValueError if it has none."""
+        """The value of a JSON form; raises KeyError, TypeError or ValueError if it is invalid."""
         if not isinstance(part, dict):
             return part
         if "same" in part:

@@ -1,4 +1,4 @@
-"""The tables of TOML files by their pydantic models: the keys of a table, the table that a path of keys leads to."""
+"""The tables of TOML files from their pydantic models: keys of a table, and the table at a path of keys."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ANY = 1e20  # a bound beyond states no more than that a number is finite
 
 
 def at_least(least: float, *, zero: bool = False) -> AfterValidator:
-    """Refuse positive numbers too small to be meant; 0 is none of them where the key may be 0."""
+    """Refuse positive numbers that are implausibly small; 0 is allowed where the key allows it."""
 
     def check(value: float) -> float:
         if value < least and not (zero and value == 0.0):
@@ -59,10 +59,10 @@ Derived = TypeVar("Derived", bound=BaseModel)
 
 
 def table_of(kind: Any, *names: str, optional: Collection[str] = ()) -> Callable[[type[Derived]], type[Derived]]:
-    """Give a table the keys of a dataclass: their types, ranges, defaults and meanings are those of its fields.
+    """Give a table the keys of a dataclass: types, ranges, defaults and meanings of its fields.
 
-    `names` are the fields that the file states; all that have a `Key` if left out. A file may leave out those that are
-    `optional`: then something else gives them. The table states only what a file has beyond the value.
+    `names` are the fields that the file may state, by default all with a `Key`. A file may leave out the `optional`
+    fields, which then come from another source. The table's class defines only keys that are not fields.
 
     >>> from contact import Wall
     >>> @table_of(Wall)
@@ -86,7 +86,7 @@ def table_of(kind: Any, *names: str, optional: Collection[str] = ()) -> Callable
 
 
 def _annotation(one: Keyed) -> Any:
-    """The type of a field as a file states it."""
+    """The type of a field as files state it."""
     key, found = one.key, _bare(one)
     if key.stations:
         found = found | Annotated[list.__class_getitem__(found), Field(min_length=1, max_length=key.stations)]
@@ -120,13 +120,13 @@ def _info(one: Keyed) -> Any:
 
 
 def value_of(table: BaseModel, kind: Callable[..., Value], **more: Any) -> Value:
-    """The value that a table states, of the fields with a key that it has; `more` gives further fields."""
+    """The value that a table states, from its keyed fields; `more` gives further fields."""
     stated = [one for one in keyed(kind) if one.file in type(table).model_fields and one.name not in more]
     return kind(**{one.name: one.of_file(getattr(table, one.file)) for one in stated}, **more)
 
 
 def keys(model: Model) -> dict[str, FieldInfo]:
-    """The keys of a table as the file writes them: `from`, which Python reserves, is the alias of a field."""
+    """The keys of a table as files write them; a field has an alias where Python reserves the word, such as `from`."""
     return {info.alias or name: info for name, info in model.model_fields.items()}
 
 
@@ -143,7 +143,7 @@ def kinds(model: Model) -> tuple[Any, ...]:
 
 
 def models_at(models: Sequence[Model], path: Sequence[str | int], data: Any) -> list[Model]:
-    """The table models that a path of keys leads to, from `models`, by the kinds that the file names."""
+    """The table models to which a path of keys leads from `models`, by the `kind` values in the file."""
     found, here = list(models), data
     for part in path:
         here = here[part]
@@ -154,7 +154,7 @@ def models_at(models: Sequence[Model], path: Sequence[str | int], data: Any) -> 
 
 
 def resolved(loc: Sequence[str | int], kind: str, data: Any) -> tuple[str | int, ...]:
-    """The path of keys of a pydantic error of a kind without the tags that it puts in for the members of a union."""
+    """The path of keys of a pydantic error, without the tags that pydantic inserts for members of a union."""
     path: list[str | int] = []
     here = data
     for k, part in enumerate(loc):
@@ -168,7 +168,7 @@ def resolved(loc: Sequence[str | int], kind: str, data: Any) -> tuple[str | int,
 
 
 def unknown(name: str, models: Sequence[Model]) -> str:
-    """Expected keys of a table that has no such key; the nearest one is named."""
+    """Text that names the expected keys of a table for an unknown key, the most similar one first."""
     known = list(dict.fromkeys(key for m in models for key in keys(m)))
     return f"expected one of {', '.join(known)}{hint(name, known)}"
 

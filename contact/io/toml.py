@@ -1,4 +1,4 @@
-"""TOML files of both packages: bytes and tables, or one sentence on the fault; the place of a value in the file."""
+"""TOML files of both packages: bytes and tables, or one sentence on the fault; location of a value in the file."""
 
 import re
 import tomllib
@@ -29,9 +29,9 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
     Raises
     ------
     OSError
-        No file that can be read: `strerror` states what was found and what is expected.
+        The file cannot be read; `strerror` states what was found and what is expected.
     ValueError
-        A file that is no text ("line 2: found ...") or no TOML ("not TOML: ...").
+        The file is not text ("line 2: found ...") or not TOML ("not TOML: ...").
     """
     data = read_bytes(file, most=MOST)
     text = text_of(data)
@@ -45,7 +45,7 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
 
 
 def require_short_keys(text: str) -> None:
-    """Refuse keys of more than `DEEPEST` parts, on which the parser spends the square of their number.
+    """Refuse keys of more than `DEEPEST` parts, whose parsing takes quadratic time.
 
     >>> require_short_keys("speed.hz = 5.0")
     """
@@ -60,7 +60,7 @@ def require_short_keys(text: str) -> None:
 
 
 def spelling(error: str, text: str) -> str:
-    r"""The line that an error names, with the correct spelling in TOML; empty if no line is named.
+    r"""The line of a TOML error with the corrected spelling; empty if the error names no line.
 
     >>> spelling("Invalid value (at line 2, column 5)", "a = 1\nb = .5")
     ': b = .5; a number has digits on both sides of its point: 0.5, 100.0'
@@ -74,7 +74,7 @@ def spelling(error: str, text: str) -> str:
 
 
 def entries(value: object) -> Mapping[Any, Any]:
-    """Entries of a value of a file: a table by key, a list by number from 0; none for a plain value.
+    """Entries of a value of a file: a table's by key, a list's by number from 0; none for a plain value.
 
     >>> entries({"hz": 5.0}), entries([2, 3]), entries(5.0)
     ({'hz': 5.0}, {0: 2, 1: 3}, {})

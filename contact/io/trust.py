@@ -1,6 +1,6 @@
 """Codes of problems with a run that ended or stopped, and the flags of a result.
 
-A flag with `failed` means that the numbers are no solution of the model: `run` raises, commands end with exit code 3.
+A flag with `failed` means that the numbers do not solve the model: `run` raises, commands end with exit code 3.
 Any other flag is a warning: the numbers solve the model, but the model or the step may not describe the machine.
 """
 
@@ -18,7 +18,7 @@ LEFT, MUCH_LEFT = 1e-6, 1e-2  # of a contact's free motion: the rest of a solve 
 
 
 class Trouble(NamedTuple):
-    """Meaning of a code, where it is raised and why there, and the remedy."""
+    """Meaning of a code, where it is raised and why, and the remedy."""
 
     meaning: str
     threshold: str
@@ -128,7 +128,7 @@ OF_LIMITS = MappingProxyType({
 
 
 class SceneWarning(UserWarning):
-    """A scene that is run although its result may mislead; the message ends with remedy and code.
+    """Warning of a scene that runs although its result may mislead; the message ends with remedy and code.
 
     >>> str(SceneWarning("never-begins", "rub.toml: closing: found 3 s"))[:48]
     'rub.toml: closing: found 3 s: lengthen t_end, or'
@@ -149,7 +149,7 @@ def _warned(code: str, words: str) -> SceneWarning:
 
 
 class Flag(str):
-    """Words that end with their code in brackets; `code` is one of `TROUBLES`, or "" of a file of an older version.
+    """Text that ends with its code in brackets; `code` is one of `TROUBLES`, or "" in files of older versions.
 
     >>> flag = Flag("contact made 3 J of 2 J", "energy-grows", failed=True)
     >>> str(flag), flag.code, flag.failed
@@ -160,7 +160,7 @@ class Flag(str):
     failed: bool
 
     def __new__(cls, words: str, code: str = "", *, failed: bool = False) -> Flag:
-        """Words with the code that they end with."""
+        """Split the code from the end of the text."""
         if code and code not in TROUBLES:
             raise KeyError(code)
         whole = f"{words} [{code}]" if code and not words.endswith(f"[{code}]") else words
@@ -177,7 +177,7 @@ class Flag(str):
 
     @staticmethod
     def of(stored: Any) -> Flag:
-        """The flag of a file: a dictionary as of `to_dict`, or words without a code."""
+        """The flag of a file: a dictionary as from `to_dict`, or a text without a code."""
         if isinstance(stored, str):
             return Flag(stored)
         return _flag(stored["message"], stored["code"], bool(stored["failed"]))

@@ -1,4 +1,4 @@
-"""Units in words, such as "mm-t-s": length, mass and time of given matrices in SI."""
+"""Units in words, such as "mm-t-s": length, mass and time of given matrices, converted to SI."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FORCES = {"lbf": 4.4482216152605}  # a force in the place of the mass: then the 
 
 
 class Units(NamedTuple):
-    """A length in m, a mass in kg, a time in s."""
+    """Lengths of the units in SI: length in m, mass in kg, time in s."""
 
     length: float
     mass: float
@@ -19,7 +19,10 @@ class Units(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """Factor that converts a stiffness to N/m, from mass and time: force and length are not independent."""
+        """Factor that converts a stiffness to N/m, from the units of mass and time alone.
+
+        The unit of force follows from both.
+        """
         return self.mass / self.time**2
 
     @property
@@ -31,7 +34,7 @@ class Units(NamedTuple):
 def units_of(words: str) -> Units:
     """Units of a consistent system: length, mass (or force) and time.
 
-    Raises ValueError for words that are none.
+    Raises ValueError for words that name no units.
 
     >>> units_of("mm-t-s").stiffness, round(units_of("in-lbf-s").mass, 4)
     (1000.0, 175.1268)

@@ -1,4 +1,4 @@
-"""Worker processes that end with whoever started them: when the work is broken off, and when their parent is killed."""
+"""Worker processes that end with their parent: when the work is interrupted, and when the parent is killed."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ THREADS = Path("/proc/self/task")  # one entry a thread, those of libraries too
 
 @contextmanager
 def worker_pool(count: int, set_up: Callable[..., None] | None = None, *values: Any) -> Iterator[ProcessPoolExecutor]:
-    """`count` processes, each after `set_up(*values)`: copies of this one where it `forks`, else fresh ones.
+    """Start `count` processes, each after `set_up(*values)`: copies of this one where it `forks`, else fresh ones.
 
-    Where the block is broken off, by Ctrl-C too, they end at once, whatever they were doing.
+    If the block is interrupted, also by Ctrl-C, they end at once.
     """
     before = set(active_children())
     pool = ProcessPoolExecutor(count, get_context("fork" if forks() else "spawn"), _begin, (set_up, values))
@@ -41,16 +41,16 @@ def worker_pool(count: int, set_up: Callable[..., None] | None = None, *values: 
 
 
 def forks() -> bool:
-    """Whether workers start as copies of this process, with all that it has imported, loaded and compiled.
+    """Whether workers start as copies of this process, with everything it has imported, loaded and compiled.
 
-    A fresh one takes a second to come that far. Only on Linux, and only with one thread: a copy has the locks that
-    other threads held, and not the threads.
+    A fresh process takes a second for the imports. Copies are made only on Linux and with one thread: a copy would have
+    the locks of other threads without the threads.
     """
     return sys.platform == "linux" and THREADS.is_dir() and len(list(THREADS.iterdir())) == 1
 
 
 def _begin(set_up: Callable[..., None] | None, values: tuple[Any, ...]) -> None:
-    """Let this worker end when its parent does, even if that was killed, and leave Ctrl-C to the parent."""
+    """Make this worker end with its parent, even if that is killed, and leave Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:

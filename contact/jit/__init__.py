@@ -1,1 +1,1 @@
-"""The only access to numba: compilation, the passing of arrays, and the guarantees of compiled code."""
+"""The only access to numba: compilation, passing of arrays, and guarantees of compiled code."""

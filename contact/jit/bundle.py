@@ -1,8 +1,8 @@
-"""Many arrays as one argument of a compiled loop: a table of where they are.
+"""Many arrays as one argument of a compiled loop: a table of their addresses.
 
-Numba passes a NamedTuple by value: of each array seven numbers, through every call of every part, thousands of words
-that are compiled each time. A bundle is one address. Reading a field loads the array from the table; the loads are
-marked as never changing, so that the compiler moves them out of loops. Fields are read as those of the NamedTuple.
+Numba passes a NamedTuple by value: seven numbers for each array, in every call, thousands of words that are compiled
+each time. A bundle is one address. Reading a field loads the array from the table; the loads are marked as constant, so
+that the compiler moves them out of loops. Fields are read as those of the NamedTuple.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Bundle:
 
 
 class BundleType(Type):  # type: ignore[misc]
-    """Type of a bundle: names and types of its fields, and the word of the table where each begins."""
+    """Type of a bundle: names and types of its fields, and the position in the table where each begins."""
 
     def __init__(self, name: str, fields: tuple[tuple[str, Any], ...]) -> None:
         self.fields = dict(fields)
@@ -66,7 +66,7 @@ class BundleType(Type):  # type: ignore[misc]
 
     @property
     def literal_type(self) -> BundleType:
-        """Literal type of an argument: numba leaves out the branch under `is None`."""
+        """Literal type of an argument: for None, numba omits the branch that is not taken."""
         return self
 
 
@@ -81,7 +81,7 @@ def _size(kind: Any) -> int:
 
 
 def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
-    """The type of the bundles of a NamedTuple's class whose fields are of these types; made once."""
+    """The type of the bundles of a NamedTuple class with these field types; made once."""
     key = (of, *map(id, kinds))
     found = TYPES.get(key)
     if found is None:
@@ -90,10 +90,10 @@ def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
 
 
 def array_type(array: Any) -> Any:
-    """Numba's type of an array; looking it up took most of the time to make a bundle.
+    """Numba's type of an array, cached, since finding it takes most of the time of making a bundle.
 
-    Whether it can be written is no part of it: a loop would be compiled anew where one of its many arrays is kept
-    read-only and in another run is not.
+    The type is the same for read-only and writable arrays; otherwise a loop would be compiled again for each
+    combination.
     """
     key = (array.dtype.char, array.ndim, array.flags.num)
     found = TYPES.get(key)
@@ -109,7 +109,7 @@ def address_of(array: Any) -> int:
 
 
 def _pack(value: Any, kinds: list[Any], words: Words, held: list[Any]) -> None:
-    """Add the type and the words of a field, and the objects that must live as long as they are used."""
+    """Add the type and the words of a field, and the objects that must live as long as the bundle."""
     if isinstance(value, np.ndarray):
         kinds.append(array_type(value))
         words += (value.size, address_of(value), *value.shape, *value.strides)
@@ -130,7 +130,7 @@ def _pack(value: Any, kinds: list[Any], words: Words, held: list[Any]) -> None:
 
 
 def function_type(of: type[Any], value: Any) -> Any:
-    """Numba's type of a function that is called by its address; the same for all of a class."""
+    """Numba's type of a function that is called by its address; the same for all functions of a class."""
     found = TYPES.get((of,))
     if found is None:
         found = TYPES[(of,)] = typeof(value)

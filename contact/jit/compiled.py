@@ -1,19 +1,19 @@
-"""The only doorway to numba: one typed decorator, imported when a run starts and not before.
+"""The typed decorators of compiled functions; numba is imported only when a run starts.
 
-Machine code is the same wherever it runs, and of whole loops alone. Numba links copies of the called functions beside
-the caller, under names that the whole process shares. Where a name is there already, the linker takes that function: in
-the run that compiles, the one compiled by itself; in a run that reads the cache, the copy. Both are right, but sums are
-ordered as each was optimised, and results differ in the last bits. Here the copies become private to their caller, and
-that before they are optimised: those with one caller become part of it.
+Machine code is compiled for whole loops and is the same in every process. Numba links copies of the called functions
+beside the caller, under names that the whole process shares. If a name exists already, the linker takes that function:
+in the process that compiles, the separately compiled one; in a process that reads the cache, the copy. Both are
+correct, but the order of sums depends on the optimisation, so results differ in the last bits. Here the copies become
+private to their caller before they are optimised; those with one caller become part of it.
 
 A part that only compiled functions call is copied into each of them and optimised there. To optimise it by itself too,
 and to make machine code that nothing calls, took a third of the time to compile a loop: `Part` leaves both out.
 
-LLVM's passes over each function as it is handed over are left out: those over the whole loop begin with the same, and
-without them a rub of several tips was compiled in a tenth less time to a loop that is as fast.
+LLVM's passes over each single function are left out, since the passes over the whole loop repeat them. A rub of several
+tips compiles in 10 % less time to an equally fast loop.
 
 Numba's passes for closures, array expressions, literals and `with` find nothing in step loops and are left out, too:
-each goes through the whole function, and what they ask for is worked out anew after each.
+each pass visits the whole function, and its analyses are repeated after each.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ PART: Any = {"no_cpython_wrapper": True}
 
 
 class AsWritten(JITCodeLibrary):
-    """A compiled function, not optimised before it is linked with those it calls."""
+    """A compiled function that is optimised only after it is linked with the functions it calls."""
 
     def _optimize_functions(self, module: Any) -> None:
         library: Any = self
@@ -71,7 +71,7 @@ class AsWritten(JITCodeLibrary):
 
 
 class SealedLibrary(AsWritten):
-    """A compiled function with the functions it calls, closed against all others."""
+    """A compiled function with the functions it calls, invisible to all others."""
 
     def _optimize_final_module(self) -> None:
         _relink(self._final_module, binding.Linkage.linkonce_odr, "internal")
@@ -87,7 +87,7 @@ class SealedLibrary(AsWritten):
 
 
 class VectorLibrary(SealedLibrary):
-    """The same without the compiler's own vectors and copies of loop bodies."""
+    """A sealed library without the compiler's automatic vectorisation and loop unrolling."""
 
     def _optimise(self) -> None:
         library: Any = self
@@ -98,7 +98,7 @@ class VectorLibrary(SealedLibrary):
 
 
 class PartLibrary(AsWritten):
-    """A function as it was written, for its callers to take in."""
+    """A function without optimisation, to be inlined into its callers."""
 
     def _optimize_final_module(self) -> None:
         pass
@@ -120,7 +120,7 @@ class SealedPipeline(CompilerBase):
     library: type[JITCodeLibrary] = SealedLibrary
 
     def define_pipelines(self) -> list[PassManager]:
-        """List the passes of the compiler in their order."""
+        """List the passes of the compiler in order."""
         manager = Manager("step loops")
         for each in PASSES:
             manager.add_pass(each, each.__name__)
@@ -128,7 +128,7 @@ class SealedPipeline(CompilerBase):
         return [manager]
 
     def compile_extra(self, func: Callable[..., object]) -> Any:
-        """Compile a function; its name is that of its library."""
+        """Compile a function; the library is named after it."""
         library: Any = self.library
         self.state.library = library(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
@@ -137,13 +137,13 @@ class SealedPipeline(CompilerBase):
 
 
 class VectorPipeline(SealedPipeline):
-    """The same, for loops that are written as vectors where they are long."""
+    """The sealed pipeline for loops whose long inner loops are written as vectors."""
 
     library = VectorLibrary
 
 
 class PartPipeline(SealedPipeline):
-    """The same, into libraries that hold no machine code."""
+    """The sealed pipeline for libraries without machine code."""
 
     library = PartLibrary
 
@@ -169,25 +169,25 @@ def jit_entry(function: Function) -> Function:
 def jit_vectors(function: Function) -> Function:
     """Compile a step loop whose long loops are written with `contact.jit.vector`, else as `jit_entry`.
 
-    What else it has runs once or twice: the compiler's vectors of it, with their checks, cost more than they give.
+    The other loops run once or twice; vectorising them only costs compile time.
     """
     return compiled(function, OPTIONS, pipeline=VectorPipeline)
 
 
 def jit(function: Function) -> Function:
-    """Compile a function that compiled functions call, else as `jit_entry`; a call from Python compiles it again."""
+    """Compile a function that compiled functions call, else as `jit_entry`; Python calls compile it again."""
     return part(function, OPTIONS)
 
 
 def jit_inside(function: Function) -> Function:
-    """Compile a part of a step loop into its caller, else as `jit`: passing a state's many arrays costs more."""
+    """Compile a part of a step loop into its caller, else as `jit`: passing the many arrays of a state costs more."""
     return part(function, {**OPTIONS, "forceinline": True})
 
 
 class Loop(CPUDispatcher):
-    """A compiled function that is compiled once for whole numbers.
+    """A compiled function that is compiled once for all whole numbers.
 
-    Numba compiles for the literal 0 and again for the variable that begins with it, or for each number that is passed.
+    Otherwise numba compiles separately for each literal number that is passed, and for variables.
     """
 
     def compile(self, sig: Any) -> Any:
@@ -214,7 +214,10 @@ class Entry(Loop):
 
 
 class Part(Loop):
-    """A compiled function that has no way in from Python and no machine code: it becomes part of its callers."""
+    """A compiled function without its own machine code and without an entry from Python.
+
+    It becomes part of its callers.
+    """
 
     def __call__(self, *args: Any, **kws: Any) -> Any:
         """Compile it as an entry too, for a test or a single call; it must not return arrays."""
@@ -228,12 +231,12 @@ def entry(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def part(function: Function, options: dict[str, Any]) -> Function:
-    """Compile for compiled callers alone; as it stands where numba is told not to compile."""
+    """Mark a function that only compiled callers use; unchanged if numba is set not to compile."""
     return compiled(function, {**options, **PART}, Part, PartPipeline)
 
 
 class ByAddress(protocol):  # type: ignore[misc]
-    """A compiled function that loops call by its address: compiled once for all of them, and only where `used`.
+    """A compiled function that loops call by its address: compiled once for all loops, and only if `used`.
 
     A subclass names the `function`, as Python has it, and its signature `kind`.
     """
@@ -245,7 +248,7 @@ class ByAddress(protocol):  # type: ignore[misc]
         self.used = used
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run it where numba does not compile."""
+        """Run it in Python if numba does not compile."""
         return type(self).function(*arguments)
 
     def __wrapper_address__(self) -> int:
@@ -271,7 +274,7 @@ def compiled(
     function: Function, options: dict[str, Any], kind: type[Loop] = Entry,
     pipeline: type[SealedPipeline] = SealedPipeline,
 ) -> Function:  # fmt: skip
-    """Compile with numba; entries are kept on disk, parts have no machine code of their own."""
+    """Compile with numba; entries are cached on disk, parts have no machine code of their own."""
     made: Any = numba.njit(pipeline_class=pipeline, **options)(function)
     if isinstance(made, CPUDispatcher):
         made.__class__ = kind

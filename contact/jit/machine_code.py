@@ -1,8 +1,10 @@
-"""Machine code on disk: one file for each loop and signature, in a directory named after all sources of the loop.
+"""Cache of machine code on disk.
+
+One file for each loop and signature, in a directory named after all sources of the loop.
 
 Numba's own cache compares the file of a function and not the files of what the function calls. Its index of several
 files may also name another signature's code after two processes wrote at once. Here a file is complete in itself: it
-holds its key (digest of its sources, versions of numba and llvmlite, processor, signature) and a checksum, and it is
+contains its key (digest of its sources, versions of numba and llvmlite, processor, signature) and a checksum, and it is
 written under a temporary name and renamed. A file that does not fit its key is compiled again.
 
 Directories are read in this order, up to the first one that can be written: `NUMBA_CACHE_DIR`, the `__pycache__` of
@@ -51,7 +53,8 @@ ENDING = ".code"
 def sources_of(file: Path) -> frozenset[Path]:
     """Compiled sources that a module takes names from, itself and those of `contact.jit` included.
 
-    Modules are found by their lines `from contact.x import ...`. A test holds that compiled code takes nothing else.
+    Modules are found by their lines `from contact.x import ...`. A test checks that compiled code uses no other
+    modules.
     """
     found, waiting = set(SOURCES[: len(JIT)]), [file]
     while waiting:
@@ -84,7 +87,7 @@ def user_directory() -> Path | None:
 
 
 def can_write(directory: Path) -> bool:
-    """Whether files can be made in a directory, or the directory itself where it does not exist yet."""
+    """Whether files can be made in a directory; of a missing directory, whether it can be made."""
     there = next((each for each in (directory, *directory.parents) if each.exists()), None)
     return there is not None and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
 
@@ -104,12 +107,15 @@ def writable() -> Path | None:
 
 
 def kept_in(directory: Path) -> int:
-    """Number of files of machine code in a directory, of older sources too."""
+    """Number of files of machine code in a directory, also of older sources."""
     return len(list(directory.glob(f"contact-*/*{ENDING}")))
 
 
 class MachineCode:
-    """Numba's cache interface for one function. Only functions of `SOURCES` are kept: the digest covers them."""
+    """Numba's cache interface for one function.
+
+    Only functions of `SOURCES` are cached, since the digest covers only them.
+    """
 
     def __init__(self, function: Callable[..., object]) -> None:
         file = Path(function.__code__.co_filename)
@@ -121,7 +127,7 @@ class MachineCode:
 
     @property
     def cache_path(self) -> str | None:
-        """Directory where new code goes; None where none can be written, or for a function that is not kept."""
+        """Directory where new code goes; None where none can be written, or for a function that is not cached."""
         directory = writable() if self.kept else None
         return None if directory is None else str(directory / self.folder)
 
@@ -132,7 +138,7 @@ class MachineCode:
         return f"{self.name}-{hashlib.sha256(str(key).encode()).hexdigest()[:16]}{ENDING}"
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """Return the code for a signature, None where no directory has it whole."""
+        """Return the code for a signature, None if no directory has an intact file."""
         if not self.kept:
             return None
         context.refresh()
@@ -144,7 +150,7 @@ class MachineCode:
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Keep the code for a signature; where no directory takes it, the next process compiles again."""
+        """Save the code for a signature; if no directory is writable, the next process compiles again."""
         directory = self.cache_path
         if directory is None or any(not each.can_cache for each in compiled.lifted):
             return
@@ -170,7 +176,7 @@ def whole(file: Path, key: tuple[Any, ...]) -> Any:
 
 
 def publish(file: Path, content: bytes) -> None:
-    """Write a file under a name of its own and rename it: a reader sees it whole or not at all."""
+    """Write a temporary file and rename it, so that a reader sees the whole file or none."""
     file.parent.mkdir(parents=True, exist_ok=True)
     handle, staged = tempfile.mkstemp(dir=file.parent)
     try:
@@ -185,7 +191,7 @@ def publish(file: Path, content: bytes) -> None:
 
 @cache
 def umask() -> int:
-    """Return the permissions that this process does not give to new files."""
+    """File permissions that this process withholds from new files (umask)."""
     found = os.umask(0o022)
     os.umask(found)
     return found

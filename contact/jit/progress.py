@@ -1,7 +1,7 @@
 """Compilation of loops: announce it once if it takes long, pause the garbage collector, and avoid repeated look-ups.
 
-A first run waits for it, later ones do not. Compiling makes millions of objects that live; looking for cycles among
-them again and again took a tenth of the time.
+Only a first run waits for compilation. It makes millions of long-lived objects; repeated garbage collection among them
+takes a tenth of the time.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ FRAMES = 140_000  # of 8 bytes: of 2 MiB then, which are only taken as they are 
 
 
 def to_terminal(words: str) -> None:
-    """Print on stderr where somebody reads it, a notebook's cell too; nothing into files and pipes."""
+    """Print on stderr if it is a terminal or a notebook; nothing into files and pipes."""
     if sys.stderr.isatty() or in_notebook():
         print(words, file=sys.stderr, flush=True)
 
 
 class Announcement(listener):  # type: ignore[misc]
-    """Calls `say` once if the compilation of a function, with all that it calls, takes longer than `after` seconds."""
+    """Call `say` once if compiling a function with all its callees takes longer than `after` seconds."""
 
     def __init__(self, after: float = LONG, say: Any = to_terminal) -> None:
         self.after, self.say = after, say
@@ -45,7 +45,7 @@ class Announcement(listener):  # type: ignore[misc]
         self.timer: threading.Timer | None = None
 
     def on_start(self, _: Any) -> None:
-        """A function begins to be compiled."""
+        """Note that compilation of a function begins."""
         self.depth += 1
         if self.depth == 1 and not self.said:
             self.timer = threading.Timer(self.after, self._tell)
@@ -53,7 +53,7 @@ class Announcement(listener):  # type: ignore[misc]
             self.timer.start()
 
     def on_end(self, _: Any) -> None:
-        """It is compiled."""
+        """Note that compilation of a function ends."""
         self.depth -= 1
         if self.depth == 0 and self.timer is not None:
             self.timer.cancel()
@@ -65,21 +65,21 @@ class Announcement(listener):  # type: ignore[misc]
 
 
 class Uncollected(listener):  # type: ignore[misc]
-    """Pauses the garbage collector while something is compiled, where it was running."""
+    """Pause the garbage collector during compilation, if it was running."""
 
     def __init__(self) -> None:
         self.depth = 0
         self.paused = False
 
     def on_start(self, _: Any) -> None:
-        """A function begins to be compiled."""
+        """Note that compilation of a function begins."""
         self.depth += 1
         if self.depth == 1 and gc.isenabled():
             gc.disable()
             self.paused = True
 
     def on_end(self, _: Any) -> None:
-        """It is compiled, or was refused."""
+        """Note that compilation of a function ends or fails."""
         self.depth -= 1
         if self.depth == 0 and self.paused:
             gc.enable()
@@ -94,7 +94,7 @@ def announce(*listening: Any) -> None:
 
 
 def _known(function: Any, context: Any, args: Any, kws: Any) -> Any:
-    """Signature of a call; those with keywords are looked up each time."""
+    """Signature of a call; None with keywords, which are looked up each time."""
     if kws:
         return LOOK_UP(function, context, args, kws)
     key = id(function), args
@@ -106,10 +106,10 @@ def _known(function: Any, context: Any, args: Any, kws: Any) -> Any:
 
 @contextmanager
 def calls_looked_up_once() -> Iterator[None]:
-    """Within this context, look up calls of numba's operators and functions once.
+    """Within this context, numba's overloads are looked up once for each operator and function with given types.
 
-    At each place of a call numba tries all overloads in turn: in the loop of a rub at 8,079 places, which are 239
-    different calls. What it found the first time holds for the others, since it depends on the types alone.
+    At each call numba tries all overloads in turn. The loop of a rub has 8,079 calls, of which 239 are different. The
+    first result applies to the others, since it depends on the types alone.
     """
     with Lock:
         before = Builtin.get_call_type
@@ -121,14 +121,13 @@ def calls_looked_up_once() -> Iterator[None]:
 
 
 def with_room(function: Callable[..., Any], *args: Any) -> Any:
-    """Call a function with room for the frames of some thousand calls within it.
+    """Call a function after reserving memory for the frames of some thousand nested calls.
 
     CPython keeps frames in chunks of 16 KiB. A call that needs the next chunk asks the system for one, its return gives
-    it back: an inner loop that stands where a chunk ends does so at every turn
-    (https://github.com/python/cpython/issues/142183, mended in the newest versions). The compiler calls itself to
-    hundreds of depths and meets such places: of the 20 s in which the rub of many tips is compiled it spent 3 on
-    375,000 chunks. A frame larger than a chunk is given one of its own, the next power of two, and all frames above it
-    share what is left.
+    it back: an inner loop at the end of a chunk does so in every iteration
+    (https://github.com/python/cpython/issues/142183, fixed in the newest versions). The compiler recurses hundreds of
+    levels deep: compiling the rub of many tips took 20 s, of which 3 s went into 375,000 chunks. A frame larger than a
+    chunk gets its own chunk, the next power of two, and all frames above it share the rest.
 
     >>> with_room(max, 2, 3)
     3

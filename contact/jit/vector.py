@@ -1,4 +1,4 @@
-"""Eight numbers at a time in compiled loops: a type that numba maps to one vector of the machine.
+"""Eight numbers at a time in compiled loops: a type that numba maps to one vector register.
 
 Loops over arrays that may overlap are not vectorised by the compiler, and short loops over runs are unrolled into
 scalars; written with these few operations they are vectors on any machine (on narrower ones, in several parts).
@@ -36,7 +36,7 @@ VECTOR = VectorType()
 
 
 class VectorModel(models.PrimitiveModel):
-    """Representation in the compiler: one vector register, or as many as it takes."""
+    """Representation in the compiler: one vector register, or several narrower ones."""
 
     def __init__(self, manager: Any, kind: Any) -> None:
         prepare: Any = super().__init__
@@ -164,7 +164,7 @@ make_signature: Any = signature
 
 
 def _operation(symbol: Any, instruction: str) -> None:
-    """Let an operator work on two vectors."""
+    """Define an operator on two vectors."""
 
     class Two(ConcreteTemplate):
         cases: Any = (make_signature(VECTOR, VECTOR, VECTOR),)

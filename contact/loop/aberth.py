@@ -1,4 +1,4 @@
-"""Compiled iteration of Aberth for all zeros of S + sum a/(s - p) together (Math. Comp. 27, 1973, 339)."""
+"""Aberth's iteration for all zeros of S + sum a/(s - p) at once, compiled (Math. Comp. 27, 1973, 339)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ AWAY = 1e300  # where a zero is put while the others are divided out of its own 
 def first_guess(
     p_re: Array, p_im: Array, a_re: Array, a_im: Array, S: float, s_re: Array, s_im: Array
 ) -> None:  # fmt: skip
-    """Zeros of S + the share of the other poles at each pole + a/(s - p), one for each pole; all p are different."""
+    """First guess of each zero: the zero of S + (sum over the other poles, at this pole) + a/(s - p).
+
+    All p are different.
+    """
     for i in range(p_re.size):
         f_re, f_im = S, 0.0
         for part in range(2):  # those before it, those after it
@@ -32,10 +35,10 @@ def aberth(
     p_re: Array, p_im: Array, a_re: Array, a_im: Array, S: float, s_re: Array, s_im: Array, steps: Array,
     most: int, settled: float,
 ) -> bool:  # fmt: skip
-    """Move s (n,) to the zeros, p and a (n,) the poles and residues; whether all steps are below `settled`.
+    """Move s (n,) to the zeros, with poles p and residues a (n,); returns whether all steps are below `settled`.
 
-    `steps` (n,) begins above `settled`. A zero whose step is below stays. False where a step is not finite, or after
-    `most` rounds.
+    `steps` (n,) starts above `settled`. A zero whose step is below it is final. Returns False if a step is not finite,
+    and after `most` iterations.
     """
     for _ in range(most):
         moving = 0

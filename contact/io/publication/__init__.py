@@ -1,6 +1,6 @@
-"""Replace a set of files: written beside the old one, announced by a manifest, then moved into place.
+"""Replace a set of files: write the new set beside the old one, announce it by a manifest, then move it into place.
 
-A writer fills a staging folder, of a name that nobody can guess, in the folder of the set. It states the names, sizes
+A writer fills a staging folder, with an unguessable name, in the folder of the set. It states the names, sizes
 and checksums of all files in a manifest, and announces it under one fixed name (`MANIFEST`), which only one writer can
 have at a time. From then on the set can be finished from its staging folder: the files that it replaces are moved away,
 into the staging folder, before the first new one takes its place. In the end the manifest and the staging folder go.

@@ -1,4 +1,4 @@
-"""Checksums: of plain data whatever the order of its keys, and of files."""
+"""Checksums of plain data, independent of the order of its keys, and of files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CHUNK = 1 << 20
 
 
 def digest_of(document: Any) -> str:
-    """Hash of plain data, whatever the order of its keys.
+    """Hash of plain data, independent of the order of its keys.
 
     >>> digest_of({"a": 1.0, "b": [2]}) == digest_of({"b": [2], "a": 1.0})
     True

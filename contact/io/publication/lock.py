@@ -1,4 +1,4 @@
-"""One writer at a time moves files in a folder; a lock that goes with its process, and leaves nothing behind."""
+"""A lock that lets one writer at a time move files in a folder; it ends with its process and leaves no file."""
 
 from __future__ import annotations
 
@@ -19,9 +19,11 @@ WAIT, PAUSE = 10.0, 0.02  # s for another writer to move its files, and between 
 
 @contextmanager
 def alone(folder: Path, *, shared: bool = False) -> Iterator[bool]:
-    """One writer moves files in a folder at a time, or some readers read; whether the system can lock it.
+    """Let one writer at a time move files in a folder, or several readers read.
 
-    The lock goes with the process that has it. Nothing is written. Raises OSError after `WAIT` seconds.
+    Yields whether the system supports locks.
+
+    The lock ends with its process. Nothing is written. Raises OSError after `WAIT` seconds.
     """
     try:
         descriptor = os.open(folder, os.O_RDONLY)

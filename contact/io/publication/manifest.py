@@ -1,4 +1,4 @@
-"""The manifest of a set of files on its way: which files, with which content, from which staging folder."""
+"""The manifest of a set of files that is being published: file names, contents, and the staging folder."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STOPPED = "found {0} of {1} files of a set whose writer was stopped"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One file of a set: name below the folder, new contents, size and time of the file that it replaces (or None)."""
+    """One file of a set: name below the folder, new content, size and time of the file that it replaces (or None)."""
 
     name: str
     size: int
@@ -39,7 +39,7 @@ State = Literal["staged", "in place", "changed", "missing"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Publication:
-    """A set on its way into a folder, from the staging folder of this name in it."""
+    """A set that is being published into a folder from this staging folder inside it."""
 
     folder: Path
     staging: str
@@ -68,7 +68,7 @@ class Publication:
         return json.dumps({**document, "sha256": digest_of(document)}, indent=1) + "\n"
 
     def state(self, entry: Entry) -> State:
-        """State of a file, by its checksum; "changed" if another file is in a place that the set has not taken."""
+        """State of a file, by its checksum; "changed" if a file at this place is neither the old nor the new one."""
         place = self.place(entry)
         if is_as_stated(self.new(entry), entry):
             moved_away = os.path.lexists(self.old(entry))
@@ -85,7 +85,7 @@ class Publication:
 
 
 def seen(path: Path) -> tuple[int, int] | None:
-    """Size and time of a file or a link; None where there is none."""
+    """Size and time of a file or link; None if there is none."""
     try:
         status = path.lstat()
     except OSError:
@@ -94,7 +94,7 @@ def seen(path: Path) -> tuple[int, int] | None:
 
 
 def is_as_stated(path: Path, entry: Entry) -> bool:
-    """Whether a regular file, no link, has the content that a manifest states."""
+    """Whether a path is a regular file, no link, with the content that the manifest states."""
     try:
         status = path.lstat()
         return stat.S_ISREG(status.st_mode) and status.st_size == entry.size and digest_of_file(path) == entry.sha256
@@ -103,7 +103,7 @@ def is_as_stated(path: Path, entry: Entry) -> bool:
 
 
 def names_of(document: Any) -> list[str]:
-    """The names of a manifest's files; those that lead out of the folder are none of them."""
+    """The file names of a manifest, without those that lead out of the folder."""
     files = document.get("files") if isinstance(document, dict) else None
     found = [file.get("name") if isinstance(file, dict) else None for file in files] if isinstance(files, list) else []
     return [name for name in found if isinstance(name, str) and stays_inside(name)]
@@ -121,7 +121,7 @@ def stays_inside(name: str) -> bool:
 
 
 def require_no_links(folder: Path, name: str) -> None:
-    """Raise OSError where a folder that a file of a set lies in is a link, which could lead anywhere."""
+    """Raise OSError if a folder on the path of a file of the set is a link, which could lead anywhere."""
     inside = folder
     for part in PurePosixPath(name).parts[:-1]:
         inside = inside / part

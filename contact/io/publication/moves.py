@@ -1,4 +1,4 @@
-"""The moves of a set into its place, or back, in an order in which old files and new ones never mix."""
+"""Move a set into place, or back, in an order in which old and new files never mix."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NO_LINKS = (errno.EPERM, errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOTSUP, errno.EM
 
 
 def commit(publication: Publication) -> None:
-    """Move a complete set into its place; where that fails, all is as it was before. The folder is locked meanwhile."""
+    """Move a complete set into place; if that fails, restore the previous state. The folder is locked meanwhile."""
     entries = [replace(entry, replaces=seen(publication.place(entry))) for entry in publication.entries]
     publication = replace(publication, entries=tuple(entries))
     write_manifest(publication)
@@ -38,7 +38,7 @@ def announce(publication: Publication) -> None:
 
 
 def finish(publication: Publication) -> None:
-    """Move an announced set into its place; where that fails, all is as it was before."""
+    """Move an announced set into place; if that fails, restore the previous state."""
     try:
         move(publication)
     except OSError:
@@ -49,7 +49,7 @@ def finish(publication: Publication) -> None:
 
 
 def move(publication: Publication) -> None:
-    """The files that are replaced go first, so that old and new never mix; then the new ones come."""
+    """Move the replaced files away first, so that old and new never mix; then move the new ones in."""
     staged = [entry for entry in publication.entries if os.path.lexists(publication.new(entry))]
     for entry in staged:
         require_no_links(publication.folder, entry.name)
@@ -64,7 +64,7 @@ def move(publication: Publication) -> None:
 
 
 def move_back(publication: Publication) -> None:
-    """The new files go, into the staging folder; then the old ones come back."""
+    """Move the new files back into the staging folder; then move the old ones back."""
     moved = [entry for entry in publication.entries if not os.path.lexists(publication.new(entry))]
     for entry in moved:
         if os.path.lexists(publication.place(entry)):
@@ -75,6 +75,6 @@ def move_back(publication: Publication) -> None:
 
 
 def withdraw(publication: Publication) -> None:
-    """The set is in its place, or as it was before: manifest and staging folder go."""
+    """Remove manifest and staging folder, after the set is in place or the previous state restored."""
     publication.manifest.unlink()
     clear_staging(publication.folder / publication.staging)

@@ -1,4 +1,4 @@
-"""The check of a reader: whether the set that a file belongs to is all in its place."""
+"""Check of a reader: whether the set to which a file belongs is completely in place."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from contact.io.publication.staging import is_written
 
 
 def require_whole(path: str) -> None:
-    """Raise OSError for a file of a set that is not all in its place, whose writer was stopped; else do nothing."""
+    """Raise OSError for a file of an incomplete set, whose writer was stopped; else do nothing."""
     folder = os.path.dirname(os.path.abspath(path))
     for _ in range(1 + DEEPEST):
         if os.path.lexists(os.path.join(folder, MANIFEST)):
@@ -42,13 +42,13 @@ def _require_whole(folder: Path, path: str) -> None:
 
 
 def _announced(folder: Path, name: str) -> Publication | None:
-    """The set on its way that a file belongs to."""
+    """The unfinished set to which a file belongs."""
     publication = read_manifest(folder)
     return publication if publication and any(entry.name == name for entry in publication.entries) else None
 
 
 def _wait_for_writer(folder: Path, publication: Publication) -> None:
-    """Until no writer is at work, which takes milliseconds. Raises OSError after `WAIT` seconds."""
+    """Wait until no writer is at work, usually milliseconds. Raises OSError after `WAIT` seconds."""
     with suppress(PermissionError, FileNotFoundError), alone(folder, shared=True) as certain:
         if certain:
             return

@@ -1,4 +1,4 @@
-"""A set whose writer was killed: finished, or the files before it put back, or left alone with the reason."""
+"""A set whose writer was killed: complete it, or restore the previous files, or leave it and state the reason."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class Recovery:
 
 
 def recover(folder: Path) -> Recovery:
-    """Finish the set that a killed writer left in a folder, or put the files before it back where it is damaged.
+    """Complete the set of a killed writer in a folder; if it is damaged, restore the previous files.
 
     Raises
     ------
     OSError
-        Where there is no folder, the set cannot be recognised, or files were changed since: nothing is changed then.
+        If the folder is missing, the set cannot be recognised, or files were changed since. Then nothing is changed.
     """
     if not folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "found no such folder, expected that of a set of files", str(folder))
@@ -42,7 +42,7 @@ def recover(folder: Path) -> Recovery:
 
 
 def settled(folder: Path, certain: bool) -> Recovery:
-    """The same for the announced set, in a locked folder; `certain` where the lock shows that no writer lives."""
+    """Recover the announced set in a locked folder; `certain`: the lock shows that no writer is alive."""
     if not os.path.lexists(folder / MANIFEST):
         return Recovery(action="nothing")
     publication = read_manifest(folder)

@@ -1,4 +1,4 @@
-"""Files in preparation: staging folders and parts with unguessable names, and remains of killed writers."""
+"""Temporary files: staging folders and parts with unguessable names, and remains of killed writers."""
 
 from __future__ import annotations
 
@@ -36,9 +36,11 @@ def part_name(name: str) -> str:
 
 
 def start_of(process: int) -> int:
-    """When a process began, in ticks since the machine did; 0 where the system does not state it, or the process ended.
+    """Start time of a process, in ticks since the system started.
 
-    The numbers of processes come again, often within minutes; number and start together do not.
+    0 if the system does not state it, or the process ended.
+
+    Process numbers are reused, often within minutes; number and start time together are unique.
     """
     try:
         fields = (PROCESSES / str(process) / "stat").read_text(encoding="latin-1").rpartition(")")[2].split()
@@ -67,9 +69,9 @@ def is_written(publication: Publication) -> bool:
 
 
 def begun(folder: Path, names: Iterable[str], label: str = "set") -> Publication:
-    """A set whose files are not written yet, with a staging folder, which is made here and was not there before.
+    """A set whose files are not written yet, with a new staging folder.
 
-    Raises OSError, which names the folder, where none can be made there.
+    Raises OSError, which names the folder, if the staging folder cannot be made.
     """
     entries = tuple(Entry(name=name, size=0, sha256="", replaces=None) for name in names)
     publication = Publication(folder=folder, staging=part_name(label), entries=entries)
@@ -97,7 +99,7 @@ def write_manifest(publication: Publication) -> None:
 
 
 def complete(publication: Publication) -> Publication:
-    """The same set, with the sizes and checksums of its files, which are written now."""
+    """The same set, with the sizes and checksums of its files, which have been written."""
     entries = []
     for entry in publication.entries:
         path = publication.new(entry)

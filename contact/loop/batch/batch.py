@@ -1,7 +1,7 @@
-"""Compiled step loop of eight rotating rims with one tip at once: runs, slots, are the innermost index.
+"""Compiled step loop of eight rotating rims with one tip at once; the runs ("slots") are the innermost index.
 
-Slots do not wait for each other: each has its own step, skips alone, and ends alone. No sum runs across slots, so that
-a run's numbers do not depend on its neighbours.
+Each slot has its own step, skips free flight and ends independently. No sum runs across slots, so that a run's numbers
+do not depend on its neighbours.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from contact.record.record import Samples, Tally
 
 @jit_inside
 def note_slot(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, before: float, k: int) -> None:
-    """Events and samples of one step of slot k; the gap was `before`."""
+    """Record events and samples of one step of slot k; `before` is the previous gap."""
     force, h, step = s.work[FORCE, k], s.h[k], s.step[k]
     if s.mu[k] > 0.0 and (force > 0.0 or sums.closed[k] == 1):
         along = 0.0
@@ -65,13 +65,13 @@ def note_slot(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
 
 @jit_inside
 def slot_too_far(limits: Array, k: int) -> bool:
-    """Whether the rim's deflection or the tip's motion in slot k passes its limit, as `outgrown`."""
+    """Whether the rim's deflection or the tip's motion in slot k exceeds its limit, as in `outgrown`."""
     return not (limits[REACHED + RIM, k] <= limits[RIM, k] and limits[REACHED + TIP, k] <= limits[TIP, k])
 
 
 @jit_inside
 def note_slot_rim(s: BatchState, waves: Array, k: int, ends: bool) -> None:
-    """Note the rim's deflection in slot k by q and the forces of this step, where it may be larger than before."""
+    """Update the largest deflection of the rim in slot k from q and the forces of this step."""
     normal, tangent, bound = s.work[FORCE, k], -s.work[DRAG, k], 0.0
     for i in range(s.casing[k]):
         bound += s.reach[i, k] * abs(s.q[i, k])
@@ -84,7 +84,7 @@ def note_slot_rim(s: BatchState, waves: Array, k: int, ends: bool) -> None:
 @jit
 def note_slot_line(s: BatchState, c: float, t: float, normal: float, tangent: float, k: int,
                    ends: bool) -> None:  # fmt: skip
-    """Note the deflection in slot k, whose tip is at the angle with this cosine and sine."""
+    """Update the largest deflection in slot k whose tip is at the angle with this cosine and sine."""
     rim, own = s.rim, min(k, s.rim.rows.shape[0] - 1)
     for a in range(rim.z.size):
         part = 0.0
@@ -102,7 +102,7 @@ def note_slot_line(s: BatchState, c: float, t: float, normal: float, tangent: fl
 
 @jit_inside
 def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
-    """Store the displacements of slot k at the start of a step that is due, and the forces of that step."""
+    """Store the displacements of slot k at the start of a step at which storage is due, and the forces of that step."""
     if s.step[k] == kept.due[1, k]:
         row = kept.filled[1, k]
         kept.state_time[k, row] = s.step[k] * s.h[k]
@@ -119,7 +119,7 @@ def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
 def advance_batch(
     s: BatchState, flights: BatchFreeFlight, sums: Tally, out: Samples, kept: BatchSamples, rubs: bool, budget: int
 ) -> None:
-    """Step all live slots, until one is at its end or has failed, or `budget` steps are taken."""
+    """Step all active slots until one ends or fails, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
     skips, swapped, landed = flights.powers.shape[1] > 0, False, 0
     for k in range(s.step.size):

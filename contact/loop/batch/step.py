@@ -1,4 +1,4 @@
-"""One step of eight rims: free motion, forces of contacts that close, their effect on modes, and the energy sums."""
+"""One step of eight rims: free motion, forces of closing contacts, their effect on the modes, and the energy sums."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ from contact.solver.friction.one_contact import force_and_ratio
 
 @jit_inside
 def coefficient(s: BatchState, alike: bool, k: int, values: Array, i: int) -> float:
-    """One of al, be, c, weight (k = 0 .. 3) of mode i, in every slot."""
+    """One of the coefficients al, be, c, weight (k = 0 .. 3) of mode i, in every slot."""
     found: float = same(entry(s.alike, k * s.q.shape[0] + i)) if alike else load(values, i * WIDTH)
     return found
 
 
 @jit_inside
 def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
-    """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
+    """Free motion over a step into `new`, the rows at the next angle, and the gaps; returns whether one would close."""
     fill_slots(s.normal, ahead, Q_next)
     alike = s.alike.size > 0
     free = load(Q_next, s.q.shape[0] * WIDTH)
@@ -107,7 +107,7 @@ def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs
 
 @jit_inside
 def move_slots(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
-    """Add the forces to D and D to q; the work of forces and damping along D_n + D_{n+1}."""
+    """Add the effect of forces to D, and D to q; work of forces and damping along D_n + D_{n+1}."""
     normal, tangent, damping = same(0.0), same(0.0), same(0.0)
     alike = s.alike.size > 0
     force, drag = load(s.work, FORCE * WIDTH), load(s.work, DRAG * WIDTH)
@@ -132,9 +132,9 @@ def move_slots(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, 
 
 @jit_inside
 def add_up(s: BatchState, sums: Tally, Q: Array, Q_next: Array) -> bool:
-    """Sums of one step of every slot, and the gaps the next one needs; where no force is, it does no work.
+    """Energy sums of one step of every slot, and the gaps for the next step; a slot without force does no work.
 
-    Returns whether some tip has moved further against its rim than it may.
+    Returns whether a tip has moved against its rim beyond its limit.
     """
     force, H = load(s.work, FORCE * WIDTH), load(s.work, H_ * WIDTH)
     scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)

@@ -26,10 +26,10 @@ SIN = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(12)])
 
 
 class BatchTerms(NamedTuple):
-    """Sums of waves: block b of rows has those at wave[start[b]] .. wave[start[b + 1] - 1]; all count single numbers.
+    """Sums of waves: block b of rows uses wave[start[b]] .. wave[start[b + 1] - 1]; all indices count single numbers.
 
-    Where all slots have the same coefficients a block is four rows with most of their waves in common, so that a wave
-    is read once for them, and coefficient 4 j + r is that of wave j in row[4 b + r]; else it is one row.
+    If all slots have the same coefficients, a block has four rows that share most of their waves, so that each wave is
+    read once. Then coefficient 4 j + r belongs to wave j in row[4 b + r]. Else a block is one row.
     """
 
     row: Indices
@@ -40,7 +40,7 @@ class BatchTerms(NamedTuple):
 
 
 class BatchFreeFlight(NamedTuple):
-    """The fields of `FreeFlight`, one row a slot; `powers` (1, bits, 4, m) where all slots have the same."""
+    """The fields of `FreeFlight`, one row for each slot; `powers` (1, bits, 4, m) if all slots share them."""
 
     powers: Array
     fade: Array
@@ -56,7 +56,7 @@ class BatchFreeFlight(NamedTuple):
 
 
 class BatchSamples(NamedTuple):
-    """Stored samples of all slots (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
+    """Stored samples of all slots (8, rows), states (8, states, m); `due` (2, 8) the next steps to store."""
 
     time: Array
     force: Array
@@ -70,7 +70,7 @@ class BatchSamples(NamedTuple):
 
 
 class BatchState(NamedTuple):
-    """State and coefficients of eight runs (m, 8), quantities of each run (8,), and work space."""
+    """State and coefficients of eight runs (m, 8), quantities of each run (8,), and work arrays."""
 
     q: Array
     d: Array
@@ -119,14 +119,14 @@ def half_turns(phi: float) -> float:
 
 @jit_inside
 def within(phi: float, turns: float) -> float:
-    """Reduce an angle by a number of half turns."""
+    """Subtract a number of half turns from an angle."""
     left: float = ((phi - turns * same(HIGH)) - turns * same(LOW)) - turns * same(REST)
     return left
 
 
 @jit_inside
 def sign_of(turns: float) -> float:
-    """Sign by which sine and cosine differ after these half turns: 1 - 2 for odd ones."""
+    """Sign that sine and cosine get from these half turns: -1 if their number is odd."""
     half = turns * same(0.5)
     odd = half - ((half + same(WHOLE)) - same(WHOLE))  # 0 or +-1/2
     sign: float = same(1.0) - same(8.0) * odd * odd
@@ -135,7 +135,7 @@ def sign_of(turns: float) -> float:
 
 @jit_inside
 def cosine(x: float) -> float:
-    """Of |x| <= pi/2."""
+    """Cosine for |x| <= pi/2."""
     y, total = x * x, same(entry(COS, 11))
     for k in range(10, -1, -1):
         total = total * y + same(entry(COS, k))
@@ -145,7 +145,7 @@ def cosine(x: float) -> float:
 
 @jit_inside
 def sine(x: float) -> float:
-    """Of |x| <= pi/2."""
+    """Sine for |x| <= pi/2."""
     y, total = x * x, same(entry(SIN, 11))
     for k in range(10, -1, -1):
         total = total * y + same(entry(SIN, k))
@@ -161,7 +161,7 @@ def angle_after(s: BatchState, k: int, step: int) -> float:
 
 @jit
 def rotate_slots(s: BatchState, waves: Array, ahead: int) -> None:
-    """Cos n phi, sin n phi of every slot, `ahead` steps from where it is."""
+    """Cos n phi and sin n phi of every slot, `ahead` steps from now."""
     for k in range(s.step.size):
         s.work[ANGLE, k] = angle_after(s, k, s.step[k] + ahead)
     phi = load(s.work, ANGLE * WIDTH)
@@ -180,7 +180,7 @@ def rotate_slots(s: BatchState, waves: Array, ahead: int) -> None:
 
 @jit_inside
 def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) -> None:
-    """Waves `begin` .. `end` - 1 from those `by` before, c + i s1 = e^{i by phi}."""
+    """Rotate waves `begin` .. `end` - 1 by phi from the waves `by` before, with c + i s1 = e^{i by phi}."""
     for n in range(begin, end):
         at = 2 * WIDTH * (n - by)
         a, b = load(waves, at), load(waves, at + WIDTH)
@@ -190,7 +190,7 @@ def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) ->
 
 @jit
 def fill_slots(terms: BatchTerms, waves: Array, rows: Array) -> None:
-    """Rows in every slot. Terms of a row are added one by one: zeros, of other rows or slots, change no bit."""
+    """Rows of every slot. The terms of a row are added one by one; zeros of other rows or slots change no bit."""
     if terms.alike.size > 0:
         fill_fours(terms, waves, rows)
         return
@@ -220,9 +220,9 @@ def fill_fours(terms: BatchTerms, waves: Array, rows: Array) -> None:
 
 @jit
 def land(s: BatchState, Q: Array, Q_next: Array, waves: Array, ahead: Array, d: Array, landed: int) -> None:
-    """Waves, rows and gaps of the slots that have `landed`, a bit each, where they are now, and the gap a step before.
+    """Waves, rows and gaps at the current step, and the gap a step before, of the slots in the bit mask `landed`.
 
-    The rows ahead are work space: other slots' rows are left as they are.
+    The rows at the next angle are work arrays. Rows of other slots do not change.
     """
     m = s.q.shape[0]
     for back in range(1, -1, -1):
@@ -248,9 +248,10 @@ def land(s: BatchState, Q: Array, Q_next: Array, waves: Array, ahead: Array, d: 
 
 @jit
 def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array, k: int, room: int) -> int:
-    """Skip in slot k over steps without contact, as `skip_free_flight`, at most `room`. Negative: wait.
+    """Skip steps without contact in slot k, at most `room`, as `skip_free_flight`. Negative: wait.
 
-    How far the gap is surely open is kept until that is used up: no force comes between.
+    The number of steps over which the gap is certainly open is kept until it is used up, since no force occurs
+    meanwhile.
     """
     if flights.open[k] < s.step[k] + min(room, LEAST):
         flight = FreeFlight(
@@ -275,7 +276,10 @@ def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array
 
 @jit
 def propagate_slot(s: BatchState, powers: Array, d: Array, k: int, steps: int) -> float:
-    """Take (q, D) of slot k over `steps` steps of free motion, as `propagate`; the change of `discrete_energy`."""
+    """Advance (q, D) of slot k by `steps` steps of free motion, as `propagate`.
+
+    Returns the change of `discrete_energy`.
+    """
     gained = 0.0
     for i in range(s.q.shape[0]):
         x, y, be = s.q[i, k], d[i, k], s.be[i, k]

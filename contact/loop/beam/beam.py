@@ -1,4 +1,4 @@
-"""Compiled step loop of a hinged beam in a circle: central differences, contact at every node."""
+"""Compiled step loop of a hinged beam inside a circle: central differences, contact at every node."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class BeamState(NamedTuple):
 
 
 class BeamWork(NamedTuple):
-    """Work space: increments and coordinates of the last step, the contacts that are solved for and their problem."""
+    """Work arrays: increments and coordinates of the last step, and the contact problem of the chosen nodes."""
 
     old: Array  # (n, 3)
     old_q: Array
@@ -68,7 +68,7 @@ class BeamWork(NamedTuple):
 
 
 def beam_work(s: BeamState) -> BeamWork:
-    """Work space of a run."""
+    """Work arrays of a run."""
     n, m, p = len(s.x), s.q.size, s.rim.size
     return BeamWork(
         old=np.zeros((n, 3)), old_q=np.zeros(m), seen=np.zeros(3 * n), chosen=np.zeros(n, dtype=np.int64),
@@ -108,7 +108,7 @@ def strain_energy_and_forces(x: Array, rest: float, EA: float, EI: float, out: A
 
 @jit
 def free_step(s: BeamState) -> None:
-    """Predict the increments without contact, in place."""
+    """Increments without contact, in place."""
     strain_energy_and_forces(s.x, s.rest, s.EA, s.EI, s.inner)
     for i in range(s.x.shape[0]):
         for j in range(3):
@@ -119,7 +119,7 @@ def free_step(s: BeamState) -> None:
 
 @jit
 def free_gaps(s: BeamState) -> bool:
-    """Fill gaps and directions of the free step; whether one is negative (or not a number)."""
+    """Gaps and directions of the free step; returns whether a gap is negative or not a number."""
     touches = False
     flexible = s.q.size > 0
     if flexible:
@@ -139,7 +139,7 @@ def free_gaps(s: BeamState) -> bool:
 
 @jit
 def copy_gaps(s: BeamState) -> None:
-    """Gaps of the free step; a loop compiles sooner than a slice."""
+    """Copy the gaps of the free step; a loop compiles sooner than a slice."""
     for i in range(s.gap.size):
         s.gap[i] = s.free[i + 1]
 
@@ -168,9 +168,9 @@ def compliance(s: BeamState, i: int, j: int) -> float:
 
 @jit
 def solve_contacts(s: BeamState, w: BeamWork) -> bool:
-    """Forces that open every gap of the free step; False when there are none.
+    """Forces that open every gap of the free step; returns False if there is no contact.
 
-    Starts with the nodes that the free step leaves outside; those that the rim's own motion would cross join them.
+    It starts with the nodes that are outside after the free step, and adds those that the rim's own motion would cross.
     """
     n, count = s.free.size, 0
     for i in range(n):
@@ -207,7 +207,7 @@ def solve_contacts(s: BeamState, w: BeamWork) -> bool:
 
 @jit
 def combine(weights: Array, rows: Array, out: Array) -> None:
-    """Fill out = weights rows."""
+    """Compute out = weights rows."""
     for k in range(out.size):
         total = 0.0
         for p in range(weights.size):
@@ -217,7 +217,7 @@ def combine(weights: Array, rows: Array, out: Array) -> None:
 
 @jit
 def deflect(s: BeamState, w: BeamWork, count: int) -> None:
-    """Radial motion of the rim by interface function under the forces of the chosen contacts."""
+    """Radial motion of the rim by interface function under the forces at the chosen nodes."""
     for m in range(s.q.size):
         w.moved[m] = 0.0
     for p in range(s.rim.size):
@@ -234,7 +234,7 @@ def deflect(s: BeamState, w: BeamWork, count: int) -> None:
 
 @jit
 def push_bodies(s: BeamState, w: BeamWork, sums: Tally) -> None:
-    """Add the contact forces to the increments; their work and moment to the sums."""
+    """Add the effect of the contact forces to the increments, and their work and moment to the sums."""
     for i in range(1, s.x.shape[0]):
         force = s.force[i - 1]
         if force <= 0.0:
