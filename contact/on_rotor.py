@@ -23,12 +23,12 @@ def rotor_motion(rub: Rub, result: Result) -> Array:
 
 
 def rotor_turned(rub: Rub, result: Result) -> Array:
-    """Angle that a rotor has turned at the stored instants, from x to y, (ns,) [rad]."""
+    """Angle turned by a rotor at the stored times, from x to y, (ns,) [rad]."""
     return -rub.turned(result.state_time, result.state_of("casing"))
 
 
 def rotor_orbit(what: object, result: Result) -> Orbit | None:
-    """The orbit with which the run of a rotor in a casing ends; None of other problems, or without states."""
+    """Orbit at the end of the run of a rotor in a casing; None for other problems, or without states."""
     rub: Rub | None = rub_of(what)
     if rub is None or rub.rotor is None or result.channels.size or len(result.state) < 3:
         return None
@@ -39,10 +39,10 @@ def rotor_orbit(what: object, result: Result) -> Orbit | None:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RotorHistory:
-    """A rotor in a casing at the stored instants `time` (ns,): its speed (ns,), vectors along x and y (ns, 2).
+    """A rotor in a casing at the stored times `time` (ns,): its speed (ns,), vectors along x and y (ns, 2).
 
     `disk` and `casing` [m]: the motion of the disk, and the mean motion of the casing's first line as a rigid ring.
-    `bearings` and `mounts` [N] as of `support_forces`, None where a basis has no participation.
+    `bearings` and `mounts` [N] as in `support_forces`, None where a basis has no participation.
     """
 
     time: Array
@@ -54,7 +54,7 @@ class RotorHistory:
 
 
 def rotor_history(what: object, result: Result) -> RotorHistory | None:
-    """Speed, motion and support forces of a rotor in a casing; None of other problems, or without states.
+    """Speed, motion and support forces of a rotor in a casing; None for other problems, or without states.
 
     >>> import contact as ct
     >>> scene = ct.load_scene("data/scenes/blade_off/rigid.toml")
@@ -82,9 +82,9 @@ def rotor_history(what: object, result: Result) -> RotorHistory | None:
 def support_forces(rub: Rub, result: Result) -> dict[str, Array]:
     """Forces of all bearings on the rotor and of all mounts on the casing, along x and y, (ns, 2) [N] each.
 
-    F = -r^T (K q + C q'), r = Phi^T M e the participation of the modes: what springs and dampers to the ground give.
-    Velocities are differences of the stored states, so that these should be a few steps apart. Raises InputError for
-    a basis without participation and results without states.
+    F = -r^T (K q + C q'), r = Phi^T M e the participation of the modes: the forces of springs and dampers to the
+    ground. Velocities are differences of the stored states, which should therefore be only a few steps apart. Raises
+    InputError for a basis without participation and results without states.
 
     >>> import contact as ct
     >>> disk = ct.rotor.Jeffcott(mass=10.0, stiffness=4e6)

@@ -26,11 +26,11 @@ OnLimit = Literal["stop", "flag"]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Scene:
-    """A scene ready to run; every setting may be left out or overridden in `run`.
+    """A scene ready to run; every setting may be left out, or overridden in `run`.
 
-    `on_limit` "stop": a run whose rim moves beyond half its wall, or whose numbers are no solution (a flag that
-    `failed`), is an error that keeps the result so far. "flag": it goes on to a tenth of the radius, and ends without
-    an error; `flags` of the result state what failed. A run of more than `most_steps` steps is refused.
+    `on_limit` "stop": a run whose rim moves beyond half its wall, or whose numbers are wrong (a flag with `failed`),
+    raises an error that contains the result so far. "flag": the run continues to a tenth of the radius and raises no
+    error; `flags` of the result state what failed. A run of more than `most_steps` steps is refused.
 
     >>> import contact as ct
     >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)
@@ -56,7 +56,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Prepared:
-    """A run at t = 0: number of steps, stored quantities; `start` is its energy."""
+    """A run at t = 0: number of steps, stored quantities; `start` is its initial energy."""
 
     problem: Problem
     law: Law
@@ -74,7 +74,7 @@ class Prepared:
 
 
 def prepared(scene: Scene) -> Prepared:
-    """Check a scene and bring it to its start; raises InputError, LimitError."""
+    """Check a scene and prepare its start; raises InputError, LimitError."""
     problem = problem_of(scene.what, scene.gravity)
     law = scene.law or Unilateral()
     scheme = scene.scheme or default_scheme(problem, law)
@@ -106,7 +106,7 @@ def prepared(scene: Scene) -> Prepared:
 
 
 def allow_far(stepper: Stepper) -> None:
-    """Let a rim deflect as far as a tip may move, a tenth of the radius, in place of half its wall."""
+    """Let a rim deflect up to a tenth of the radius, as a tip may, instead of half its wall."""
     limits = stepper.limits
     if limits is not None and math.isfinite(limits[TIP]):
         limits[RIM] = limits[TIP]

@@ -1,4 +1,4 @@
-"""A problem in the form that schemes take, and its default scheme."""
+"""Convert a problem to the form that schemes take, and choose its default scheme."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ What = Sequence[Body] | Problem
 
 
 def problem_of(what: What, gravity: float) -> Problem:
-    """Bring a scene or a problem to the form that schemes take."""
+    """The scene or problem in the form that schemes take."""
     if isinstance(what, Sequence):
         for body in what:
             if not hasattr(body, "crossing_time"):
@@ -31,7 +31,7 @@ def problem_of(what: What, gravity: float) -> Problem:
 
 
 def default_scheme(problem: Problem, law: Law) -> Scheme:
-    """Return exact modal steps; for a problem with M, C, K alone, central differences, or the scheme of a penalty."""
+    """Exact modal steps; for a problem given by M, C, K, central differences, or the scheme of a penalty."""
     if isinstance(problem, BeamInCircle):
         return CentralDifference()
     if not hasattr(problem, "linear_form"):

@@ -1,7 +1,7 @@
 """Displacements of rubbing bodies from modal coordinates: kept modes plus residual compliance.
 
 u = rows q + S F at the channels and u = recovery q + recovery_S F elsewhere, F the forces on the channels. Without the
-S term the rim and the tip are wrong where it matters, at the contact.
+S term the motion of rim and tip is wrong at the contact.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def at_channels(body: ModalBody, q: Array, forces: Array) -> Array:
 
 
 def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
-    """Displacement in the rows of `recovery`, (ns, R) [m]; raises InputError when the basis has none.
+    """Displacement in the rows of `recovery`, (ns, R) [m]; raises InputError if the basis has none.
 
     >>> import contact as ct
     >>> seen = {"channels": ("x",), "rows": [[2.0]], "S": [[0.0]]}
@@ -48,9 +48,9 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
 
 
 def casing_motion(what: object, result: Result) -> Array | None:
-    """Displacement of the casing's channels, (ns, K) [m]; None of other problems than rubs, or without states.
+    """Displacement of the casing's channels, (ns, K) [m]; None for problems other than rubs, or without states.
 
-    Without the motion of a rotor.
+    The motion of a rotor is left out.
 
     >>> import contact as ct
     >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)
@@ -67,10 +67,10 @@ def casing_motion(what: object, result: Result) -> Array | None:
 
 
 def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:
-    """Instants (ns,) and forces on the channels of one body (ns, K), from `result.tip_force`.
+    """Times (ns,) and forces on the channels of one body (ns, K), from `result.tip_force`.
 
     `name` is "casing", "blade" or "blade 2" as in `Rub.names`; feed them to `at_channels`, `at_points` together with
-    `result.state_of(name)`. The gap's share of the tip is -n, so that the tips' forces on their blade have that sign.
+    `result.state_of(name)`. Forces on blades have the sign of -n, the direction in which a tip closes the gap.
 
     Raises InputError for names that the rub does not have and results without stored states.
 

@@ -1,8 +1,8 @@
-"""Whether a run resolves its problem: every rate against the step, the step against the end, number of steps.
+"""Whether a run resolves its problem: rates against the step, step against the end, number of steps.
 
-A harmonic of N steps a period is sampled without ambiguity from N = 2 on (Nyquist). A force that is constant within a
-step loses 10 % of its amplitude at N = 4, where a run is refused, and 1.6 % at N = 10, below which it is flagged:
-sin(pi/N)/(pi/N). What a scheme needs beside this is its own limit (`require_stable`).
+A harmonic with N steps a period is sampled without ambiguity from N = 2 on (Nyquist). A force that is constant within a
+step has sin(pi/N)/(pi/N) of its amplitude: it loses 10 % at N = 4, where a run is refused, and 1.6 % at N = 10, below
+which it is flagged. The stability of a scheme is a separate limit (`require_stable`).
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ BETWEEN, MUCH_BETWEEN = 1.0 - math.cos(math.pi / 10.0), 1.0 - math.cos(math.pi /
 
 
 def resolved(problem: Problem, law: Law, stepper: Stepper, t_end: float, given: str = "") -> tuple[Flag, ...]:
-    """Hold a problem's rates, changes and loads against step and end.
+    """Compare a problem's rates, changes and loads with step and end.
 
-    `given` states where the step comes from ("courant = 1e7"). Raises LimitError, which lists all that the step is too
-    long for, with the longest step that works for each.
+    `given` states the source of the step ("courant = 1e7"). Raises LimitError, which lists everything that the step
+    does not resolve, with the longest permitted step for each.
     """
     dt = stepper.dt
     rates = (*(problem.rates() if isinstance(problem, Rated) else ()), *_contacts(problem, law))
@@ -105,9 +105,9 @@ def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
 
 
 def between(amplitude: Callable[[Array], Any], dt: float, t_end: float) -> float:
-    """Deviation of a load from straight lines between the steps, at half steps: r.m.s. over its own r.m.s.
+    """Deviation of a load from linear interpolation between steps, at half steps: rms over its own rms.
 
-    1 - cos(pi/N) of a harmonic of N steps a period.
+    1 - cos(pi/N) for a harmonic with N steps a period.
 
     >>> round(between(lambda t: np.cos(2 * np.pi * 5.0 * t), 0.02, 3.0), 4)  # ten steps a period
     0.0489
@@ -130,7 +130,10 @@ def between(amplitude: Callable[[Array], Any], dt: float, t_end: float) -> float
 
 
 def count_of(t_end: float, dt: float, most: int = MOST_STEPS, coordinates: int = 0) -> int:
-    """Steps to the first one at or after `t_end`; raises InputError beyond `most`, with the time they would take."""
+    """Number of steps to the first one at or after `t_end`.
+
+    Raises InputError beyond `most`, with the expected run time.
+    """
     ratio = t_end / dt * (1.0 - 1e-12) - 1e-9
     if ratio > most:
         seconds = ratio * (A_STEP + A_COORDINATE * coordinates)
@@ -148,6 +151,6 @@ def _duration(seconds: float) -> str:
 
 
 def require_steps(value: object) -> None:
-    """Raise InputError unless it is a whole number of steps from 1."""
+    """Raise InputError unless the number is whole and at least 1."""
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise InputError(f"most_steps: found {value!r}, expected a whole number >= 1")

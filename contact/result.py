@@ -53,21 +53,20 @@ CONTACTS = (
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Result(Reported):
-    """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
+    """One run with n samples and K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
     `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals` of
-    contact per contact [s], `sticking` those without slip, both located within
-    their steps (on a `Rub`: to a step);
+    contact per contact [s], `sticking` those without slip, both located within their steps (on a `Rub`: to a step);
     `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
-    displacements or modal coordinates u at `state_time`; `tip_force` (ns, K d): forces [N] on the tips of a rim or
-    a rub at the same instants, the d components of each tip together, no columns in other problems. Where
-    `channels` = R is not empty, `state` is R (u, tip_force), (ns, c), and `tip_force` has no columns.
-    `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `tracks`: what
-    each track of an abradable coating lost. `divergence`: why the run ended before its time, None where it did not.
-    `growth` of the motion of a rim, a rub or a disk whose states are stored (`ct.stability.of_run`), None elsewhere.
+    displacements or modal coordinates u at `state_time`; `tip_force` (ns, K d): forces [N] on the tips of a rim or a
+    rub at the same times, the d components of each tip together, no columns in other problems. Where `channels` = R is
+    not empty, `state` is R (u, tip_force), (ns, c), and `tip_force` has no columns. `every`: number of steps between
+    stored samples, 0 if the record states times. `tracks`: wear of each track of an abradable coating. `divergence`:
+    why the run ended early, None if it did not. `growth` of the motion of a rim, a rub or a disk whose states are
+    stored (`ct.stability.of_run`), None for other runs.
 
-    The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
+    The raw peak force does not converge with the step; `windowed_force` does. The same input gives identical bits.
 
     >>> import contact as ct
     >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)
@@ -116,9 +115,9 @@ class Result(Reported):
 
     @property
     def flags(self) -> tuple[Flag, ...]:
-        """Why not to trust the numbers: words that end with a code of `contact.io.trust.TROUBLES`.
+        """Reasons not to trust the numbers: texts that end with a code of `contact.io.trust.TROUBLES`.
 
-        `flag.code` is that code; `flag.failed` shows numbers that are no solution from a warning.
+        `flag.code` is that code; `flag.failed` is true if the numbers are wrong, false for a warning.
         """
         return self.notes.flags
 
@@ -129,13 +128,13 @@ class Result(Reported):
 
     @property
     def least_gap(self) -> Array:
-        """Smallest gap of the stored samples, (K,) [m]; NaN where none is stored."""
+        """Smallest gap of the stored samples, (K,) [m]; NaN without samples."""
         return np.asarray(self.gap.min(axis=0)) if len(self.gap) else np.full(self.impulse.shape, np.nan)
 
     def state_of(self, name: str) -> Array:
         """Columns of `state` that belong to one body, (ns, its coordinates).
 
-        Raises InputError listing the names, or where channels were stored instead.
+        Raises InputError that lists the names, or if channels were stored instead.
         """
         if self.channels.size:
             raise InputError(f"state: found {len(self.channels)} channels of all bodies, expected a record without")
@@ -212,7 +211,7 @@ class Result(Reported):
         return "\n".join(lines)
 
     def columns(self) -> dict[str, Array]:
-        """One row a sample: time, and of each contact force, force averaged over the window, gap, impulse so far."""
+        """One row for each sample: time, and force, window-averaged force, gap and impulse so far of each contact."""
         found, windowed = {"time_s": self.time}, self.windowed_force()
         for k in range(self.force.shape[1]):
             found |= {
@@ -223,7 +222,7 @@ class Result(Reported):
 
     @property
     def impact_energy(self) -> float:
-        """Impulse per closing times speed of approach / 4 [J]: the kinetic energy of an impact without loss."""
+        """Mean impulse of an impact times approach speed / 4 [J]: the kinetic energy of an impact without loss."""
         if self.time.size < 2:
             return 0.0
         speed = np.max(np.abs(np.diff(self.gap, axis=0)) / np.diff(self.time)[:, None], axis=0)
@@ -231,7 +230,7 @@ class Result(Reported):
         return float(np.max(0.25 * self.impulse / closings * speed, initial=0.0))
 
     def to_dict(self, *, most: int | None = None) -> dict[str, object]:
-        """Return the document of `casingfem contact --json`: contacts, bodies, energy, steps, seconds.
+        """The document of `casingfem contact --json`: contacts, bodies, energy, steps, seconds.
 
         Histories (time, force, gap, windowed force of all contacts; intervals of all contacts) of more than `most`
         numbers are left out; `left_out` names them with their count. None keeps all.
@@ -274,7 +273,7 @@ class Result(Reported):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read a saved result; raises InputError naming file and key."""
+        """Read a saved result; raises InputError with file and key."""
         return cls(**read_result(path))
 
 
@@ -289,6 +288,6 @@ def coordinates_and_forces(stored: Array, blocks: Sequence[Block], *, whole: boo
 
 
 def _listed(tips: tuple[int, ...]) -> str:
-    """Numbers from 1, the middle of a long row left out."""
+    """Numbers from 1, with the middle of a long list left out."""
     numbers = [str(j + 1) for j in tips]
     return ", ".join(numbers if len(numbers) <= LONGEST else [*numbers[: LONGEST - 2], "...", numbers[-1]])

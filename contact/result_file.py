@@ -1,4 +1,4 @@
-"""The file of a run: arrays under their names, all else as JSON in `document`."""
+"""The file of a run: arrays under their names, everything else as JSON in `document`."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def write_result(path: str | os.PathLike[str], result: Any) -> Path:
 
 
 def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The fields of a result that `write_result` wrote; raises InputError naming file and key."""
+    """The fields of a result that `write_result` wrote; raises InputError with file and key."""
     data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
     if data["state"].ndim != 2:
         found = data["state"].shape

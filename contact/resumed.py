@@ -1,4 +1,4 @@
-"""The state of a run between two calls of its loop, and how the run goes on from there to the same bits."""
+"""The state of a run between two calls of its loop, from which it continues with identical bits."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from contact.version import versions
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Moment:
-    """A run after `taken` steps: the arrays of its stepper, samples so far, seconds spent, energies of the first call.
+    """A run after `taken` steps: arrays of its stepper, samples so far, elapsed seconds, energies after the first call.
 
-    `asked` is the digest of the run that it belongs to.
+    `asked` is the digest of its run.
     """
 
     asked: str
@@ -37,7 +37,7 @@ class Moment:
 
 
 def arrays_in(memory: Any) -> Iterator[Array]:
-    """Yield the arrays in tuples of any depth that can be written, in their order."""
+    """Yield the writable arrays in nested tuples, in order."""
     if isinstance(memory, np.ndarray):
         if memory.flags.writeable:
             yield memory
@@ -47,9 +47,9 @@ def arrays_in(memory: Any) -> Iterator[Array]:
 
 
 def asked(stepper: Stepper, *decisive: Any) -> str:
-    """Digest of a run at t = 0: all that decides it, its step, the arrays of its stepper, versions. Raises InputError.
+    """Digest of a run at t = 0: all input that decides it, step, arrays of its stepper, versions. Raises InputError.
 
-    The error names a part of the problem that no file can contain: a function, for example.
+    The error names a part of the problem that cannot be stored, such as a function.
     """
     packing = Packing()
     try:
@@ -66,7 +66,7 @@ def asked(stepper: Stepper, *decisive: Any) -> str:
 
 def moment(stepper: Stepper, asked: str, parts: list[Samples], taken: int, seconds: float,
            calm: EnergyBudget | None, marks: Sequence[Mark] = ()) -> Moment:  # fmt: skip
-    """Copy where a run is."""
+    """Copy the current state of a run."""
     memory = tuple(array.copy() for array in arrays_in(stepper.memory))
     return Moment(
         asked=asked, taken=taken, seconds=seconds, memory=memory, samples=tuple(parts), calm=calm, marks=tuple(marks)
@@ -74,6 +74,6 @@ def moment(stepper: Stepper, asked: str, parts: list[Samples], taken: int, secon
 
 
 def restored(stepper: Stepper, at: Moment) -> None:
-    """Bring a stepper at t = 0 to a moment of its run."""
+    """Set a stepper at t = 0 to a stored state of its run."""
     for array, kept in zip(arrays_in(stepper.memory), at.memory, strict=True):
         np.copyto(array, kept, casting="no")

@@ -1,4 +1,4 @@
-"""Motion of the rim before the tips by harmonics, its largest deflection, the force over angle, one point a turn."""
+"""Motion of the rim at the tips by harmonics, its largest deflection, the force over angle, Poincare sections."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ class RimMotion:
         Instants of the states [s], (ns,).
     waves
         z_n = a_n + i b_n of the deflection sum a_n cos(n theta) + b_n sin(n theta) [m] of the first tip's line, theta
-        fixed to the casing, (ns, N + 1). A wave that travels towards +theta turns z_n with a positive frequency.
+        fixed to the casing, (ns, N + 1). For a wave that travels towards +theta, z_n rotates with a positive frequency.
     deflection
         Largest magnitude around any line of the rim at each instant [m], (ns,).
     largest
-        Largest deflection of the run [m], also between the instants where it is beyond half the wall.
+        Largest deflection of the run [m], also between the stored times where it exceeds half the wall.
     wall, allowed
-        Thickness of the wall, and half of it, to which the linear model is valid [m]; infinite where it is not known.
+        Thickness of the wall, and half of it, to which the linear model is valid [m]; infinite if unknown.
     with_blades
-        Sign of the frequencies of z_n that travel with the blades, as the casing sees them; 0 without rotation.
+        Sign of the frequencies of z_n that travel with the blades, in the casing's frame; 0 without rotation.
     """
 
     time: Array
@@ -51,7 +51,7 @@ class RimMotion:
 
 
 def rim_motion(what: What, result: Result) -> RimMotion | None:
-    """Motion of the rim of a rotating rim, rub or disk; None of other problems, or without states."""
+    """Motion of the rim of a rotating rim, rub or disk; None for other problems, or without states."""
     rub: Rub | None = rub_of(what)
     if rub is None or len(result.state) < 2 or result.channels.size:
         return None
@@ -112,9 +112,11 @@ def force_over_angle(what: What, result: Result, *, bars: int = 180, rows: int =
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Section:
-    """One point a turn of the casing in the second half of a run: a tip along its normal [m], its velocity [m/s].
+    """Poincare section.
 
-    A motion of the period of a turn is one point, one of k turns k points, a chaotic one a cloud.
+    One point per turn in the second half of a run, tip motion along its normal [m] and velocity [m/s].
+
+    A motion with the period of one turn gives one point, of k turns k points; chaotic motion gives a cloud.
     """
 
     time: Array
@@ -123,9 +125,9 @@ class Section:
 
 
 def once_a_turn(what: What, result: Result, moved: TipMotion | None = None) -> Section | None:
-    """Poincare's section of the first tip; None where a turn has too few states, or the second half too few turns.
+    """Poincare section of the first tip; None with too few states in a turn, or too few turns.
 
-    `moved` is the motion of the tip, `contact.histories.tip_motion`, where it is known already.
+    `moved` is the motion of the tip (`contact.histories.tip_motion`) if it was computed before.
     """
     rub: Rub | None = rub_of(what)
     moved = tip_motion(what, result) if moved is None else moved

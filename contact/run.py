@@ -33,7 +33,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Chunk:
-    """Samples of one compiled call, cut to the filled part; `done` is the fraction of the run."""
+    """Samples of one compiled call, cut to the filled part; `done` is the finished fraction of the run."""
 
     samples: Samples
     steps: int
@@ -44,9 +44,9 @@ class Chunk:
 def steps(
     stepper: Stepper, count: int, *, record: Record, first: int = 0, most: int | None = None
 ) -> Iterator[Chunk]:  # fmt: skip
-    """Yield the chunks of a run of `count` steps from step `first`; ends early after a chunk whose `failed` >= 0.
+    """Yield the chunks of a run of `count` steps from step `first`; ends early after a chunk with `failed` >= 0.
 
-    `most` steps in a chunk, where that is fewer than otherwise.
+    `most` limits the steps of a chunk.
     """
     contacts, at = stepper.sums.closed.size, record.steps(dt=stepper.dt, count=count)
     work = max(1, WORK // max(1, stepper.size * contacts))
@@ -89,21 +89,19 @@ def run(
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
-    `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, a BeamInCircle, a
-    Patch, a Rub, a problem of one's own with a `linear_form` or a `modal_form`, or a Scene read from a file, whose own
-    settings these arguments override. `scheme` defaults to
-    CentralDifference for bodies (PenaltyDifference for a Penalty law) and ExactModal for what is modal; `dt` [s] or
-    `courant` sets the step;
-    `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done, which a notebook shows
-    by itself.
-    `record` defaults to every step, or to as many as make 1,000,000 samples. `on_limit` as in `Scene`.
-    `checkpoint` names a file that a run of more than two seconds writes from time to time. Where it exists, the run
-    goes on from there and gives the same result to the last bit, but for the seconds.
+    `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, a BeamInCircle, a Patch,
+    a Rub, a problem of your own with a `linear_form` or a `modal_form`, or a Scene read from a file, whose own settings
+    these arguments override. `scheme` defaults to CentralDifference for bodies (PenaltyDifference for a Penalty law)
+    and ExactModal for modal problems; `dt` [s] or `courant` sets the step; `gravity` [m/s^2] pulls bodies towards -x;
+    `progress` is called with the finished fraction; notebooks show it by default. `record` defaults to every step, or
+    to as many as make 1,000,000 samples. `on_limit` as in `Scene`. `checkpoint` names a file that a run of more than
+    two seconds writes from time to time. If it exists, the run continues from it; the result is identical except for
+    the elapsed seconds.
 
-    A run of more than `most_steps` steps, 1e8 where it is left out, is refused with an estimate of the time it takes.
+    A run of more than `most_steps` steps, 1e8 by default, is refused with an estimate of its time.
 
     Raises InputError and LimitError (also for a step that does not resolve what was asked for) before the first step,
-    NumericsError (which has the result so far) at the step that failed or where a flag of the result `failed`,
+    NumericsError (with the result so far) at the step that failed, or for a flag with `failed`,
     DivergedError (one of these) at the step that passed a limit.
 
     >>> from contact.model.bodies.body import Rod, Wall
@@ -125,7 +123,7 @@ def run(
 
 
 def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
-    """Run a prepared run to its end, from the start or from a checkpoint; raises InputError as that."""
+    """Run a prepared run to its end, from the start or a checkpoint; raises InputError for a wrong checkpoint."""
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     decisive = ready.problem, record, ready.law.mu, ready.law.coating is not None, ready.on_limit, ready.count

@@ -1,4 +1,4 @@
-"""Many runs at once: rotating rims of one size share eight slots of one compiled loop, whatever else runs singly."""
+"""Many runs at once: rotating rims of one size share eight slots of one compiled loop; other problems run singly."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ MOST_BYTES = 200_000_000  # what the slots of one group may store; longer record
 def run_many(
     scenes: Sequence[Scene], *, record: Callable[[int], Record] | None = None, ended: Ended | None = None
 ) -> list[Outcome]:
-    """Run scenes, each as `run` would, to the round-off of its sums; failures are returned, not raised.
+    """Run scenes, with the results of `run` up to round-off; failures are returned, not raised.
 
-    Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, those together
-    whose arrays have equal shapes: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's
-    numbers do not depend on which others are given, nor on their order. `record` states by the number of steps what a
-    run stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end.
+    Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, runs with
+    arrays of equal shapes together: speed, clearance, friction, lean, blade, casing, step and length may differ. A
+    run's numbers do not depend on which others are given, nor on their order. `record` gives the default record for a
+    number of steps; `ended` is called with index and outcome of each run as it ends.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -60,9 +60,9 @@ def run_many(
 
 
 def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
-    """Take one step as `run_many` would, so that its compiled code is loaded or compiled now.
+    """Take one step as `run_many` would, so that its code is loaded or compiled now.
 
-    Raises InputError for a scene that is refused.
+    Raises InputError for an invalid scene.
     """
     ready = replace(_prepared(scene, record), count=1)
     if _fits(ready) is not None:
@@ -90,7 +90,7 @@ def _alone(ready: Prepared) -> Outcome:
 
 
 def _fits(ready: Prepared) -> Shape | None:
-    """Shape of the arrays that the slots take of this run; None if it runs singly."""
+    """Shape of the arrays of this run in the slots; None if it runs singly."""
     stepper, record = ready.stepper, ready.record
     if not isinstance(stepper, RubStepper) or record.at is not None or record.channels is not None:
         return None
@@ -100,10 +100,10 @@ def _fits(ready: Prepared) -> Shape | None:
 
 
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
-    """Outcomes of prepared runs of one shape in the order in which slots end; None where no force was found.
+    """Outcomes of prepared runs of one shape in the order in which they end; None for runs without a solution.
 
-    The energies of each are computed as often as those of a run alone; None, too, where contact adds too much of it.
-    Marks are kept as in a run alone (`contact.half_step`).
+    Energies are computed as often as in a single run; None also if contact adds too much energy. Marks are kept as in a
+    single run (`contact.half_step`).
     """
     jobs = [Job(run=cast(RubStepper, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
@@ -144,7 +144,7 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
 
 
 def _until(ready: Prepared, taken: int) -> int:
-    """Steps to the next mark or the next energy."""
+    """Number of steps to the next mark or energy."""
     most = max(1, ready.count // MARKS) if ready.marked else LEDGER
     return min(most, LEDGER - taken % LEDGER)
 

@@ -150,7 +150,7 @@ def kinds(left: Signs, right: Signs) -> list[str]:
 
 
 def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float, after: Tangent) -> list[Special]:
-    """Special points between an orbit and the next one, at distance `length`; bisection along the tangent locates them."""
+    """Special points between an orbit and the next one, `length` away, located by bisection along the tangent."""
     left, right = signs(at, along), signs(new, after)
     low, found = 0.0, []
     for _ in range(MOST):

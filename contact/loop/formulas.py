@@ -1,7 +1,7 @@
-"""Compiled: formulas of one exact-modal step and its ledger, of numbers or of eight runs at once.
+"""Compiled formulas of one exact-modal step and its energies, for scalars or for eight runs at once.
 
-Written once for rubs, rims, patches, fixed points and runs in slots. Where eight numbers stand for one, constants are
-given by the caller as eight numbers, too.
+Rubs, rims, patches, fixed points and batches of runs use the same formulas. For eight runs, the caller also passes
+constants as eight numbers.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ def turned_work(press: float, drag: float, nn: float, nt: float, tt: float) -> f
 @jit_inside
 def works(half: float, opened: float, turned: float, across: float, along: float,
           soft: float) -> tuple[float, float, float]:  # fmt: skip
-    """Work of one contact, of its point that moves over the rim, and of friction.
+    """Work of one contact, of the motion of its point over the rim, and of friction.
 
-    Forces times what they move: `opened` the gap of the modes over two steps, `across` the normal rows and `along` the
-    tangential ones over D_n + D_{n+1}, `soft` the tangential strain of S over this step, all times their force;
-    `turned` as of `turned_work`.
+    Force times displacement: `opened` is the modal gap over two steps, `across` the normal and `along` the tangential
+    rows over D_n + D_{n+1}, `soft` the tangential deflection by S over this step, each times its force. `turned` is
+    that of `turned_work`.
     """
     work = half * (opened + turned)
     return work - soft, half * across - work, half * along + soft

@@ -1,6 +1,8 @@
-"""Compiled passage through one phase: contacts do not change, modes move exactly, until a gap or a force is zero.
+"""Compiled motion through one phase.
 
-In eigenvectors of the phase y' = lam y + beta, so y(t + tau) = e^{lam tau} y + tau phi(lam tau) beta with
+The set of closed contacts is constant and modes move exactly, until a gap or force is 0.
+
+In the eigenvectors of the phase, y' = lam y + beta, so y(t + tau) = e^{lam tau} y + tau phi(lam tau) beta with
 phi(z) = (e^z - 1)/z. The watched quantities (gaps of open contacts, forces of closed ones, then outputs) are
 Re(rows y) + rest + Re(sum wave e^{i harmonic w t}). This is exact; the step determines only when they are evaluated.
 """
@@ -22,7 +24,7 @@ NEWTON = 60
 
 
 class PhaseArrays(NamedTuple):
-    """Real parts at [0], imaginary ones at [1]."""
+    """Arrays of a phase: real parts at [0], imaginary parts at [1]."""
 
     lam: Array  # (2, n)
     beta: Array  # (2, n)
@@ -33,9 +35,9 @@ class PhaseArrays(NamedTuple):
 
 
 class PhaseWork(NamedTuple):
-    """State and work space; `most` and `least` of the watched quantities, in and out; `at` the time reached.
+    """State and work arrays; `most` and `least` of the watched quantities, in and out; `at`: the time reached.
 
-    What is inf in `most`, or -inf in `least`, stays so, and costs nothing.
+    Entries that are inf in `most`, or -inf in `least`, are not computed.
     """
 
     y: Array  # (2, n)
@@ -53,7 +55,7 @@ class PhaseWork(NamedTuple):
 
 
 def phase_work(p: PhaseArrays) -> PhaseWork:
-    """Work space for a phase of these arrays."""
+    """Work arrays for a phase of these arrays."""
     room, values = np.zeros((4, *p.lam.shape)), np.zeros((6, p.rest.size))
     return PhaseWork(
         y=room[0], new=room[1], circle=np.zeros((2, p.harmonic.size)), step=room[2], drift=room[3], now=values[0],
@@ -78,7 +80,7 @@ def flow(lam: Array, i: int, tau: float) -> tuple[float, float, float, float]:
 
 @jit
 def wave_at(p: PhaseArrays, row: int, t: float) -> tuple[float, float]:
-    """Periodic part of a watched value and its slope."""
+    """Periodic part of a watched quantity and its slope."""
     value, slope = p.rest[row], 0.0
     for h in range(p.harmonic.size):
         w = p.harmonic[h]
@@ -90,7 +92,7 @@ def wave_at(p: PhaseArrays, row: int, t: float) -> tuple[float, float]:
 
 @jit
 def watched_at(p: PhaseArrays, y: Array, row: int, t: float, tau: float) -> tuple[float, float]:
-    """A watched value and its slope, `tau` after the state y of time t."""
+    """A watched quantity and its slope, `tau` after the state y at time t."""
     value, slope = wave_at(p, row, t + tau)
     for i in range(y.shape[1]):
         c, s, u, v = flow(p.lam, i, tau)
@@ -105,7 +107,7 @@ def watched_at(p: PhaseArrays, y: Array, row: int, t: float, tau: float) -> tupl
 
 @jit
 def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
-    """Time of the zero of a value that is positive after `low` and negative at `high`."""
+    """Time of the zero of a quantity that is positive after `low` and negative at `high`."""
     first = low
     low += 0.5 * (high - low)
     for _ in range(HALVINGS):  # the value at the start may be the zero of the event that began the phase
@@ -135,7 +137,7 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
 
 @jit
 def turn(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float, sense: float) -> float:
-    """Time at which a value is smallest (sense 1) or largest (-1), by the secant of its slope (Illinois)."""
+    """Time of the minimum (sense 1) or maximum (-1) of a quantity, by the secant method on its slope (Illinois)."""
     _value, below = watched_at(p, y, row, t, low)
     _value, above = watched_at(p, y, row, t, high)
     below, above = sense * below, sense * above
@@ -165,7 +167,7 @@ def turn(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float, 
 
 @jit
 def move_to(p: PhaseArrays, y: Array, tau: float) -> None:
-    """Advance the state by any time."""
+    """Advance the state by any time step."""
     for i in range(y.shape[1]):
         c, s, u, v = flow(p.lam, i, tau)
         a, b = y[0, i], y[1, i]
@@ -175,7 +177,7 @@ def move_to(p: PhaseArrays, y: Array, tau: float) -> None:
 
 @jit
 def begun(p: PhaseArrays, w: PhaseWork, contacts: int, t: float) -> int:
-    """Watched values at the start; the contact that is past its event there, or -1."""
+    """Watched quantities at the start; returns the contact that has already passed its event, or -1."""
     found = -1
     for row in range(w.now.size):
         value, slope = watched_at(p, w.y, row, t, 0.0)
@@ -199,7 +201,7 @@ def begun(p: PhaseArrays, w: PhaseWork, contacts: int, t: float) -> int:
 
 @jit
 def look(p: PhaseArrays, w: PhaseWork, t: float) -> None:
-    """Watched values of the new state, time t."""
+    """Watched quantities of the new state at time t."""
     for h in range(p.harmonic.size):
         w.circle[0, h], w.circle[1, h] = math.cos(p.harmonic[h] * t), math.sin(p.harmonic[h] * t)
     for row in range(w.now.size):
@@ -213,7 +215,7 @@ def look(p: PhaseArrays, w: PhaseWork, t: float) -> None:
 
 @jit
 def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
-    """The largest and the smallest watched quantities, and their extremes between samples near time t."""
+    """Update the largest and smallest watched quantities, also with their extremes between samples near time t."""
     for row in range(w.now.size):
         before, last, now = w.before[row], w.last[row], w.now[row]
         w.most[row], w.least[row] = max(w.most[row], now), min(w.least[row], now)
@@ -228,7 +230,7 @@ def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
 
 @jit
 def turned(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
-    """Time of an extreme between two times by the slopes at both, at the ends of a phase; inf if there is none."""
+    """Time of an extreme between two times from the slopes at both, at the ends of a phase; inf if there is none."""
     _value, first = watched_at(p, y, row, t, low)
     _value, last = watched_at(p, y, row, t, high)
     if first * last >= 0.0:
@@ -238,7 +240,7 @@ def turned(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float
 
 @jit
 def edge_extremes(p: PhaseArrays, w: PhaseWork, t: float, low: float, high: float) -> None:
-    """Extremes in a step at the beginning or the end of a phase, where there are no three looks around them."""
+    """Extremes in a step at the beginning or end of a phase, where there are not three samples around them."""
     for row in range(w.now.size):
         if w.most[row] < math.inf or w.least[row] > -math.inf:
             tau = turned(p, w.y, row, t, low, high)
@@ -259,7 +261,7 @@ def end_values(p: PhaseArrays, w: PhaseWork, t: float, tau: float) -> None:
 def first_event(
     p: PhaseArrays, w: PhaseWork, contacts: int, t: float, h: float, started: bool, edge: bool
 ) -> tuple[int, float]:  # fmt: skip
-    """The contact that comes first to zero up to t + h, and how long after t; or -1."""
+    """The first contact whose watched quantity reaches zero up to t + h, and the time after t; or -1."""
     found, when = -1, h
     for row in range(contacts):
         tau = math.inf
@@ -285,7 +287,10 @@ def first_event(
 
 @jit_entry
 def pass_phase(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, t_end: float, longest: float) -> int:
-    """Advance y to the first event or to `t_end` in equal steps; the contact of the event, or -1. Time into `at`."""
+    """Advance y to the first event or to `t_end` in equal steps; returns the contact of the event, or -1.
+
+    Sets the time `at`.
+    """
     n = w.y.shape[1]
     w.at[0] = t
     found = begun(p, w, contacts, t)

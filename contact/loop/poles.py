@@ -1,4 +1,4 @@
-"""Compiled: the largest growth of one closed contact for many bodies, by Aberth's iteration for each."""
+"""Compiled: largest growth with one closed contact for many bodies, by Aberth's iteration for each."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from contact.jit.compiled import jit, jit_entry
 class Varied(NamedTuple):
     """Free poles s_j - i k_j Omega of bodies at one speed, and their changes in each case.
 
-    Case d has the poles scale[d, body[j]] s_j - i k_j Omega, with the residues (a_j + mu[d] b_j)/scale. `real` and
-    `imag` are of s, `turned` is k Omega, `a_real`, ... of the residues, (N,); `body` (N,) is a column of `scale`
+    In case d the poles are scale[d, body[j]] s_j - i k_j Omega, with the residues (a_j + mu[d] b_j)/scale. `real` and
+    `imag` are of s, `turned` is k Omega, `a_real`, ... those of the residues, (N,); `body` (N,) is a column of `scale`
     (cases, bodies). The compliance of case d is S[d].
     """
 
@@ -30,7 +30,7 @@ class Varied(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room for the poles p, their residues a, the roots s and the steps, (8, N); and which roots still move, (N,)."""
+    """Work arrays: poles p, residues a, roots s and steps, (8, N); flags of the roots that still move, (N,)."""
 
     room: Array
     active: Indices
@@ -38,7 +38,7 @@ class Work(NamedTuple):
 
 @jit
 def sums_at(x: float, y: float, room: Array, count: int) -> tuple[float, float, float, float, float, float]:
-    """Sums over the poles at s = x + i y: of a/(s - p), of a/(s - p)^2 and of 1/(s - p), each its two parts."""
+    """Sums over the poles at s = x + i y of a/(s - p), a/(s - p)^2 and 1/(s - p), real and imaginary parts."""
     f_x, f_y, g_x, g_y, h_x, h_y = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(count):
         u, v = x - room[0, j], y - room[1, j]
@@ -70,7 +70,7 @@ def others(x: float, y: float, room: Array, row: int, own: int, count: int) -> t
 
 @jit
 def begin(room: Array, S: float, size: float, count: int) -> None:
-    """First roots p - a/(S + sum a_k/(p - p_k)): what the other poles' share there leaves of each."""
+    """First guess of the roots, p - a/(S + sum a_k/(p - p_k)), with the sum over the other poles."""
     for j in range(count):
         x, y = room[0, j], room[1, j]
         f_x, f_y = S, 0.0
@@ -91,7 +91,7 @@ def begin(room: Array, S: float, size: float, count: int) -> None:
 
 @jit
 def settled(room: Array, active: Indices, S: float, size: float, count: int, rounds: int, least: float) -> bool:
-    """Move the roots until none moves by more than `least` of the largest pole; whether they have come to that."""
+    """Move the roots until none moves by more than `least` times the largest pole; returns whether that was reached."""
     left = count
     for j in range(count):
         active[j] = j
@@ -127,7 +127,7 @@ def settled(room: Array, active: Indices, S: float, size: float, count: int, rou
 
 @jit_entry
 def largest_growths(given: Varied, work: Work, growth: Array, rounds: int, least: float) -> None:
-    """Largest real part of the roots of S + sum a/(s - p) of each case, (cases,); nan where they do not settle."""
+    """Largest real part of the roots of S + sum a/(s - p) of each case, (cases,); nan without convergence."""
     count, room = given.real.size, work.room
     for d in range(growth.size):
         size = 1.0

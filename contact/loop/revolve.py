@@ -1,4 +1,4 @@
-"""Compiled turn of a rim in closed contact: exact free motion of the bodies between kicks of the contact."""
+"""Compiled motion of a rim in closed contact over a turn: exact free motion between impulses of the contact."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from contact.loop.modal.rows import RowBlocks, fill_some, rotate
 
 
 class TurnRows(NamedTuple):
-    """What the closed contact reads and pushes of the coordinates (q, v) as sums of waves, its place, and work space.
+    """Action of the closed contact on the coordinates (q, v): rows as sums of waves, its angle, and work arrays.
 
-    `gap`: what each of the 2 m coordinates adds to the gap, then the compliance S_nn - mu S_nt. `push`: what a unit
-    force along the contact's pull adds to each coordinate in a unit of time.
+    `gap`: contribution of each of the 2 m coordinates to the gap, then the compliance S_nn - mu S_nt. `push`: rate of
+    each coordinate under a unit contact force.
     """
 
     gap: RowBlocks
@@ -24,7 +24,7 @@ class TurnRows(NamedTuple):
 
 
 class Drifts(NamedTuple):
-    """Free motion over each part of a step: blocks of coordinates that move alone.
+    """Free motion over each part of a step, by blocks of coordinates that are not coupled.
 
     Block b has the pairs `mode[start[b]:start[b + 1]]` of (q, v), s of them, and its matrices (2 s, 2 s) begin at
     `first[b]` of each row of `value` (parts, entries); `work` (2 s, columns) has room for the largest.
@@ -68,7 +68,7 @@ def drift(q: Array, v: Array, parts: Drifts, part: int) -> None:
 
 @jit
 def kick(q: Array, v: Array, gap: Array, push: Array, strength: float, y: Array) -> None:
-    """Add -strength push (gap . (q, v)): the change by the closed contact; y (columns,) work space."""
+    """Apply the contact over a part of a step: add -strength push (gap . (q, v)); y (columns,) is a work array."""
     y[:] = 0.0
     m = q.shape[0]
     for i in range(m):
@@ -86,7 +86,10 @@ def revolve(
     q: Array, v: Array, rows: TurnRows, gap: Array, push: Array, y: Array,
     drifts: Drifts, times: Array, kicks: Array, h: float, steps: int,
 ) -> None:  # fmt: skip
-    """Splitting of order four: six free motions around kicks at `times` (5,) of a step, weights `kicks` (5,)."""
+    """Splitting of order four.
+
+    Six free motions around contact impulses at `times` (5,) of a step, weights `kicks` (5,).
+    """
     for step in range(steps):
         for k in range(times.size):
             drift(q, v, drifts, k)

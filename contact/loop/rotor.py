@@ -1,4 +1,4 @@
-"""Compiled steps of a rotor: z <- P z of (q, v, turning force, constant force), with the work of its forces."""
+"""Compiled steps of a rotor: z <- P z of (q, v, rotating force, constant force), with the work of its forces."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class RotorState(NamedTuple):
 
 
 class RotorLaws(NamedTuple):
-    """P and W at speeds first + k step, (speeds, d, d) and (speeds, 3, d, d); `parts` those of the release's step."""
+    """P and W at speeds first + k step, (speeds, d, d) and (speeds, 3, d, d); `parts` for the step of the release."""
 
     first: float
     spacing: float
@@ -65,7 +65,7 @@ def turned(speed: Array, t: float) -> tuple[float, float]:
 
 @jit_inside
 def interpolated(s: RotorState, laws: RotorLaws, omega: float) -> None:
-    """P and W at a speed: a cubic through the four nearest nodes."""
+    """P and W at a speed: cubic interpolation through the four nearest nodes."""
     last = laws.P.shape[0] - NODES
     at = (omega - laws.first) / laws.spacing
     k = min(max(math.floor(at) - 1, 0), last)
@@ -92,7 +92,7 @@ def interpolated(s: RotorState, laws: RotorLaws, omega: float) -> None:
 
 @jit_inside
 def passed(s: RotorState, sums: Tally, P: Array, W: Array) -> None:
-    """One step or part of it: the works, then z."""
+    """A step or part of it: first the works, then z."""
     d = s.z.size
     for w in range(3):
         total = 0.0
@@ -118,7 +118,7 @@ def passed(s: RotorState, sums: Tally, P: Array, W: Array) -> None:
 
 @jit_inside
 def driven(s: RotorState, unbalance: Array, angle: float, square: float, slope: float) -> None:
-    """The turning force of an unbalance U: U (Omega^2 - i slope) e^(i angle)."""
+    """Rotating force of an unbalance U: U (Omega^2 - i slope) e^(i angle)."""
     d = s.z.size
     x = square * unbalance[0] + slope * unbalance[1]
     y = square * unbalance[1] - slope * unbalance[0]
@@ -128,7 +128,7 @@ def driven(s: RotorState, unbalance: Array, angle: float, square: float, slope: 
 
 @jit_inside
 def note_orbit(s: RotorState, laws: RotorLaws, unbalance: Array, angle: float, omega: float) -> None:
-    """Add the place of t_n to the sums of its turn."""
+    """Add the position at t_n to the sums of its turn."""
     m = s.q.size
     x, y = -laws.rest[0], -laws.rest[1]
     for i in range(m):
@@ -151,7 +151,7 @@ def note_orbit(s: RotorState, laws: RotorLaws, unbalance: Array, angle: float, o
 
 @jit_inside
 def note_motion(s: RotorState, laws: RotorLaws) -> None:
-    """Add the distance of all nodes from their straight places to the largest of the run."""
+    """Update the largest distance of any node from its straight position."""
     far = 0.0
     for node in range(laws.places.shape[0]):
         x, y = 0.0, 0.0
@@ -164,7 +164,10 @@ def note_motion(s: RotorState, laws: RotorLaws) -> None:
 
 @jit_entry
 def advance_rotor(s: RotorState, laws: RotorLaws, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:
-    """Steps of a rotor without contact; -1, or the step whose state is not finite or beyond the limit of motion."""
+    """Steps of a rotor without contact.
+
+    Returns -1, or the step whose state is not finite or beyond the limit of motion.
+    """
     m = s.q.size
     ramp = laws.P.shape[0] > 1
     for step in range(first, first + steps):

@@ -1,4 +1,4 @@
-"""Compiled bookkeeping shared by every step loop: sums, events (also of sticking), samples, limits of motion."""
+"""Compiled sums that every step loop updates: energies, events (also of sticking), samples, limits of motion."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ RANK_ONE = 1e-12
 
 @jit_inside
 def closing(h: float, began: float, before: float, predicted: float) -> float:
-    """When the line from gap `before` at the instant `began` to `predicted` a step later crosses zero.
+    """Time at which the line from gap `before` at time `began` to `predicted` one step later crosses zero.
 
-    Within that step, which has the force, and within the run, which may begin closed.
+    The result is limited to the step of the force, and to the run, which may begin closed.
     """
     part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
     return max(began + min(part, 1.0) * h, 0.0)
@@ -27,9 +27,9 @@ def closing(h: float, began: float, before: float, predicted: float) -> float:
 @jit_inside
 def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: float, slack: float,
               began: float, before: float, predicted: float, opened: float) -> None:  # fmt: skip
-    """Add one step of contact k: its force, its gap and by how much the law is violated, `slack` [m].
+    """Add one step of contact k: its force, its gap, and the violation of the law `slack` [m].
 
-    A contact closes as `closing` says, and opens at the instant `opened`.
+    The closing time is that of `closing`; the opening time is `opened`.
     """
     sums.penetration[k] = max(sums.penetration[k], -gap)
     sums.residual[k] = max(sums.residual[k], slack)
@@ -46,7 +46,7 @@ def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: fl
 @jit_inside
 def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force: float, gap: float,
                  scale: float, before: float, predicted: float) -> None:  # fmt: skip
-    """Add one step whose force acts at `time` on the gap a step later; `scale` = Delassus number.
+    """Add one step whose force acts at `time` on the gap one step later; `scale` = Delassus number.
 
     The contact opens half a step after the last force.
     """
@@ -57,7 +57,7 @@ def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force
 @jit_inside
 def note_yielding(sums: Tally, out: Samples, y: Yielding, k: int, h: float, time: float, force: float, gap: float,
                   depth: float, before: float, predicted: float) -> None:  # fmt: skip
-    """As `note_contact`, for a contact whose force is a function of its depth: the penetration error is gap + depth."""
+    """Like `note_contact`, for a contact whose force depends on its depth: the penetration error is gap + depth."""
     slack = abs(gap + depth) if force > 0.0 else max(-gap, 0.0)
     passed(y, k, -gap)
     note_step(sums, out, k, h, force, gap, slack, time, before, predicted, time - 0.5 * h)
@@ -76,7 +76,7 @@ def note_event(sums: Tally, out: Samples, k: int, kind: int, time: float) -> Non
 
 @jit
 def note_stick(sums: Tally, out: Samples, k: int, stuck: int, time: float) -> None:
-    """Append the beginning (3) or end (2) of sticking where contact k changes between the two."""
+    """Append the beginning (3) or end (2) of sticking if contact k changes between stick and slip."""
     if sums.stuck[k] != stuck:
         sums.stuck[k] = stuck
         row = sums.filled[2]
@@ -86,13 +86,13 @@ def note_stick(sums: Tally, out: Samples, k: int, stuck: int, time: float) -> No
 
 @jit_inside
 def due(step: int, every: int, at: Indices, filled: int) -> bool:
-    """Whether a step is stored: the next of `at`, or every `every`-th."""
+    """Whether a step is stored: it is the next of `at`, or every `every`-th."""
     return bool(step % every == 0) if every > 0 else bool(filled < at.size and at[filled] == step)
 
 
 @jit_inside
 def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: Array) -> None:
-    """Store force, gap and impulse when this step is to be recorded."""
+    """Store force, gap and impulse if this step is to be stored."""
     row = sums.filled[0]
     if due(step, out.every, out.at, row):
         out.time[row] = time
@@ -105,13 +105,13 @@ def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: 
 
 @jit_inside
 def state_due(sums: Tally, out: Samples, step: int) -> bool:
-    """Whether the displacements at the start of this step are to be recorded."""
+    """Whether the displacements at the start of this step are to be stored."""
     return bool((out.every == 0 or out.state_every > 0) and due(step, out.state_every, out.at, sums.filled[1]))
 
 
 @jit_inside
 def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array) -> None:
-    """Store the displacements at the start of this step, or their channels, when they are to be recorded."""
+    """Store the displacements, or their channels, at the start of this step if they are to be stored."""
     row = sums.filled[1]
     if state_due(sums, out, step):
         out.state_time[row] = time
@@ -127,7 +127,10 @@ def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array)
 
 
 class Sticking(NamedTuple):
-    """Memory of the last steps: slips (2, d k), the later first; holding force over the cone's radius; instants."""
+    """Data of the last steps for stick-slip events: slips (2, d k), the later first; sticking force over cone radius.
+
+    Times.
+    """
 
     slip: Array
     hold: Array  # (k,)
@@ -138,13 +141,14 @@ class Sticking(NamedTuple):
 @jit
 def note_sticking(past: Sticking, sums: Tally, out: Samples, i: int, time: float, h: float, mu: float, W: Array,
                   lam: Array, slip: Array) -> None:  # fmt: skip
-    """Note where contact i changes between stick and slip in the step of `time`, and keep data for the next step.
+    """Record where contact i changes between stick and slip in the step of `time`, and keep data for the next step.
 
     Slips u_n of the step after t_n are velocities at t_n + h/2, forces act at t_n. Sticking begins where the slip
-    velocity of the last two steps, continued, is zero. It ends where the force that would hold the slip as it is,
-    force_T - W_TT^-1 (u_n - u_{n-1}) with the other contacts' forces as they are, crosses the cone mu force_N.
+    velocity of the last two steps, continued, is zero. It ends where the force that would keep the slip velocity
+    unchanged, force_T - W_TT^-1 (u_n - u_{n-1}) with the other contacts' forces unchanged, crosses the cone mu
+    force_N.
 
-    W (d k, d k), forces lam and slips of this step, which count from the ground's own.
+    W (d k, d k), forces lam and slips of this step, relative to the ground.
     """
     dim = lam.size // past.hold.size
     row = i * dim
@@ -178,7 +182,7 @@ def note_sticking(past: Sticking, sums: Tally, out: Samples, i: int, time: float
 
 @jit
 def holding(W: Array, row: int, dim: int, lam: Array, slip: Array, last: Array) -> float:
-    """|force_T - W_TT^-1 (slip - last)|."""
+    """Force that keeps the slip velocity unchanged: |force_T - W_TT^-1 (slip - last)|."""
     i = row + 1
     if dim == 2:
         return float(abs(lam[i] - (slip[i] - last[i]) / W[i, i]))

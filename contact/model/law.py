@@ -3,8 +3,7 @@
 Sign
 ----
 Public convention, that of the source study: gap g >= 0, contact pressure lam <= 0, g lam = 0. `Result.lam` is
-in this sign. Everything else (loops, `Result.force`, impulse, files) speaks of the *force*, which is
-compressive and >= 0: force = -lam.
+in this sign. Everything else (loops, `Result.force`, impulse, files) uses the compressive *force* >= 0: force = -lam.
 """
 
 from __future__ import annotations
@@ -27,23 +26,23 @@ def pressure(force: Array) -> Array:
 
 
 class Law(Protocol):
-    """Interface of a contact law for schemes; your own law sets a part that it does not have to zero or None.
+    """Interface of a contact law for schemes; a law of your own sets unused parts to zero or None.
 
     `stiffness` [N/m] of a spring in the contact, 0 for a rigid one; `updates` of multipliers in a step, to a
-    `tolerance` [m]; `mu` of friction; `coating` that wears; `response` of a contact that gives way.
+    `tolerance` [m]; `mu` of friction; `coating` that wears; `response` of a compliant contact.
     """
 
     @property
     def words(self) -> str:
-        """Its name in the label of a run."""
+        """Name in the label of a run."""
 
     @property
     def stiffness(self) -> float:
-        """Of the contact spring [N/m], 0: rigid."""
+        """Stiffness of the contact spring [N/m]; 0: rigid."""
 
     @property
     def updates(self) -> int:
-        """Multiplier updates a step, 0: none."""
+        """Multiplier updates in a step; 0: none."""
 
     @property
     def tolerance(self) -> float:
@@ -51,7 +50,7 @@ class Law(Protocol):
 
     @property
     def mu(self) -> float:
-        """Coefficient of friction, 0: none."""
+        """Coefficient of friction; 0: none."""
 
     @property
     def coating(self) -> Abradable | None:
@@ -59,11 +58,11 @@ class Law(Protocol):
 
     @property
     def response(self) -> Response | None:
-        """Force and slope at a depth, None of a rigid contact and of a coating."""
+        """Force and slope at a depth; None for a rigid contact or a coating."""
 
 
 def kind(law: Law) -> str:
-    """Name of the law of this module whose kind it is, which schemes take or refuse.
+    """Name of the class of this module as which schemes treat the law.
 
     >>> kind(Penalty(stiffness=1e6)), kind(Coulomb(mu=0.0))
     ('Penalty', 'Coulomb')
@@ -113,7 +112,7 @@ class Penalty:
 
     @property
     def words(self) -> str:
-        """Its name in the label of a run."""
+        """Name in the label of a run."""
         return f"penalty {self.stiffness:.3g} N/m"
 
     @property
@@ -124,10 +123,10 @@ class Penalty:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coulomb:
-    """Rigid contact with friction of coefficient `mu` >= 0: |force_T| <= mu force_N, -mu force_N v_T/|v_T| in slip.
+    """Rigid contact with friction of coefficient `mu` >= 0: |force_T| <= mu force_N, in slip -mu force_N v_T/|v_T|.
 
-    A tip sticks if a force inside the cone keeps it at rest. Contact steps in which a single tip slips against the way
-    the rim turns are counted in `Result.reversals`.
+    A tip sticks if a force inside the cone keeps it at rest. `Result.reversals` counts the contact steps in which a
+    single tip slips against the direction of rotation.
 
     >>> Coulomb(mu=0.3).mu
     0.3
@@ -147,12 +146,12 @@ class Coulomb:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Abradable:
-    """Coating of a rim: bars side by side around it, elastic-plastic with linear hardening; plastic flow is wear.
+    """Coating of a rim: adjacent bars around it, elastic-plastic with linear hardening; plastic flow is wear.
 
-    A bar of length `thickness` whose surface the tip has pressed by d has the stress E (d - w)/thickness. Where
-    that exceeds `yield_stress` + `hardening` w/thickness it flows and its worn depth w grows (M. Legrand, A. Batailly,
-    C. Pierre, J. Comput. Nonlinear Dyn. 7, 2012, 011018). At w = thickness the casing is bare: what the tip meets
-    there is as stiff as the bars, and flows no more.
+    A bar of length `thickness` whose surface the tip has pressed by d has the stress E (d - w)/thickness. Where that
+    exceeds `yield_stress` + `hardening` w/thickness it flows and its worn depth w grows (M. Legrand, A. Batailly, C.
+    Pierre, J. Comput. Nonlinear Dyn. 7, 2012, 011018). At w = thickness the casing is bare: the surface there is as
+    stiff as the bars and yields no further.
 
     `E`, `yield_stress`, `hardening` [Pa]; `thickness` [m]; the tip covers `width` [m] along the axis and `tip` [m]
     around, `bars` of them; `machined` [m] is cut before the run, from the rim's highest point to a
@@ -194,7 +193,7 @@ class Abradable:
 
     @property
     def coating(self) -> Abradable:
-        """Itself."""
+        """The law itself."""
         return self
 
     @property
@@ -203,9 +202,9 @@ class Abradable:
         return self.E * self.width * self.tip / self.thickness
 
     def stress(self, worn: Depth) -> Depth:
-        """Stress at which a bar of this worn depth [m] flows [Pa]."""
+        """Stress at which a bar with this worn depth [m] yields [Pa]."""
         return self.yield_stress + self.hardening * worn / self.thickness
 
     def dissipated(self, worn: Depth) -> Depth:
-        """Energy that wears a bar to this depth, over its area [J/m^2]: integral of the stress over the depth."""
+        """Energy of wearing a bar to this depth, per area [J/m^2]: integral of the stress over the depth."""
         return worn * self.stress(0.5 * worn)

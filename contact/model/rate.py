@@ -1,4 +1,4 @@
-"""Quantities that vary in a run, with their rates, which are compared with the time step and the end time."""
+"""Rates of quantities that vary in a run, for comparison with the time step and the end time."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ MOST, MANY = 0.5, 0.2  # of the Nyquist limit: four steps a period, and ten
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rate:
-    """A quantity with a period or a time constant: the key that gives it, its frequency [Hz], its name in words.
+    """A quantity with a period or a time constant: its key, its frequency [Hz], and its name in words.
 
-    A rate r [1/s] of decay has the frequency r/(2 pi), an angular frequency alike. Refused where
-    `hz` is above `most` of the Nyquist limit 1/(2 dt), flagged above `many` of it.
+    A rate r [1/s] of decay has the frequency r/(2 pi), like an angular frequency. A run is refused if `hz` exceeds
+    `most` times the Nyquist limit 1/(2 dt), and flagged if it exceeds `many` times that limit.
 
     >>> force = Rate(key="mass[1].force_hz", hz=50.0, words="50 Hz")
     >>> force.share(1e-3), force.step
@@ -29,7 +29,7 @@ class Rate:
     decays: bool = False
 
     def share(self, dt: float) -> float:
-        """Frequency over the Nyquist limit of a step dt [s]."""
+        """Ratio of the frequency to the Nyquist limit of a step dt [s]."""
         return 2.0 * self.hz * dt
 
     @property
@@ -39,18 +39,18 @@ class Rate:
 
     @staticmethod
     def of_decay(key: str, rate: float, words: str = "") -> Rate:
-        """A quantity that falls to 1/e in 1/rate [s]."""
+        """Rate of a quantity that decays to 1/e in 1/rate [s]."""
         return Rate(key=key, hz=rate / (2.0 * math.pi), words=words or f"{rate:.6g} 1/s", decays=True)
 
     @staticmethod
     def of_passage(key: str, seconds: float, words: str) -> Rate:
-        """A passage that a step should not be longer than: flagged only."""
+        """Rate of a passage that should last longer than a step; only flagged."""
         return Rate(key=key, hz=0.5 / seconds, words=words, most=math.inf, many=1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """Something that begins to vary at an instant [s]: the key that gives it.
+    """Start of a change at some time [s], and the key that gives it.
 
     >>> Change(key="closing.time", begins=2.0).begins
     2.0
@@ -61,9 +61,9 @@ class Change:
 
 
 def changes(key: str, time: list[float], values: list[float], unit: str) -> tuple[list[Rate], list[Change]]:
-    """Rate and beginning of a table of straight lines; none where it is constant.
+    """Rate and start of the changes in a piecewise linear table; empty if it is constant.
 
-    Its time is that in which its steepest part would run through all its values.
+    The period is the time in which the steepest slope would pass through all values.
 
     >>> changes("closing", [0.0, 2.0], [0.0, 1e-4], "m")[1]
     [Change(key='closing', begins=0.0)]
@@ -79,7 +79,7 @@ def changes(key: str, time: list[float], values: list[float], unit: str) -> tupl
 
 @runtime_checkable
 class Rated(Protocol):
-    """A problem that lists its varying quantities; your own problem may."""
+    """Interface of a problem that lists its varying quantities; a problem of your own may implement it."""
 
     def rates(self) -> tuple[Rate | Change, ...]:
         """Every rate and change."""

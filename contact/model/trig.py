@@ -1,4 +1,4 @@
-"""Trigonometric polynomials of the contact angle, and sparse sums of waves of it as the compiled loops take them."""
+"""Trigonometric polynomials of the contact angle, and sparse sums of its waves for the compiled loops."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PRUNE = 1e-13  # of the largest value: below this a coefficient is round-off
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Trig:
-    """p(phi) = sum_j cos[j] cos(harmonic[j] phi) + sin[j] sin(harmonic[j] phi); only terms that matter."""
+    """p(phi) = sum_j cos[j] cos(harmonic[j] phi) + sin[j] sin(harmonic[j] phi), without negligible terms."""
 
     harmonic: Indices
     cos: Array
@@ -51,7 +51,7 @@ def trig(cos: Array, sin: Array) -> Trig:
 
 
 def pruned(polynomial: Trig, noise: float) -> Trig:
-    """The same without coefficients up to `noise`.
+    """The same polynomial without coefficients up to `noise`.
 
     >>> pruned(trig(np.array([1.0, 1e-9]), np.array([0.0, 1e-3])), 1e-8).cos.tolist()
     [1.0, 0.0]
@@ -68,7 +68,9 @@ def harmonics(n_max: int, phi: Array | float) -> Array:
 
 
 def turned_back(waves: Array, by: Array) -> Array:
-    """h(phi - by) of h(phi) for every angle `by`, (by, ..., 2N + 1): by the addition theorem, quicker than `harmonics`.
+    """h(phi - by) from h(phi) for every angle `by`, (by, ..., 2N + 1), by the addition theorem.
+
+    Faster than `harmonics`.
 
     >>> bool(np.allclose(turned_back(harmonics(2, 1.0), np.array([0.7])), harmonics(2, 0.3)))
     True
@@ -116,7 +118,7 @@ def fourier(terms: list[tuple[int, float, float]]) -> Trig:
 class Terms:
     """Sum i = sum_j value[j] wave_{wave[j]}(phi), j = start[i] .. start[i + 1] - 1; zeros are left out.
 
-    Wave 2 n is cos n phi, wave 2 n + 1 is sin n phi: a mode that is symmetric has half of them.
+    Wave 2 n is cos n phi, wave 2 n + 1 is sin n phi; a symmetric mode uses half of them.
     """
 
     start: Indices
@@ -134,11 +136,11 @@ class Terms:
         return np.repeat(np.arange(self.sums), np.diff(self.start))
 
     def equals(self, other: Terms) -> bool:
-        """Whether these are the same sums, to the bit."""
+        """Whether these are the same sums, bit by bit."""
         return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("value", "wave", "start"))
 
     def first(self, sums: int) -> Terms:
-        """The first sums alone, as many as given."""
+        """The first sums, as many as given."""
         start = self.start[: sums + 1]
         return Terms(start=start, wave=self.wave[: start[-1]], value=self.value[: start[-1]])
 

@@ -1,4 +1,4 @@
-"""Stored data of a run: samples, sums, the energy ledger, coating wear."""
+"""Stored data of a run: samples, sums, energies, coating wear."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""The energy budget of a run: stored, supplied, dissipated and unaccounted energy; and why a run diverged."""
+"""Energy budget of a run: stored, supplied, dissipated and unaccounted energy; and why a run diverged."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from contact.io.brief import brief
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stored:
-    """Energy at one instant [J]. `residual` = lam S lam/2 sits in the compliance of modes left out.
+    """Energy at one time [J]; `residual` = lam S lam/2 is the energy in the compliance of omitted modes.
 
-    `discrete` is the same kinetic + strain + potential energy in the scheme's own quadratic form, the one
-    whose balance is an identity: D^T M D/(2 h^2) + u_{n-1}^T K u_n/2 - f^T (u_n + u_{n-1})/2, D = u_n -
-    u_{n-1}.
+    `discrete` is the kinetic + strain + potential energy in the scheme's own quadratic form, whose balance is an
+    identity: D^T M D/(2 h^2) + u_{n-1}^T K u_n/2 - f^T (u_n + u_{n-1})/2, D = u_n - u_{n-1}.
 
     >>> one = Stored(kinetic=1.0, strain=0.5, potential=0.0, residual=0.1, discrete=1.6)
     >>> round(one.total, 3)
@@ -38,14 +37,14 @@ class EnergyBudget:
     """end - start = work of contact, rotation, friction, damping and loads + numerical + unaccounted [J].
 
     `contact` is the work of the contact forces along the gaps, in leapfrog schemes sum lam_n (g_{n+1} - g_{n-1})/2;
-    `rotation` what the point of contact does by moving over the rim, `friction` = work of the tangential force on
-    the bodies, `damping` <= 0, `external` that of loads that vary in time, `body_force` that of gravity
-    on a body that turns and of a frame that whirls. Constant loads (gravity) have a potential
-    and need no work term. `algorithmic` is what the scheme itself adds, by its own formulas (`scheme.protocol`, 5);
-    `numerical` is that and the difference between the energies and their discrete form. `unaccounted` is
-    round-off, or a mistake in a scheme. `load_step` = h^2 f^T M^-1 f is the work of the constant loads over one step
-    from rest: by so much the half step at which the scheme reads its energy may misplace the work of contact.
-    `overlap` is a bound on what pushing bodies apart that overlap at t = 0 brings: the largest forces along that way.
+    `rotation` the work due to the motion of the contact point over the rim, `friction` = work of the tangential force
+    on the bodies, `damping` <= 0, `external` that of loads that vary in time, `body_force` that of gravity on a
+    rotating body and of a whirling frame. Constant loads (gravity) have a potential and need no work term.
+    `algorithmic` is the energy that the scheme adds, by its own formulas (`scheme.protocol`, 5); `numerical` is that
+    and the difference between the energies and their discrete form. `unaccounted` is round-off, or an error of a
+    scheme. `load_step` = h^2 f^T M^-1 f is the work of the constant loads over one step from rest: since schemes
+    evaluate energy at half steps, the work of contact may be in error by this amount. `overlap` bounds the work of
+    separating bodies that overlap at t = 0: the largest forces times the overlap.
 
     >>> a = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
     >>> b = Stored(kinetic=1.5, strain=0.25, potential=0.0, residual=0.0, discrete=1.75)
@@ -75,7 +74,7 @@ class EnergyBudget:
 
     @property
     def explained(self) -> float:
-        """Energy that contact may seem to add without an error of the scheme [J]."""
+        """Energy that contact may appear to add without an error of the scheme [J]."""
         return self.load_step + self.overlap
 
     @property
@@ -94,7 +93,7 @@ class EnergyBudget:
 
     @property
     def others(self) -> float:
-        """Energy that was there or was exchanged with anything but the contact [J], absolute values summed."""
+        """Initial energy, and energy exchanged with everything except the contact [J]; sum of absolute values."""
         start, fell = self.start, self.start.potential - self.end.potential
         parts = (start.kinetic, start.strain, start.residual, fell, self.rotation, self.friction, self.external,
                  self.body_force, self.load_step)  # fmt: skip
@@ -108,14 +107,14 @@ class EnergyBudget:
 
     @property
     def scale(self) -> float:
-        """Largest energy of the budget [J], to compare `unaccounted` with."""
+        """Largest energy of the budget [J], for comparison with `unaccounted`."""
         ends = (self.start, self.end)
         parts = [value for s in ends for value in (s.kinetic, s.strain, s.potential)]
         parts += (self.contact, self.rotation, self.friction, self.external, self.body_force)
         return max(map(abs, parts))
 
     def to_dict(self) -> dict[str, object]:
-        """Return totals first, parts after; JSON-ready."""
+        """Totals first, then parts; ready for JSON."""
         return {
             "start": self.start.total, "end": self.end.total, "lost_in_contact": self.lost_in_contact,
             "unaccounted": self.unaccounted, "rotation": self.rotation, "friction": self.friction,
@@ -129,11 +128,11 @@ class EnergyBudget:
 class Divergence:
     """The limit that a run passed after `step` steps, at `time` [s], and the motion that led to it.
 
-    `limit`: "wall" half of its thickness, "radius" a tenth of it, "gap" of contacts on the ground, "rotor" that of a
-    rotor without a casing, "energy", or "overflow". `reached` and `allowed` in metres, of the energy in joules, nan of
-    an overflow. `growth` [1/s] of the force's variation just before, nan where too few samples show it; `theory` [1/s]
-    of a contact that stays closed at this speed, nan where no poles show it. `words`: all this, and what ends such a
-    motion in reality.
+    `limit`: "wall" (half of its thickness), "radius" (a tenth of it), "gap" (contacts on the ground), "rotor" (without
+    a casing), "energy" or "overflow". `reached` and `allowed` in metres, for the energy in joules, nan for an overflow.
+    `growth` [1/s] of the force's variation just before, nan with too few samples; `theory` [1/s] of a permanently
+    closed contact at this speed, nan without poles. `words`: all of this as text, and what limits such a motion in
+    reality.
 
     >>> Divergence(limit="wall", step=5, time=1e-3, reached=2e-3, allowed=1.5e-3, words="").to_dict()["growth_1_s"]
     """

@@ -1,4 +1,4 @@
-"""Whether the motion of a run grows, how fast, which wave of which body it is, and where its energy comes from."""
+"""Whether the motion of a run grows, its rate, its wave and body, and the source of its energy."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ STANDS = 0.3  # share of one travelling wave below which the motion stands
 class Cause:
     """The motion with most of the energy at the end of a run, and its source of energy.
 
-    `body` "casing" or "blades"; `n` its nodal diameters, None of blades that are not evenly spread around; `share` of
-    the energy. `travel` from -1 to 1: the part of the wave that runs with the blades (1) or against them (-1) around
-    the casing, as the casing sees it; nan where n = 0, or where the states stored are too far apart to show it.
-    `source`: what put the largest work [J] in, "the turning rim", "friction" and so on; "" where nothing did. `closed`
-    is the fraction of the time in which the contact that touches most was closed.
+    `body` "casing" or "blades"; `n` its nodal diameters, None for blades that are not evenly spaced; `share` of the
+    energy. `travel` from -1 to 1: the part of the wave that runs with the blades (1) or against them (-1) around the
+    casing, in the casing's frame; nan if n = 0, or if the stored states are too far apart. `source`: the source of the
+    largest work [J], such as "the turning rim" or "friction"; "" if there is none. `closed` is the fraction of the time
+    in which the contact that touches most was closed.
     """
 
     body: str
@@ -60,14 +60,13 @@ class RunGrowth:
     """Growth of the motion of a run; `print` and a notebook show `words`.
 
     `rate` [1/s] of the amplitude, as the real part of a pole; that of the energy is twice as much. `low` and `high`:
-    its interval of 95 %, from scatter, autocorrelation and bend of the windows that it was fitted to. `state`: "grows",
-    "bounded", "decays", "at rest", or "undecided" where the interval does not tell. `amplitude` [m] is the
-    rim's largest deflection in the last stretch, `steady` by how much that of its windows differs from it, relatively;
-    `since` [s] where that stretch begins. `time_to_half_wall` [s] from the start of the run, infinite where the motion
-    does not grow or the wall is not known. `half_step` is the growth [1/s] of the last stretch at half the step,
-    `half_step_width` half its interval, and `check_share` the steps that took over those of the run; nan where
-    it was not run. `same_step` [1/s]: where half the step differs, the stretch once more at the same step, from a start
-    that differs by a small fraction.
+    its 95 % interval, from scatter, autocorrelation and curvature of the fitted windows. `state`: "grows", "bounded",
+    "decays", "at rest", or "undecided" if the interval does not decide. `amplitude` [m] is the rim's largest deflection
+    in the last part of the run, `steady` the relative difference of that in its windows; `since` [s] the start of this
+    part. `time_to_half_wall` [s] from the start of the run, infinite if the motion does not grow or the wall is
+    unknown. `half_step` is the growth [1/s] of the last part at half the step, `half_step_width` half its interval, and
+    `check_share` the ratio of its steps to those of the run; nan without this check. `same_step` [1/s]: if the growth
+    at half the step differs, that of the last part repeated at the same step from a slightly different start.
     """
 
     rate: float
@@ -94,19 +93,19 @@ class RunGrowth:
 
     @property
     def body(self) -> str:
-        """The body that has most of the energy; "" where nothing moves."""
+        """The body with most of the energy; "" if nothing moves."""
         return "" if self.cause is None else self.cause.body
 
     @property
     def nodal_diameters(self) -> int | None:
-        """Nodal diameters of the motion that has most of the energy."""
+        """Nodal diameters of the motion with most of the energy."""
         return None if self.cause is None else self.cause.n
 
     @property
     def converged(self) -> bool | None:
-        """Whether half the step gives the same growth, to 10 % or within both intervals; None where it was not run.
+        """Whether half the step gives the same growth, to 10 % or within both intervals; None without this check.
 
-        The interval of a motion that grows is above 0, so that a growth within it is one.
+        The interval of a growing motion is above 0, so that any growth within it is positive.
 
         >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
         ...                   time_to_half_wall=0.5, cause=None)
@@ -121,7 +120,7 @@ class RunGrowth:
 
     @property
     def irregular(self) -> bool:
-        """Whether the same step, from a slightly different start, gives another growth too, or rather that of half."""
+        """Whether a slightly different start at the same step changes the growth, or gives that of half the step."""
         if self.converged is not False or not math.isfinite(self.same_step):
             return False
         nearer = abs(self.same_step - self.half_step) < abs(self.same_step - self.rate)
@@ -129,13 +128,13 @@ class RunGrowth:
 
     @property
     def numerical(self) -> bool:
-        """Whether half the step gives less than half of the growth, of a motion that is not irregular."""
+        """Whether half the step gives less than half of the growth, for a motion that is not irregular."""
         less = self.half_step + self.half_step_width < NUMERICAL * self.rate
         return self.converged is False and less and not self.irregular
 
     @property
     def check(self) -> Check:
-        """Result of the check at half the step, in a word; "" if it was not run."""
+        """Result of the check at half the step, in a word; "" without the check."""
         if self.converged is None:
             return ""
         if self.converged:
@@ -144,13 +143,13 @@ class RunGrowth:
 
     @property
     def flags(self) -> tuple[Flag, ...]:
-        """A warning where the growth is that of the step."""
+        """A warning if the growth is an effect of the step."""
         if self.check not in ("numerical", "depends on the step"):
             return ()
         return (Flag(f"The motion grows by {self.rate:.3g} 1/s. {self.at_half_step}"[:-1], "growth-numerical"),)
 
     def checked(self, half_step: float, width: float, share: float) -> RunGrowth:
-        """The same with the growth at half the step, and the half width of its interval."""
+        """The same growth with that at half the step, and the half width of its interval."""
         return replace(self, half_step=half_step, half_step_width=width, check_share=share)
 
     @property
@@ -196,7 +195,7 @@ class RunGrowth:
 
     @property
     def at_half_step(self) -> str:
-        """The growth at half the step, and its meaning; empty if it was not run."""
+        """The growth at half the step, and its meaning; empty without the check."""
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"
         other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
         words: dict[Check, str] = {

@@ -1,4 +1,4 @@
-"""The orbit with which the run of a rotor ends."""
+"""The orbit at the end of the run of a rotor."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ TURNS = 10  # at the end of a run of which the orbit is the mean
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orbit:
-    """Means over the last whole turns of a run, at most ten.
+    """Averages over the last whole turns of a run, at most ten.
 
-    `radius_end` [m] is the distance from the place at rest, `phase_deg_end` the lag of the part that turns with the
-    rotor behind its unbalance, 0 to 360; nan without unbalance. `speed_hz_end` is the speed at the end, `turns` how
-    many the means are of; all means are nan where there is none.
+    `radius_end` [m] is the distance from the position at rest, `phase_deg_end` the lag of the synchronous part behind
+    the unbalance, 0 to 360; nan without unbalance. `speed_hz_end` is the speed at the end, `turns` the number of
+    averaged turns; without a whole turn all averages are nan.
     """
 
     radius_end: float
@@ -45,7 +45,7 @@ class Orbit:
 
 
 def orbit_of_states(time: Array, disk: Array, angle: Array, hz: Array, unbalance: complex) -> Orbit:
-    """The orbit from the disk's places x + i y (ns,), its angle [rad] and speed [Hz] at stored instants."""
+    """The orbit from the disk's positions x + i y (ns,), its angle [rad] and speed [Hz] at stored times."""
     if len(time) < 2:
         return Orbit(radius_end=math.nan, phase_deg_end=math.nan, speed_hz_end=math.nan, turns=0)
     turn = np.floor(np.abs(angle) / (2.0 * math.pi)).astype(np.int64)
@@ -61,9 +61,9 @@ def orbit_of_states(time: Array, disk: Array, angle: Array, hz: Array, unbalance
 
 
 def orbit(turns: Array, now: int, hz: float, unbalanced: bool) -> Orbit:
-    """The orbit from sums of the turns: rows (number of the turn, samples, sum of radii, cos and sin of the lag).
+    """The orbit from sums by turn: rows (number of the turn, samples, sum of radii, cos and sin of the lag).
 
-    `now` is the number of the turn under way, which does not count.
+    `now` is the number of the current turn, which is incomplete and does not count.
     """
     whole = turns[(turns[:, 1] > 0.0) & (turns[:, 0] != now) & (turns[:, 0] >= now - TURNS)]
     if not len(whole):

@@ -1,4 +1,4 @@
-"""Storage of a run: how often or when, which combinations of coordinates, and the buffers one chunk fills."""
+"""Storage of a run: how often or when, which combinations of coordinates, and the buffers for one chunk of steps."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ NO_STEPS = np.zeros(0, dtype=np.int64)
 class Record:
     """Store force, gap and impulse every `every` steps, and displacements u every `state_every` (0: never).
 
-    `at` [s] instead: samples and displacements at the steps nearest to these instants, nothing between; no value
-    is interpolated, each is beside the time of its own step. `channels` R (c, N): R u is stored in place of u.
-    Impulse, intervals, penetration, residual and energy are summed at every step whatever is stored.
+    `at` [s] instead: samples and displacements at the steps nearest to these times, nothing between. No value is
+    interpolated; each has the time of its own step. `channels` R (c, N): R u is stored in place of u. Impulse,
+    intervals, penetration, residual and energy are summed at every step whatever is stored.
 
-    Raises InputError for counts that are not whole or below one, instants beside `every`, channels that are not
+    Raises InputError for counts that are not whole or below one, both `at` and `every`, channels that are not
     a finite matrix.
 
     >>> Record(every=10, state_every=100).every
@@ -71,9 +71,9 @@ class Record:
         object.__setattr__(self, "at", instants)
 
     def steps(self, *, dt: float, count: int) -> Indices:
-        """Steps n nearest to the instants, n dt, ascending and each once; empty without `at`.
+        """Steps n nearest to the requested times, n dt, ascending, each once; empty without `at`.
 
-        Raises InputError for instants beyond the run of `count` steps.
+        Raises InputError for times beyond the run of `count` steps.
         """
         if self.at is None:
             return NO_STEPS
@@ -83,7 +83,7 @@ class Record:
         return np.unique(np.minimum(np.rint(instants / dt), count - 1).astype(np.int64))
 
     def rows(self, coordinates: int) -> Array:
-        """Channel rows (c, N), none when displacements are stored whole; raises InputError unless N fits."""
+        """Channel rows (c, N), None if whole displacements are stored; raises InputError unless N fits."""
         if self.channels is None:
             return readonly(np.zeros((0, coordinates)))  # as channels are: the same type compiles once
         rows = np.asarray(self.channels)
@@ -105,9 +105,9 @@ class Record:
 
 
 def sparse(steps: int, modes: int = 0) -> Record:
-    """Return the densest record of a run of `steps` steps that stores at most MOST_SAMPLES.
+    """The densest record of a run of `steps` steps that stores at most MOST_SAMPLES.
 
-    Of a run of modes it stores about STATES states too, in step with no turn and no mode.
+    For a modal run it also stores about STATES states, at an interval that is no multiple of a turn or a period.
 
     >>> sparse(1_000_000).every, sparse(2_000_001).every, sparse(100_000, 70).state_every
     (1, 3, 47)
@@ -121,7 +121,7 @@ def sparse(steps: int, modes: int = 0) -> Record:
 
 @cache
 def prime_stride(steps: int, states: int) -> int:
-    """The largest prime stride that stores this many of the steps, or more.
+    """Largest prime stride that still stores at least this many of the steps.
 
     >>> prime_stride(20_000, 256), prime_stride(100, 256)
     (73, 1)
@@ -135,7 +135,7 @@ def prime_stride(steps: int, states: int) -> int:
 class Samples(NamedTuple):
     """Buffers of one chunk: K contacts, N coordinates, c channels.
 
-    Stored are the steps `at`, or every `every`-th when that is not 0. An event closes (1) or opens (0) a contact, or
+    The steps `at` are stored, or every `every`-th one if that is not 0. An event closes (1) or opens (0) a contact, or
     begins (3) or ends (2) its sticking.
     """
 
@@ -184,7 +184,7 @@ def tally(contacts: int) -> Tally:
 
 
 def samples(record: Record, steps: int, contacts: int, size: int, at: Indices = NO_STEPS) -> Samples:
-    """Buffers that contain whatever `steps` steps can produce; `at`: those of them that `record` stores by instants."""
+    """Buffers for the largest output of `steps` steps; `at`: those that `record` stores by time."""
     rows, channels = steps // record.every + 1, record.rows(size)
     states = steps // record.state_every + 1 if record.state_every else 0
     every = record.every

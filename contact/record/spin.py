@@ -1,4 +1,4 @@
-"""Balance of energy and angular momentum of a rotor whose speed follows from its torques."""
+"""Energy and angular momentum of a rotor whose speed follows from its torques."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ DRIVE, FRICTION, ROTATION, UNBALANCE, GYROSCOPIC, RELEASED, MISSED, ON_FRICTION,
 class SpinBudget:
     """end - start = drive + friction + rotation + unbalance + gyroscopic + missed: the energy J Omega^2/2 [J].
 
-    Speeds are means over the last step before an instant. Each entry is the work of one torque on the rotor: of the
+    Speeds are averages over the step before the given time. Each entry is the work of one torque on the rotor: of the
     `drive`, of `friction` at the radius of the rim, of normal forces whose point moves over the rim (`rotation`), of
-    the `unbalance`, of gyroscopic moments that follow the speed. `shared_start` and `shared_end` are the kinetic
-    energy that the unbalance adds to that of disk and rotor, Re(conj(x') u'); `released` is what it gained when U
-    changed. `missed` is zero but for a rotor that nearly stopped. `on_friction` and `on_others` [N m s] are the
-    impulses of the torques, `momentum_start` and `momentum_end` J Omega.
+    the `unbalance`, of gyroscopic moments that follow the speed. `shared_start` and `shared_end` are the kinetic energy
+    that the unbalance adds to that of disk and rotor, Re(conj(x') u'); `released` is its gain when U changed. `missed`
+    is zero unless the rotor nearly stopped. `on_friction` and `on_others` [N m s] are the impulses of the torques,
+    `momentum_start` and `momentum_end` J Omega.
 
     >>> budget = SpinBudget(
     ...     start=8.0, end=2.0, momentum_start=4.0, momentum_end=2.0, drive=1.0, friction=-7.0, rotation=0.0,

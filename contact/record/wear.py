@@ -32,10 +32,11 @@ COLUMNS = (
 class Wear(Reported):
     """Worn depth of each bar of one track of a coating at the end of a run, and over time.
 
-    `angle` (cells,) of the bars in the casing's frame [rad]; `made` deviation of the rim's radius as made [m], `cut`
-    the depth machined before the run, `worn` by the run. `map` (times, cells): worn depth at `map_time` [s].
-    `volume` worn [m^3]; `dissipated` energy summed over the steps [J], `stated` what the law states a coating worn like
-    this has taken; their difference is round-off. `bare`: how many bars are worn to the casing; `tips` wear this track.
+    `angle` (cells,) of the bars in the casing's frame [rad]; `made` is the deviation of the rim's radius as
+    manufactured [m], `cut` the depth machined before the run, `worn` the depth worn by the run. `map` (times, cells):
+    worn depth at `map_time` [s]. `volume` worn [m^3]; `dissipated` energy summed over the steps [J], `stated` the
+    energy by the law for the same wear; they differ by round-off. `bare`: number of bars worn to the casing; `tips`
+    wear this track.
     """
 
     COLUMNS: ClassVar = COLUMNS
@@ -68,15 +69,15 @@ class Wear(Reported):
 
     @property
     def residual(self) -> float:
-        """Energy dissipated over the energy of the worn profile, minus 1; 0 without wear."""
+        """Dissipated energy over the energy of the worn profile, minus 1; 0 without wear."""
         return self.dissipated / self.stated - 1.0 if self.stated else self.dissipated
 
     def columns(self) -> dict[str, Array]:
-        """One row a bar, as arrays."""
+        """One row for each bar, as arrays."""
         return {column.name: np.asarray(column.values(self)) for column in self.COLUMNS}
 
     def to_dict(self) -> dict[str, object]:
-        """JSON-ready: which contacts, counted from 1, and the sums."""
+        """JSON-ready: contacts, counted from 1, and sums."""
         return {
             "contacts": [j + 1 for j in self.tips], "volume_m3": self.volume, "deepest_m": float(self.worn.max()),
             "dissipated_J": self.dissipated, "stated_J": self.stated, "bare_bars": self.bare, "bars": self.worn.size,
@@ -90,7 +91,7 @@ class Wear(Reported):
 
 
 def joined(tracks: Sequence[Wear]) -> Wear | None:
-    """All tracks of a run as one: their bars one after the other, volumes and energies summed; None without any."""
+    """All tracks of a run as one: bars one after the other, volumes and energies summed; None without tracks."""
     if len(tracks) < 2:
         return tracks[0] if tracks else None
 

@@ -1,4 +1,4 @@
-"""Closed forms and exact characteristics of one-dimensional impacts, to measure schemes against."""
+"""Closed forms and exact characteristics of one-dimensional impacts, for tests of schemes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Force = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ExactContact:
-    """Exact contact force: straight lines from `force[:, 0]` to `force[:, 1]` over `intervals` [s] (n, 2).
+    """Exact contact force: linear from `force[:, 0]` to `force[:, 1]` over `intervals` [s] (n, 2).
 
     >>> exact = ExactContact(intervals=np.array([[0.0, 2.0]]), force=np.array([[0.0, 10.0]]))
     >>> exact.impulse, exact(np.array([1.0, 3.0])).tolist()
@@ -59,7 +59,7 @@ def two_rods(rod: Rod, *, gap: float, velocity: float) -> ExactContact:
 
 
 def rod_on_wall(rod: Rod, *, gap: float, velocity: float) -> ExactContact:
-    """Free rod against a rigid wall, no gravity: F = Z v for 2L/c, rebound at the same speed.
+    """Free rod against a rigid wall, without gravity: F = Z v for 2L/c, rebound at the same speed.
 
     >>> bar = Rod(length=10.0, area=1.0, E=900.0, rho=1.0)
     >>> contact = rod_on_wall(bar, gap=5.0, velocity=10.0)
@@ -104,9 +104,9 @@ class BarHistory:
 
 
 def bar_by_characteristics(rod: Rod, *, gravity: float, t_end: float, cells: int) -> BarHistory:
-    """Free rod falling along -x on a wall at x = 0, by characteristics v -+ N/Z shifted one cell a step.
+    """Free rod falling along -x on a wall at x = 0, by characteristics v -+ N/Z shifted by one cell per step.
 
-    Exact at the sampled instants when contacts begin and end on multiples of dt = L/(cells c), as in B2.
+    Exact at the samples if contacts begin and end on multiples of dt = L/(cells c), as in benchmark B2.
 
     >>> bar = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0)
     >>> history = bar_by_characteristics(bar, gravity=10.0, t_end=5.0, cells=30)
@@ -134,7 +134,7 @@ def bar_by_characteristics(rod: Rod, *, gravity: float, t_end: float, cells: int
 
 
 def force_error(time: Array, force: Array, dt: float, exact: Force, *, points: int = 16, norm: int = 1) -> float:
-    """Return the L1 or L2 error of a force over the same norm of the exact one, F constant over t_n -+ dt/2.
+    """L1 or L2 error of a force over the same norm of the exact one, with F constant over t_n -+ dt/2.
 
     >>> time = 0.1 * np.arange(11)
     >>> round(force_error(time, np.full(11, 2.1), 0.1, lambda t: np.full(t.shape, 2.0)), 6)
@@ -165,12 +165,12 @@ class Bounces:
 
     @property
     def first(self) -> float:
-        """Instant of the first impact, sqrt(2 h/g) [s]."""
+        """Time of the first impact, sqrt(2 h/g) [s]."""
         return math.sqrt(2.0 * self.height / self.gravity)
 
     @property
     def rest(self) -> float:
-        """Instant of rest, first (1 + e)/(1 - e) [s]."""
+        """Time at which the ball rests, first (1 + e)/(1 - e) [s]."""
         return self.first * (1.0 + self.restitution) / (1.0 - self.restitution)
 
     def rebound(self, n: int) -> float:
@@ -178,7 +178,7 @@ class Bounces:
         return self.restitution**n * self.gravity * self.first
 
     def instant(self, n: int) -> float:
-        """Instant of the n-th impact, n >= 1 [s]."""
+        """Time of the n-th impact, n >= 1 [s]."""
         e = self.restitution
         return self.first * (1.0 + 2.0 * sum(e**k for k in range(1, n)))
 
@@ -197,7 +197,7 @@ def stopped_period(omega: float, gap: float, amplitude: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImpactOrbit:
-    """Steady motion with one impact every `period`: speed of approach, and the drive's phase at the impact [rad].
+    """Steady motion with one impact every `period`: approach speed, and phase of the drive at the impact [rad].
 
     >>> ImpactOrbit(speed=0.5, phase=0.1, period=1.0).speed
     0.5
@@ -210,13 +210,13 @@ class ImpactOrbit:
 
 def driven_orbit(*, omega: float, drive: float, drive_omega: float, gap: float, restitution: float,
                  cycles: int = 1) -> ImpactOrbit:  # fmt: skip
-    """One impact every `cycles` drive cycles of x'' + omega^2 x = drive cos(drive_omega t + phase), stop at x = gap.
+    """One impact every `cycles` cycles of x'' + omega^2 x = drive cos(drive_omega t + phase), stop at x = gap.
 
-    Exact motion between impacts, periodicity and v+ = -e v-: a quadratic for the speed of approach V, with
+    Exact motion between impacts, periodicity and v+ = -e v-: give a quadratic for the approach speed V, with
     A = -(1 + e) V/(2 omega tan(omega T/2)), c = gap - A, d = V (1 - e)/2, c^2 + (d/drive_omega)^2 = G^2,
     G = drive/(omega^2 - drive_omega^2) (Shaw, Holmes, J. Sound Vib. 90, 1983, 129). `drive` [m/s^2].
 
-    Raises InputError where there is no such orbit, as at resonance, or where one of any speed would do.
+    Raises InputError if there is no such orbit, as at resonance, or one for every speed.
 
     >>> orbit = driven_orbit(omega=1.0, drive=1.0, drive_omega=2.7, gap=0.0, restitution=0.8)
     >>> round(orbit.speed, 6)

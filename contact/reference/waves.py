@@ -1,8 +1,8 @@
 """Exact impact of two one-dimensional bodies by characteristics: unequal rods, point masses, walls.
 
 At its contact end a rod has v = 2 b + s F/Z: b the wave that arrives, s the direction in which F pushes it, Z its
-impedance. What leaves, a = b + s F/Z, arrives a travel time 2 L/c later, turned over by a fixed far end. A mass has
-m v' = s F. While closed, both ends share v; F < 0 opens.
+impedance. The leaving wave a = b + s F/Z arrives a travel time 2 L/c later, with reversed sign from a fixed far end. A
+mass has m v' = s F. While the contact is closed, both ends have the same v; it opens when F < 0.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ TOUCHING = 1e-9  # of the distance moved in a step: a gap below is closed
 class Impact:
     """Exact `force` (n + 1,) [N], `gap` [m] and end velocities `left`, `right` [m/s] at `time` (n + 1,) [s].
 
-    The values at a jump are those just after it. `step_force` (n,): mean force of each step.
+    At a jump the values are those just after it. `step_force` (n,): mean force of each step.
 
     >>> zeros = np.zeros(3)
     >>> mean = np.array([2.0, 4.0])
@@ -41,7 +41,7 @@ class Impact:
     right: Array
 
     def __call__(self, time: Array) -> Array:
-        """Mean force of the step each instant lies in [N]."""
+        """Mean force of the step that contains each time [N]."""
         dt = self.time[1]
         n = np.clip(np.floor(time / dt + 1e-9).astype(int), 0, self.step_force.size - 1)
         return np.where((time >= 0.0) & (time < self.time[-1]), self.step_force[n], 0.0)
@@ -59,17 +59,17 @@ class Impact:
 
 
 class _End:
-    """A wall at the contact; other bodies differ in their end's `velocity`, pushed in direction `sign`."""
+    """A wall at the contact; other bodies override the `velocity` of their end, pushed in direction `sign`."""
 
     def __init__(self, velocity: float, sign: int) -> None:
         self.velocity, self.sign = velocity, sign
 
     def offer(self, n: int, after: bool, last_force: float) -> tuple[float, float]:
-        """R and y of the end's velocity r + s y F just before, or just after, instant n."""
+        """Coefficients r and y of the end's velocity r + s y F just before, or just after, time n."""
         return 0.0, 0.0
 
     def move(self, n: int, after: bool, r: float, y: float, force: float) -> None:
-        """Take the force, and send the wave it makes."""
+        """Apply the force, and send the resulting wave."""
         self.velocity = r + self.sign * y * force
 
 
@@ -88,7 +88,7 @@ class _MassEnd(_End):
 
 
 class _RodEnd(_End):
-    """A rod; `waves` (2, steps): arriving waves just before and just after each instant."""
+    """A rod; `waves` (2, steps): arriving waves just before and just after each time."""
 
     def __init__(self, rod: Rod, sign: int, dt: float, steps: int) -> None:
         if rod.end_mass or rod.damping:
@@ -122,8 +122,8 @@ def _end(body: Body, sign: int, dt: float, steps: int) -> _End:
 def impact_by_characteristics(left: Body, right: Body, *, dt: float, t_end: float) -> Impact:
     """Impact of `left` with `right` on one axis, without gravity.
 
-    Exact for rods whose travel times 2 L/c, and whose first contact, are whole steps of dt [s]; with a point mass
-    second order in dt. A fixed rod is fixed at its far end.
+    Exact if the travel times 2 L/c of the rods and the first contact are whole steps of dt [s]; second order in dt with
+    a point mass. A fixed rod is fixed at its far end.
 
     Raises InputError where a travel time is not a whole number of steps.
 
@@ -156,7 +156,7 @@ def impact_by_characteristics(left: Body, right: Body, *, dt: float, t_end: floa
 
 
 def _meet(ends: tuple[_End, _End], n: int, after: bool, last: float, closed: bool) -> tuple[float, list[float]]:
-    """Force and the ends' speeds just before or just after instant n."""
+    """Force and the ends' speeds just before or just after time n."""
     (ra, ya), (rb, yb) = (end.offer(n, after, last) for end in ends)
     pressing = closed and ra - rb > 1e-12 * max(abs(ra), abs(rb)) and ya + yb > 0.0
     push = (ra - rb) / (ya + yb) if pressing else 0.0
@@ -166,7 +166,7 @@ def _meet(ends: tuple[_End, _End], n: int, after: bool, last: float, closed: boo
 
 
 def lcm_step(*rods: Rod, cells: int) -> float:
-    """Time step with `cells` steps along the shortest of rods whose L/c are whole multiples of it [s].
+    """Time step with `cells` steps along the shortest rod, if every L/c is a whole multiple of it [s].
 
     >>> a, b = (Rod(length=x, area=1.0, E=1.0, rho=1.0) for x in (1.0, 2.0))
     >>> lcm_step(a, b, cells=10)

@@ -36,7 +36,7 @@ NEAR = 6  # orbits about a value, whose states show how large random starts are
 
 
 class CyclesHead(Table):
-    """[scene] of periodic solutions: the kind alone, for nothing ends."""
+    """[scene] of periodic solutions: only the kind, since there is no end time."""
 
     kind: Literal["patch"] = Field(description="which kind of scene this is")
 
@@ -80,13 +80,13 @@ class DriveTable(Table):
 
     @property
     def between(self) -> tuple[float, float]:
-        """From where to where."""
+        """First and last value of the parameter."""
         start, stop = (self.from_hz, self.to_hz) if self.from_hz is not None else (self.from_n, self.to_n)
         return start or 0.0, stop or 0.0  # the table has one of both ranges
 
 
 class CyclesFile(CheckedFile):
-    """A modal body under a harmonic force before contacts."""
+    """A modal body under a harmonic force, with contacts."""
 
     scene: CyclesHead = Field(description="what this scene is")
     body: PatchBodyTable = Field(description="the body")
@@ -123,7 +123,7 @@ class CyclesFile(CheckedFile):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class CyclesScene:
-    """A continuation: the periodic motion, its range and its settings; random starts if requested."""
+    """A continuation: periodic motion, range and settings; random starts if requested."""
 
     family: ForcedFamily | RimFamily
     between: tuple[float, float]
@@ -131,7 +131,7 @@ class CyclesScene:
     ask: BasinsTable | None = None
 
     def solve(self, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Cycles:
-        """The branches; raises as `follow`."""
+        """The branches; raises the errors of `follow`."""
         how = self.how
         return follow(
             self.family, self.between, longest=how.longest_step, most=how.most_points, doublings=how.doublings,
@@ -139,7 +139,7 @@ class CyclesScene:
         )  # fmt: skip
 
     def reached(self, found: Cycles, progress: Callable[[int], None] | None = None) -> Basins | None:
-        """Motions that random starts reach, if requested; starts are as large as the states of nearby orbits."""
+        """Motions reached from random starts, if requested; the starts have the size of the states of nearby orbits."""
         ask = self.ask
         if ask is None:
             return None
@@ -150,7 +150,7 @@ class CyclesScene:
 
 
 def load_cycles(path: str | Path) -> CyclesScene:
-    """Read a scene of kind "patch" with [drive], or of kind "rim", "rub", "disk" with a range.
+    """Read a scene of kind "patch" with [drive], or of kind "rim", "rub" or "disk" with a range.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -181,7 +181,7 @@ def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
 
 
 def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> CyclesScene:
-    """The bodies as a run has them, without its time."""
+    """The bodies of a run, without its time."""
     table = validated(model, data, file)
     require_plausible(table, file)
     speed, vary = table.speed, table.vary
@@ -210,7 +210,7 @@ def _under_tips(table: TurningFile, law: Law) -> float:
 
 
 def _asked(table: BasinsTable | None, between: tuple[float, float]) -> tuple[float, float]:
-    """The range; raises InputError where random starts are asked for outside."""
+    """The range; raises InputError if random starts are requested outside it."""
     if table is not None and not min(between) <= table.at <= max(between):
         raise InputError(f"basins.at: found {table.at:g}, expected a value from {min(between):g} to {max(between):g}")
     return between

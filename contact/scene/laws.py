@@ -1,4 +1,4 @@
-"""[law] and [coating] of a scene: compliance of its contacts; rigid without either."""
+"""[law] and [coating] of a scene: compliance of its contacts; without either they are rigid."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class HertzLaw(Table):
 
 @table_of(ForceTable, "damping")
 class TableLaw(Table):
-    """[law] of kind "table": a bumper's force over its depth, straight lines between points, the last goes on."""
+    """[law] of kind "table": a bumper's force over its depth, linear between points, the last line continued."""
 
     kind: Literal["table"] = Field(description="a measured curve")
     depth: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="depths that rise from 0 [m]")
@@ -86,7 +86,7 @@ LawTable = Annotated[AnyLaw, Field(discriminator="kind")]
 
 
 def contact_law(mu: float, law: AnyLaw | None, coating: CoatingTable | None = None) -> Law:
-    """Coated, with a force-depth law, sliding, or rigid without friction; raises InputError."""
+    """The law of the contacts: coating, force-depth law, friction, or rigid without friction; raises InputError."""
     if coating is not None:
         return value_of(coating, Abradable, mu=mu)
     if law is not None:
@@ -95,6 +95,6 @@ def contact_law(mu: float, law: AnyLaw | None, coating: CoatingTable | None = No
 
 
 def require_one(law: object, coating: object) -> None:
-    """Raise ValueError where a scene has both a law and a coating."""
+    """Raise ValueError if a scene has both a law and a coating."""
     if law is not None and coating is not None:
         raise ValueError("law and coating found, expected one of them: a coating is a law of its own")

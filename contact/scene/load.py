@@ -43,9 +43,9 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def scene_of(data: dict[str, Any], file: Path) -> Scene:
-    """Build a scene from the tables of a file, changed or not; `file` states where bases are and is in messages.
+    """Build a scene from the tables of a file, changed or not; `file` locates basis files and appears in messages.
 
-    Its source names the file without a hash, which would be of no file.
+    Its source names the file without a hash, since the tables may differ from the file.
 
     Raises SceneError.
     """
@@ -83,13 +83,13 @@ def _warn_of_turning(table: Any, what: object, file: Path) -> None:
 
 
 def read_scene(file: Path) -> tuple[File, bytes]:
-    """Read and validate a scene file, [sweep] and [chance] aside: its tables and its text. Raises SceneError."""
+    """Read and validate a scene file except [sweep] and [chance]; returns tables and text. Raises SceneError."""
     data, text = scene_data(file)
     return _validated({key: part for key, part in data.items() if key not in ASIDE}, file), text
 
 
 def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
-    """Read a scene file without interpretation: its tables and its text. Raises SceneError."""
+    """Read a scene file without validation; returns its tables and its text. Raises SceneError."""
     try:
         text, data = read_toml(file)
         return data, text

@@ -1,4 +1,4 @@
-"""Scene files of kind "pair": one pair of a casing against one mode of a blade, by hand, for `casingfem stability`."""
+"""Scene files of kind "pair": one casing pair and one blade mode by hand, for `casingfem stability`."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class PairHead(Table):
 
 @table_of(ModalPair, "freq_hz", "modal_mass", "zeta")
 class BladeModeTable(Table):
-    """[blade] of a pair: one mode, its mass [kg] for unit motion along the contact's normal."""
+    """[blade] of a pair: one mode, its mass [kg] for unit motion along the contact normal."""
 
 
 class CasingPairTable(BladeModeTable):
-    """[casing] of a pair: n nodal diameters, and the numbers of a blade mode."""
+    """[casing] of a pair: n nodal diameters, and the same numbers as for a blade mode."""
 
     n: Annotated[int, Field(ge=1, le=WAVES)] = Field(description="number of nodal diameters")
 

@@ -28,7 +28,7 @@ Lean = Annotated[FiniteFloat, Field(gt=-90, lt=90), CHECKS["lean"]]
 
 @table_of(Record)
 class RecordTable(Table):
-    """[record]: the fields of `Record`, channels as rows or as a CSV file of them; left out, 1,000,000 samples."""
+    """[record]: the fields of `Record`, channels as rows or as a CSV file; by default 1,000,000 samples."""
 
     every: int
     state_every: int
@@ -50,7 +50,7 @@ class RecordTable(Table):
         return self
 
     def record(self, folder: Path) -> Record:
-        """The record; a CSV file of channels is found in `folder`. Raises InputError."""
+        """The record; a CSV file of channels is sought in `folder`. Raises InputError."""
         channels: object = self.channels
         if isinstance(channels, str):
             path = folder / channels
@@ -78,7 +78,7 @@ def _basis_as(path: Path, _changed: int, _size: int) -> ModalBody:
 
 
 def radius_of(path: Path) -> float:
-    """Largest radius of the rim of a basis file [m]; 0 where it has none, or cannot be read."""
+    """Largest radius of the rim of a basis file [m]; 0 if it has none or cannot be read."""
     try:
         body = read_basis(path)
     except InputError:
@@ -90,7 +90,7 @@ def rub_built(
     rub: Callable[[], Rub], law: AnyLaw | None, coating: CoatingTable | None, mu: float, scheme: ModalScheme,
     problems: Problems,
 ) -> Built:  # fmt: skip
-    """A rub with its law, tracks of a coating checked; raises SceneError."""
+    """A rub with its law and checked coating tracks; raises SceneError."""
     with problems.at():
         what = rub()
     with problems.at("coating"):

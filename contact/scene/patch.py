@@ -72,7 +72,7 @@ class PatchBodyTable(Table):
         return self
 
     def modes(self, folder: Path) -> ModalBody:
-        """The basis file, or the modes given here, undamped and with S = 0 unless they state more."""
+        """The basis file, or the modes given in the table, by default undamped and with S = 0."""
         if self.basis is not None:
             return read_basis(folder / self.basis)
         omega, channels = np.array(self.omega), tuple(self.channels or ())
@@ -81,7 +81,7 @@ class PatchBodyTable(Table):
         return ModalBody(omega=omega, zeta=zeta, channels=channels, rows=_matrix("rows", self.rows or []), S=S)
 
     def modal_load(self, body: ModalBody) -> Array:
-        """The load on the modes, (m,)."""
+        """Modal forces of the load, (m,)."""
         load = np.zeros(body.omega.size)
         for channel, force in self.load.items():
             load += force * body.rows[body.channel(channel)]
@@ -111,7 +111,7 @@ class PatchContact(Table):
 
 
 class GroundTable(Table):
-    """[ground]: its friction coefficient."""
+    """[ground]: the friction coefficient."""
 
     friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
 
@@ -143,7 +143,7 @@ class PatchFile(SceneFile):
         return self
 
     def files(self) -> list[str]:
-        """Files the scene is made of, beside its own."""
+        """Files that the scene uses, besides its own."""
         return [] if self.body.basis is None else [self.body.basis]
 
     def built(self, folder: Path, problems: Problems) -> Built:
@@ -154,7 +154,7 @@ class PatchFile(SceneFile):
         return patch, contact_law(self.ground.friction, self.law), ExactModal()
 
     def patch(self, folder: Path) -> Patch:
-        """The scene; a basis file is found in `folder`. Raises InputError."""
+        """The patch; a basis file is sought in `folder`. Raises InputError."""
         body, contacts, width = self.body.modes(folder), self.contact, len(self.contact[0].tangent)
         return Patch(
             body=body, normal=tuple(contact.normal for contact in contacts),

@@ -1,4 +1,4 @@
-"""Plausibility checks of a scene's numbers: checks that keys declare, and checks that need more than one key."""
+"""Plausibility checks of a scene's numbers: those that keys declare, and those that involve several keys."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def require_plausible(table: CheckedFile, file: Path) -> None:
 
 
 def of_rod(rod: Rod, key: str) -> Iterator[Implausible]:
-    """Refuse E or rho of a rod where the other one is that of a solid in SI.
+    """Refuse E or rho of a rod if the other one has the value of a solid in SI.
 
-    Rods may be in any consistent units, as in textbooks (E = 900, rho = 1): then neither is that of a solid.
+    Rods may be in any consistent units, as in textbooks (E = 900, rho = 1): then neither has the value of a solid.
     """
     E, rho = CHECKS["E"], CHECKS["rho"]
     if rho.usual[0] <= rod.rho <= rho.usual[1] and (text := E.fault(rod.E)):

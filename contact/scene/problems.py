@@ -48,20 +48,20 @@ class Problems(list[str]):
 
     @contextmanager
     def at(self, key: str = "") -> Iterator[None]:
-        """Note bad input of this key, and go on."""
+        """Record bad input of this key, and continue."""
         try:
             yield
         except InputError as error:
             self.append(f"{self.file}: {key}: {error}" if key else f"{self.file}: {error}")
 
     def check(self) -> None:
-        """Raise SceneError if there are any."""
+        """Raise SceneError if there are any problems."""
         if self:
             raise SceneError(list(self))
 
 
 def validated(model: type[Model], data: Any, file: Path, table: str = "") -> Model:
-    """A table of a file by its model; raises SceneError, which lists all that is wrong with it."""
+    """Validate a table of a file by its model; raises SceneError, which lists all its faults."""
     from pydantic import ValidationError
 
     try:
@@ -71,7 +71,7 @@ def validated(model: type[Model], data: Any, file: Path, table: str = "") -> Mod
 
 
 def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], table: str = "") -> str:
-    """Write one pydantic error of a table's `data`, by its model, as file: key: found, expected."""
+    """Format one pydantic error of a table's `data` as file: key: found, expected."""
     from contact.io.plausible import question
     from contact.io.tables import keys, models_at, resolved, unknown
 

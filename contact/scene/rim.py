@@ -1,4 +1,4 @@
-"""Scene files of kinds "rim", a turning casing rim against one fixed blade, and "disk", against a disk of blades."""
+"""Scene files of kinds "rim" (a rotating casing rim against one blade) and "disk" (against a disk of blades)."""
 
 from __future__ import annotations
 
@@ -105,11 +105,11 @@ class RimFile(SceneFile):
         return self
 
     def files(self) -> list[str]:
-        """Files the scene is made of, beside its own."""
+        """Files that the scene uses, besides its own."""
         return [self.casing.basis, self.blade.basis]
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where it is not known."""
+        """Radius of the rotating rim [m]; 0 if unknown."""
         return radius_of(folder / self.casing.basis)
 
     def built(self, folder: Path, problems: Problems) -> Built:
@@ -139,7 +139,7 @@ class DiskHead(RunHead):
 
 
 class DiskPairTable(CasingPairTable):
-    """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
+    """[casing.pair]: a casing reduced to its pair of n diameters; `kick`: modal velocity of its cosine at t = 0."""
 
     radius: Size = Field(description="of the rim [m]")
     thickness: Thickness | None = Field(
@@ -163,11 +163,11 @@ class DiskCasingTable(Table):
         return self
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim [m]; 0 where it is not known."""
+        """Radius of the rim [m]; 0 if unknown."""
         return radius_of(folder / str(self.basis)) if self.pair is None else self.pair.radius
 
     def modes(self, folder: Path) -> ModalBody:
-        """The casing; a basis file is found in `folder`. Raises InputError."""
+        """The casing; a basis file is sought in `folder`. Raises InputError."""
         if self.pair is None:
             return read_basis(folder / str(self.basis))
         pair = ModalPair(**self.pair.model_dump(exclude={"radius", "thickness", "kick"}))
@@ -184,7 +184,7 @@ class DiskTable(Table):
 
 
 class DiskFile(SceneFile):
-    """A disk of blades before a turning casing."""
+    """A disk of blades and a rotating casing."""
 
     scene: DiskHead = Field(description="what this scene is")
     casing: DiskCasingTable = Field(description="the rim")
@@ -206,7 +206,7 @@ class DiskFile(SceneFile):
         return [] if self.casing.basis is None else [self.casing.basis]
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where it is not known."""
+        """Radius of the rotating rim [m]; 0 if unknown."""
         return self.casing.radius(folder)
 
     def built(self, folder: Path, problems: Problems) -> Built:
@@ -215,7 +215,7 @@ class DiskFile(SceneFile):
         return rub_built(rub, self.law, self.coating, self.contact.friction, self.scheme, problems)
 
     def rub(self, folder: Path) -> Rub:
-        """The scene; a basis file is found in `folder`. Raises InputError."""
+        """The rub; a basis file is sought in `folder`. Raises InputError."""
         mistuning = self.disk.mistuning
         casing = self.casing.modes(folder)
         disk = value_of(self.disk, BladedDisk, mistuning=None if mistuning is None else np.array(mistuning))

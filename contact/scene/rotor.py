@@ -57,7 +57,7 @@ class RotorHead(RunHead):
 
 @table_of(Jeffcott, "zeta", "zeta_internal")
 class RotorTable(Table):
-    """[rotor]: a disk on a massless shaft by its mass and stiffness, or a modal basis; with [[shaft]] only `modes`."""
+    """[rotor]: a disk on a massless shaft by mass and stiffness, or a modal basis; with [[shaft]] only `modes`."""
 
     mass: Mass | None = Field(default=None, description="of the disk [kg]")
     stiffness: Stiffness | None = Field(default=None, description="of the shaft at the disk, both directions [N/m]")
@@ -78,13 +78,13 @@ class RotorTable(Table):
 
     @property
     def given(self) -> list[str]:
-        """Its keys that are in the file."""
+        """The keys that are in the file."""
         return [name for name in type(self).model_fields if name in self.model_fields_set]
 
 
 @table_of(Piece)
 class ShaftTable(Table):
-    """[[shaft]]: a piece of the shaft; pieces follow each other along the axis."""
+    """[[shaft]]: a piece of the shaft; pieces follow one another along the axis."""
 
 
 @table_of(Disk)
@@ -117,7 +117,7 @@ class UnbalanceTable(Table):
 
 
 class RotorSpeed(Table):
-    """[speed]: hz or rpm, one number, or as many as there are times [s], straight between them."""
+    """[speed]: hz or rpm, one number, or as many as there are times [s], linear between them."""
 
     hz: TurnsPerSecond | list[TurnsPerSecond] | None = Field(
         default=None, description="speed, one number or one for each time [turns/s]"
@@ -145,7 +145,7 @@ class RotorSpeed(Table):
 
     @property
     def turns(self) -> list[float]:
-        """Turns per second."""
+        """Speed in turns per second."""
         given = np.ravel(np.asarray(self.hz if self.rpm is None else self.rpm, dtype=float))
         return [float(one) for one in (given if self.rpm is None else given / 60.0)]
 
@@ -178,7 +178,7 @@ class RotorCasing(Table):
         return self
 
     def body(self, folder: Path) -> ModalBody:
-        """The casing; a basis file is found in `folder`. Raises InputError."""
+        """The casing; a basis file is sought in `folder`. Raises InputError."""
         if self.basis is not None:
             return read_basis(folder / self.basis)
         return rigid_casing(
@@ -187,14 +187,14 @@ class RotorCasing(Table):
 
 
 class RotorTips(Table):
-    """[tips]: blades that do not deform, instead of tables [[blade]]."""
+    """[tips]: blades that do not deform, in place of [[blade]] tables."""
 
     count: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of equal blades around")
     angle_deg: Angle = Field(default=0.0, description="where the first one is at t = 0 [degrees]")
 
 
 class RotorContact(RubContact):
-    """[contact] of a rotor: that of a rub, and which blades are lost."""
+    """[contact] of a rotor: that of a rub, and the blades that are lost."""
 
     lost: list[Annotated[int, Field(ge=0)]] = Field(
         default_factory=list, description="numbers of blades that touch nothing, from 0, such as the one that leaves"
@@ -203,11 +203,11 @@ class RotorContact(RubContact):
 
 @table_of(Spin)
 class SpinTable(Table):
-    """[spin]: the speed follows from friction and the drive; left out, it is that of [speed]."""
+    """[spin]: the speed follows from friction and the drive; if left out, it is that of [speed]."""
 
 
 class RotorGravity(Table):
-    """[gravity] of a rotor: its weight along -y; it starts at rest under it where it is `settled`."""
+    """[gravity] of a rotor: its weight along -y; with `settled` it starts in static equilibrium."""
 
     acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(default=9.80665, description="gravity [m/s^2]")
     settled: bool = Field(default=True, description="whether the rotor starts at rest under it")
@@ -292,7 +292,7 @@ class RotorFile(SceneFile):
         return self
 
     def files(self) -> list[str]:
-        """Files the scene is made of, beside its own."""
+        """Files that the scene uses, besides its own."""
         names = [self.rotor.basis, None if self.casing is None else self.casing.basis]
         names += [table.basis for table in self.blade]
         names += [None if self.contact is None else self.contact.profile]
@@ -313,7 +313,7 @@ class RotorFile(SceneFile):
         return rub_built(rub, self.law, self.coating, self.contact.friction, scheme, problems)
 
     def rub(self, folder: Path, rotor: Rotor) -> Rub:
-        """The rotor in its casing; files are found in `folder`. Raises InputError."""
+        """The rotor in its casing; files are sought in `folder`. Raises InputError."""
         assert self.casing is not None
         assert self.contact is not None
         casing, stiff = self.casing.body(folder), list[Stiffening]()
@@ -336,7 +336,7 @@ class RotorFile(SceneFile):
         )  # fmt: skip
 
     def model(self, folder: Path, speed: Speed) -> Rotor:
-        """The rotor; a basis file is found in `folder`. Raises InputError."""
+        """The rotor; a basis file is sought in `folder`. Raises InputError."""
         unbalance, weight = self.unbalance.value(), self.gravity
         gravity, settled = (0.0, True) if weight is None else (weight.acceleration, weight.settled)
         what: Jeffcott | Shaft | ModalBody

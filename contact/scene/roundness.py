@@ -1,4 +1,4 @@
-"""Out-of-roundness of a rim in scene files: given harmonics, and numbered draws from a spectrum of random ones."""
+"""Out-of-roundness of a rim in scene files: given harmonics, and numbered random draws from a spectrum."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class SpectrumLine(Table):
 class RandomRoundness(Table):
     """[contact.random_out_of_roundness]: d(theta) = sum_p a_p cos(p theta - phi_p) by seed and number of the draw.
 
-    a_p lognormal through `spectrum`'s median and 90th percentile, phi_p uniform, the convention of casingfem's
-    RandomField: the same numbers for the same seed, draw and spectrum. `harmonics` in its place have one median and
-    Rayleigh's ratio. `rms` [m] scales every draw to this root mean square around the rim.
+    a_p is lognormal with the median and 90th percentile of `spectrum`, phi_p uniform. The same seed, draw and spectrum
+    give the same numbers as casingfem's RandomField. `harmonics` instead have one median and the ratio of a Rayleigh
+    distribution. `rms` [m] scales every draw to this root mean square around the rim.
 
     >>> table = RandomRoundness(seed=7, harmonics=[2, 3], rms=1e-4)
     >>> terms = table.terms(0)
@@ -91,9 +91,9 @@ class RandomRoundness(Table):
 
 
 class Roundness(Table):
-    """Shape of a rim in [contact]: `out_of_roundness`, and `draw`, the random shape added to it.
+    """Shape of a rim in [contact]: `out_of_roundness`, and `draw`, an added random shape.
 
-    `out_of_roundness` lists harmonics {p, cos, sin} [m], or is "basis": what the casing was surveyed to have.
+    `out_of_roundness` lists harmonics {p, cos, sin} [m], or is "basis": the surveyed shape in the casing's basis.
     """
 
     out_of_roundness: Terms = Field(
@@ -111,10 +111,10 @@ class Roundness(Table):
         return self
 
     def terms(self, casing: ModalBody) -> list[dict[str, float]]:
-        """Harmonics {p, cos, sin} [m], the drawn ones after the given; harmonics that are there twice add up.
+        """Harmonics {p, cos, sin} [m], first the given, then the drawn ones; equal harmonics add up.
 
-        "basis" takes those of the casing's first rim line. Raises InputError where its basis has none, or several
-        lines, which may differ.
+        "basis" takes those of the casing's rim line. Raises InputError if its basis has none, or several lines, which
+        may differ.
         """
         if self.out_of_roundness == "basis":
             if casing.rim_lines > 1:

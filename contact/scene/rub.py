@@ -1,4 +1,4 @@
-"""Scene files of kind "rub": tips of one or more blades before a turning casing, with the laws of the run."""
+"""Scene files of kind "rub": tips of one or more blades at a rotating casing, with the laws of the run."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class RubHead(RunHead):
 
 
 class RubCasing(Table):
-    """[casing]: modal basis of a rim, and the thickness of its wall [m], beyond half of which a run is flagged."""
+    """[casing]: modal basis of a rim, and the thickness of its wall [m]; a run is flagged beyond half of it."""
 
     basis: Name = Field(description="modal basis of kind rim, npz, relative to this file")
     thickness: Thickness | None = Field(
@@ -66,10 +66,10 @@ class RubCasing(Table):
 
 @table_of(ContactPoint)
 class RubNode(Table):
-    """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, clearance [m] of its own.
+    """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, its own clearance [m].
 
-    `track` numbers the strip of a coating that it wears on its rim line; left out, the k-th node of every blade there
-    wears the k-th.
+    `track` is the number of the coating strip that it wears on its rim line; by default the k-th node of every blade
+    there wears the k-th strip.
     """
 
     line: int
@@ -81,10 +81,10 @@ class RubNode(Table):
 
 
 class RubBlade(Table):
-    """[[blade]]: a modal basis, `count` equal blades of it around from `angle_deg`, lean, and its contact places.
+    """[[blade]]: a modal basis, `count` equal blades evenly around from `angle_deg`, lean, and the contact places.
 
-    Without nodes: the place span, flap, or every node0, node1, ... there is; `axial` lets them slide along the axis.
-    The basis of a wheel brings the places of all its sectors: nodes name those of one.
+    Without nodes: the place with channels span and flap, or all of node0, node1, ...; `axial` lets them also slide
+    along the axis. The basis of a wheel has the places of all its sectors; nodes name those of one sector.
     """
 
     basis: Name = Field(description="modal basis of kind point, npz, relative to this file")
@@ -99,7 +99,7 @@ class RubBlade(Table):
     )
 
     def nodes(self, body: ModalBody) -> list[RubNode]:
-        """The nodes given, or those the basis has; of a wheel those of one sector, in each of its sectors."""
+        """The given nodes, or those of the basis; for a wheel those of one sector, repeated in each of its sectors."""
         head = "sector0." if body.sectors else ""
         names = [name.removeprefix(head) for name in body.channels if name.startswith(head)]
         chord = [name.removesuffix(".span") + "." for name in names if name.endswith(".span")] or [""]
@@ -110,7 +110,7 @@ class RubBlade(Table):
         return [node for j in range(body.sectors) for node in turned(own, j, body.sectors)] or own
 
     def require_channels(self, body: ModalBody, nodes: list[RubNode]) -> None:
-        """Raise InputError, naming the basis, where it has not the channels of the places that touch."""
+        """Raise InputError with the name of the basis if it lacks channels of the contact places."""
         if body.kind != "point":
             raise InputError(f"blade.basis: {self.basis}: found a basis of kind {body.kind!r}, expected 'point'")
         named = [name for node in nodes for name in (node.span, node.flap, node.axial) if name is not None]
@@ -147,9 +147,9 @@ class RubContact(GapTable):
 
 
 class RubSpeed(Table):
-    """[speed]: turns per second or a minute, one number, or as many as there are times [s], straight between them.
+    """[speed]: turns per second or per minute, one number, or as many as there are times [s], linear between them.
 
-    `turning` names the side that turns; `scan` the speeds of interactions.
+    `turning` names the side that rotates; `scan` gives the speeds of `casingfem interactions`.
     """
 
     hz: TurnsPerSecond | list[TurnsPerSecond] = Field(
@@ -172,7 +172,7 @@ class RubSpeed(Table):
 
     @property
     def side(self) -> Side:
-        """The side that turns."""
+        """The side that rotates."""
         return self.turning or "blades"
 
     def law(self) -> Speed:
@@ -183,7 +183,7 @@ class RubSpeed(Table):
 
 
 class RubClosing(Table):
-    """[closing]: the gap's reduction [m], by (1 - exp(-t/time_constant)), or by straight lines over `time`."""
+    """[closing]: reduction of the gap [m], by (1 - exp(-t/time_constant)), or piecewise linear over `time`."""
 
     by: Gap | list[Gap] = Field(description="how much the gap is reduced in the end, or at each time [m]")
     time_constant: Time | None = Field(default=None, description="of an exponential closing [s]")
@@ -205,7 +205,7 @@ class RubClosing(Table):
 
 @table_of(Whirl)
 class RubWhirl(Table):
-    """[[whirl]]: the fields of `Whirl`; `shakes` the side that runs on this circle with its acceleration r w^2."""
+    """[[whirl]]: the fields of `Whirl`; `shakes` names the side that moves on this circle, with acceleration r w^2."""
 
     hz: Whirling = Field(default=0.0, description="its rate besides [turns/s]")
     shakes: Literal["casing", "blades"] | None = Field(
@@ -220,7 +220,7 @@ class RubWhirl(Table):
 class RubGravity(Table):
     """[gravity] on all bodies [m/s^2]: towards `down_deg` at t = 0 in the casing's angles, `axial` along its axis.
 
-    Bodies start `settled` under it, and under the whirl that shakes them; or undeformed.
+    With `settled`, bodies start in equilibrium with it and with the whirl that shakes them; else undeformed.
     """
 
     acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(default=9.80665, description="gravity [m/s^2]")
@@ -230,7 +230,7 @@ class RubGravity(Table):
 
 
 class RubFile(SceneFile):
-    """Blades that rub on a turning casing, each tip in one or more places, with stick and slip."""
+    """Blades that rub on a casing in relative rotation, each tip in one or more places, with stick and slip."""
 
     scene: RubHead = Field(description="what this scene is")
     casing: RubCasing = Field(description="the rim")
@@ -251,12 +251,12 @@ class RubFile(SceneFile):
         return self
 
     def files(self) -> list[str]:
-        """Files the scene is made of, beside its own."""
+        """Files that the scene uses, besides its own."""
         names = [self.casing.basis, *(blade.basis for blade in self.blade), self.contact.profile]
         return [name for name in names if name]
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where it is not known."""
+        """Radius of the rotating rim [m]; 0 if unknown."""
         return radius_of(folder / self.casing.basis)
 
     def built(self, folder: Path, problems: Problems) -> Built:
@@ -265,7 +265,7 @@ class RubFile(SceneFile):
         return rub_built(rub, self.law, self.coating, self.contact.friction, self.scheme, problems)
 
     def rub(self, folder: Path) -> Rub:
-        """The rub; basis and profile files are found in `folder`. Raises InputError."""
+        """The rub; basis and profile files are sought in `folder`. Raises InputError."""
         blades, tips, stiff = blades_of(self.blade, folder)
         casing = read_basis(folder / self.casing.basis)
         rub = Rub(
@@ -291,7 +291,7 @@ class RubFile(SceneFile):
 def blades_of(
     tables: list[RubBlade], folder: Path
 ) -> tuple[list[ModalBody], list[ContactPoint], list[Stiffening]]:  # fmt: skip
-    """Blades, places that touch, stiffening by speed; basis files are found in `folder`. Raises InputError."""
+    """Blades, contact places, stiffening by speed; basis files are sought in `folder`. Raises InputError."""
     blades: list[ModalBody] = []
     tips: list[ContactPoint] = []
     stiff: list[Stiffening] = []
@@ -313,7 +313,7 @@ def blades_of(
 
 
 def profile_of(gap: RubContact, folder: Path, casing: ModalBody) -> RimProfile:
-    """Out-of-roundness of a rim: harmonics and a file, found in `folder`. Raises InputError."""
+    """Out-of-roundness of a rim: harmonics and a file, which is sought in `folder`. Raises InputError."""
     terms = RimProfile.fourier(gap.terms(casing)).terms
     if gap.profile is None:
         return RimProfile(terms)
@@ -322,7 +322,7 @@ def profile_of(gap: RubContact, folder: Path, casing: ModalBody) -> RimProfile:
 
 
 def read_profile(path: Path) -> tuple[list[float], list[float]]:
-    """Angles [deg] and depths [m] of a CSV file under theta_deg,depth_m; raises InputError naming the line."""
+    """Angles [deg] and depths [m] of a CSV file with header theta_deg,depth_m; raises InputError with the line."""
     try:
         lines = read_text(path).splitlines()
     except (OSError, TextError) as error:

@@ -11,7 +11,7 @@ from contact.scene.turning import TURNING
 
 
 def scene_models() -> dict[str, type[Table]]:
-    """Every kind of scene files; "cycles", "cycles-rim", ... as `casingfem cycles` takes them."""
+    """All kinds of scene files; "cycles", "cycles-rim", ... are those of `casingfem cycles`."""
     return {**FILES, "cycles": CyclesFile, **{f"cycles-{kind}": model for kind, model in TURNING.items()}}
 
 

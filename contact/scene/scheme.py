@@ -1,4 +1,4 @@
-"""[scheme] of a scene of rods: its keys, and the law and scheme they mean."""
+"""[scheme] of a scene of rods: its keys, and the law and scheme that they select."""
 
 from __future__ import annotations
 
@@ -84,24 +84,24 @@ OF_LAWS = {
 
 
 class Table(BaseModel):
-    """A table of the file: unknown keys, inf and nan are errors; nothing is converted, but whole numbers to float."""
+    """A table of the file: unknown keys, inf and nan are errors; only whole numbers are converted, to float."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class ChecksTable(Table):
-    """[checks]: implausible values that are meant."""
+    """[checks]: implausible values that are intended."""
 
     allow: list[CheckName] = Field(default_factory=list, description="names of checks that this file need not pass")
 
 
 class CheckedFile(Table):
-    """A file whose numbers must be plausible, but for those that it allows."""
+    """A file whose numbers must be plausible, except those that it allows."""
 
     checks: ChecksTable = Field(default_factory=ChecksTable, description="implausible values that are meant")
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where there is none, or where it is not known."""
+        """Radius of the rotating rim [m]; 0 if there is none or it is unknown."""
         return 0.0
 
 
@@ -109,7 +109,7 @@ class SceneFile(CheckedFile):
     """A scene that runs: its tables."""
 
     def files(self) -> list[str]:
-        """Files the scene is made of, beside its own."""
+        """Files that the scene uses, besides its own."""
         return []
 
 
@@ -124,7 +124,7 @@ class RunHead(Table):
 
 
 class ScanTable(Table):
-    """Speeds from, to [Hz] and their number, which `casingfem stability` and `interactions` examine."""
+    """First and last speed [Hz] and number of speeds for `casingfem stability` and `interactions`."""
 
     from_hz: ScannedSpeed = Field(description="first speed [turns/s]")
     to_hz: ScannedSpeed = Field(description="last speed [turns/s]")
@@ -138,7 +138,7 @@ class ScanTable(Table):
 
 
 class ModalScheme(Table):
-    """[scheme] of a turning rim: exact-modal."""
+    """[scheme] of a rotating rim: exact-modal."""
 
     kind: Literal["exact-modal"] = Field(description="the method")
     law: Literal["auto", "forward", "averaged"] = Field(
@@ -149,7 +149,7 @@ class ModalScheme(Table):
 
 
 def hz_of_rpm(data: Any) -> Any:
-    """The keys of a [speed] with hz, where rpm is given instead; ValueError where both are.
+    """The keys of [speed] with rpm converted to hz; ValueError if both are given.
 
     >>> hz_of_rpm({"rpm": 300.0}), hz_of_rpm({"rpm": [0.0, 60.0]})["hz"]
     ({'rpm': 300.0, 'hz': 5.0}, [0.0, 1.0])
@@ -165,7 +165,7 @@ def hz_of_rpm(data: Any) -> Any:
 
 
 class SpeedTable(Table):
-    """[speed]: turns per second, or a minute; `turning` which side turns; `scan` the speeds that are examined."""
+    """[speed]: turns per second, or per minute; `turning`: the side that rotates; `scan`: the speeds to examine."""
 
     hz: TurnsPerSecond = Field(description="speed, or rpm [turns/s]")
     rpm: Rpm | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
@@ -184,7 +184,7 @@ class Waviness(Table):
 
 
 class SchemeTable(Table):
-    """[scheme]: kind and step; each kind has keys of its own, named in `SCHEMES` and `OF_LAWS`."""
+    """[scheme]: kind and step; each kind has its own keys, listed in `SCHEMES` and `OF_LAWS`."""
 
     kind: Kind = Field(description="the method")
     courant: Positive | None = Field(

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class StabilityScene:
-    """A problem in permanent contact, or a rotor, and the speeds [Hz] to examine; `mu` is the friction."""
+    """A problem in permanent contact, or a rotor, and the speeds [Hz] to examine; `mu` is the friction coefficient."""
 
     what: HandPair | RotatingRim | Rotor | Rub
     speed_hz: Array
@@ -51,7 +51,7 @@ class StabilityScene:
 def load_stability(path: str | Path) -> StabilityScene:
     """Read a scene of kind "pair", of kind "rim" with `scan` in [speed], or of kind "rotor".
 
-    Without a scan a rotor has the speeds of `speeds_of`.
+    Without a scan a rotor is examined at the speeds of `speeds_of`.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -86,7 +86,10 @@ def load_stability(path: str | Path) -> StabilityScene:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class InteractionScene:
-    """A scene, or a pair by hand, and the speeds [Hz] to examine; `closed` has the springs of its law at the tips."""
+    """A scene, or a pair by hand, and the speeds [Hz] to examine.
+
+    `closed` has springs with the slope of its law at the tips.
+    """
 
     scene: Scene | HandPair
     speed_hz: Array
@@ -98,7 +101,7 @@ class InteractionScene:
 
 
 def load_interactions(path: str | Path) -> InteractionScene:
-    """Read a scene of kind "pair", "rim", "rub", "disk" or "rotor"; without speed.scan, those of `speeds_of`.
+    """Read a scene of kind "pair", "rim", "rub", "disk" or "rotor"; by default with the speeds of `speeds_of`.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
 
@@ -122,7 +125,7 @@ def load_interactions(path: str | Path) -> InteractionScene:
 
 
 def _speeds_around(table: Any, scene: Scene, file: Path) -> Array:
-    """The speeds of speed.scan [Hz]; without it those of `speeds_of`."""
+    """The speeds of speed.scan [Hz]; by default those of `speeds_of`."""
     hz = np.atleast_1d(table.speed.turns if table.scene.kind == "rotor" else table.speed.hz)
     if hz.min() < 0.0 and table.scene.kind != "rotor":
         expected = "no speed below 0: mirror the scene (lean_deg and shape)"
@@ -140,7 +143,7 @@ def _speeds_around(table: Any, scene: Scene, file: Path) -> Array:
 
 
 def _on_law(what: Turning, law: AnyLaw | None, file: Path) -> Turning:
-    """The scene with the slope of its force-depth law as springs at the tips."""
+    """The scene with springs at the tips that have the slope of its force-depth law."""
     if law is None:
         return what
     try:

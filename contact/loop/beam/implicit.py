@@ -45,7 +45,7 @@ class ImplicitBeam(NamedTuple):
 
 
 class ImplicitWork(NamedTuple):
-    """Work space: the step that is sought, Newton's system, one element's strains."""
+    """Work arrays: the step to be solved, Newton's system, the strains of one element."""
 
     x: Array  # (n, 3)
     a: Array  # (n, 3)
@@ -61,7 +61,7 @@ class ImplicitWork(NamedTuple):
 
 
 def implicit_work(n: int) -> ImplicitWork:
-    """Work space for n nodes."""
+    """Work arrays for n nodes."""
     x, a, start, inner = np.zeros((4, n, 3))
     return ImplicitWork(
         x=x, a=a, start=start, inner=inner, seen=np.zeros(3 * n), active=np.zeros(n, dtype=np.int64),
@@ -161,7 +161,7 @@ def newton(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
 
 @jit
 def solve_step(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
-    """Newton for a set of active contacts, changed until gaps and forces have the right signs."""
+    """Newton's method for a set of active contacts, which is changed until gaps and forces have the right signs."""
     x, active = w.x, w.active
     n = x.shape[0]
     for _ in range(MOST_CHANGES):
@@ -186,7 +186,7 @@ def solve_step(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
 
 @jit
 def numerical_work(s: ImplicitBeam, w: ImplicitWork, h: float) -> float:
-    """Energy that Newmark adds or removes in a step: the remainder of its identity, and of the trapezoid rule."""
+    """Energy that Newmark adds or removes in a step: residual of its identity, plus that of the trapezoid rule."""
     half, shift = s.gamma - 0.5, s.beta - 0.5 * s.gamma
     x, a, inner, inner_old = w.x, w.a, w.inner, w.start
     energy = strain_energy_and_forces(x, s.rest, s.EA, s.EI, inner)

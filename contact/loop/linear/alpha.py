@@ -1,4 +1,4 @@
-"""Compiled generalised-alpha steps with the gap held at the end of the step: Newmark and HHT; stabilised Newmark.
+"""Compiled generalised-alpha steps with contact enforced at the end of the step: Newmark, HHT, stabilised Newmark.
 
 (1 - am) M a_{n+1} + am M a_n = (1 - af) F_{n+1} + af F_n + Q^T force_{n+1}, F = f - C v - K u,
 u_{n+1} = u_n + h v_n + h^2 ((1/2 - b) a_n + b a_{n+1}),  v_{n+1} = v_n + h ((1 - c) a_n + c a_{n+1}).
@@ -30,7 +30,7 @@ from contact.solver.unilateral.complementarity import LawNumbers, contact_forces
 
 
 class Weights(NamedTuple):
-    """am, af, beta, gamma of the family above."""
+    """Weights am, af, beta, gamma of the generalised-alpha family."""
 
     am: float
     af: float
@@ -42,7 +42,7 @@ class Weights(NamedTuple):
 def free_acceleration(
     p: Parts, s: State, w: Weights, net: Array, u: Array, v: Array, amplitudes: Array, h: float, a: Array, spare: Array
 ) -> None:
-    """Predict u and v, and overwrite a by the acceleration at the end of the step without contact."""
+    """Predict u and v, and overwrite a with the acceleration at the end of the step without contact."""
     for i in range(u.size):
         u[i] = s.u[i] + h * s.v[i] + h * h * (0.5 - w.beta) * s.a[i]
         v[i] = s.v[i] + h * (1.0 - w.gamma) * s.a[i]
@@ -61,7 +61,7 @@ def free_acceleration(
 def own_gain(
     p: Parts, s: State, w: Weights, du: Array, dv: Array, da: Array, dnet: Array, dforce: Array, h: float, out: Array
 ) -> float:
-    """Energy the scheme adds over a step, contract 5.
+    """Energy that the scheme adds over a step (contract 5).
 
     s = h^2 (b - c/2) da, delta = (1/2 - af) dnet + (c - 1 + am) M da + Q^T dforce/2.
     """
@@ -81,7 +81,7 @@ def own_gain(
 def note_works(
     p: Parts, s: State, du: Array, dv: Array, load: Array, next_load: Array, sums: Tally, rate: Array, spare: Array
 ) -> None:
-    """Work of damping and of varying loads over the step."""
+    """Record the work of damping and of varying loads over the step."""
     if p.damped:
         for i in range(du.size):
             rate[i] = s.v[i] + 0.5 * dv[i]
@@ -94,7 +94,10 @@ def take_step(
     p: Parts, s: State, w: Weights, du: Array, dv: Array, a: Array, net: Array, dnet: Array, load: Array,
     dforce: Array, h: float, spare: Array,
 ) -> float:  # fmt: skip
-    """Move the state by du, dv, to the acceleration a, which becomes da; the energy that the scheme adds."""
+    """Move the state by du and dv to the acceleration a, which is overwritten by da.
+
+    Returns the energy that the scheme adds.
+    """
     for i in range(du.size):
         s.u[i] += du[i]
         s.v[i] += dv[i]
@@ -112,7 +115,7 @@ def advance_alpha(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, w: Weights,
 ) -> int:  # fmt: skip
-    """Steps first .. first + steps - 1; -1, or the step that failed."""
+    """Take steps first .. first + steps - 1; returns -1, or the step that failed."""
     n, contacts = s.u.size, s.force.size
     a, u, v, net, dnet, spare = s.spare[0], s.spare[1], s.spare[2], s.spare[3], s.spare[4], s.spare[5]
     internal_force(p, s.u, s.v, amplitudes[0], net, s.work)
@@ -147,7 +150,7 @@ def advance_alpha(
 
 @jit
 def project(p: Parts, s: State, h: float, law: LawNumbers, jump: Array, opening: Array, shift: Array) -> bool:
-    """Shift of u_n + h v_n that keeps it from penetrating, smallest in the metric of M."""
+    """Smallest shift of u_n + h v_n, in the metric of M, that prevents penetration."""
     for k in range(s.force.size):
         s.free[k] = gap_of(p, k, s.u) + h * along(p, k, s.v)
         s.gap[k] = 0.0

@@ -44,7 +44,10 @@ def free_increment(p: Parts, s: State, h: float, amplitudes: Array, d: Array, wo
 
 @jit
 def law_gap(rule: int, e: float, now: float, was: float, will: float) -> float:
-    """Quantity [m] that the rule keeps from becoming negative; `was`, `will`: last and next increments of the gap."""
+    """Quantity [m] that the contact rule keeps nonnegative.
+
+    `was` and `will` are the last and next increments of the gap.
+    """
     if rule == FORWARD:
         return now + will
     if rule == AVERAGED:
@@ -59,7 +62,7 @@ def advance_leapfrog(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, rule: int, e: float,
 ) -> int:  # fmt: skip
-    """Steps first .. first + steps - 1; -1, or the step that failed."""
+    """Take steps first .. first + steps - 1; returns -1, or the step that failed."""
     n, contacts = s.u.size, s.force.size
     d, rate, spare, mean, work = s.spare[0], s.spare[1], s.spare[2], s.spare[3], s.work
     g, shifted = s.free, s.shifted
@@ -100,7 +103,7 @@ def note_leapfrog(
     p: Parts, s: State, law: LawNumbers, rule: int, e: float, share: float, free: Array, d: Array, sums: Tally,
     out: Samples, time: float, h: float,
 ) -> None:  # fmt: skip
-    """Work, gaps and events of the contacts; `free` = increments of D along the gaps without force."""
+    """Record work, gaps and events of the contacts; `free` = increments of D along the gaps without contact force."""
     early = rule == IMPULSE or rule == SPRING  # these read the gap at t_n, the others a step ahead
     for k in range(s.force.size):
         now, was = gap_of(p, k, s.u), along(p, k, s.v)
@@ -118,7 +121,7 @@ def note_leapfrog(
 
 
 class Massless(NamedTuple):
-    """m coordinates without mass: their places, rows of K as short lists, compliance and lift."""
+    """The m massless coordinates: their indices, rows of K as short lists, compliance and lift."""
 
     place: Indices  # (m,)
     near: Indices  # (m, w), columns of K other than the diagonal
@@ -133,7 +136,10 @@ class Massless(NamedTuple):
 
 @jit_entry
 def settle(p: Parts, c: Massless, s: State, law: LawNumbers, amplitudes: Array) -> bool:
-    """Move the massless coordinates to rest under loads, springs and contact; s.force is the contact's."""
+    """Move the massless coordinates to static equilibrium under loads, springs and contact.
+
+    S.force is the contact force.
+    """
     for m in range(c.place.size):
         i = c.place[m]
         total = p.load[i] - c.ground[m] * s.u[i]
@@ -162,10 +168,10 @@ def advance_massless(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, c: Massless,
 ) -> int:  # fmt: skip
-    """Steps whose contact coordinates have no mass: they follow the others statically, with the contact.
+    """Steps whose contact coordinates have no mass: they follow the other coordinates statically, with the contact.
 
     Others: M (D_{n+1} - D_n)/h^2 = f - K u_n + Q^T force_n; then K_cc u_c = f_c - K_cm u_m + Q_c^T force_{n+1} with
-    g_{n+1} >= 0. The force stored at t_n is the one that holds the gap at t_n.
+    g_{n+1} >= 0. The force stored at t_n belongs to the gap at t_n.
     """
     n, contacts = s.u.size, s.force.size
     d, mean, rate, spare, old = s.spare[0], s.spare[1], s.spare[2], s.spare[3], s.spare[4]

@@ -1,4 +1,4 @@
-"""Common parts of compiled loops over linear problems: banded products and solves, gaps, loads, scratch."""
+"""Common parts of compiled loops over linear problems: banded products and solves, gaps, loads, work arrays."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ class Parts(NamedTuple):
 
 
 class State(NamedTuple):
-    """u, v and a at t_n (leapfrog schemes keep D = u_n - u_{n-1} in v), force and gap of the last step; scratch."""
+    """State: u, v and a at t_n (leapfrog schemes keep D = u_n - u_{n-1} in v), force and gap of the last step.
+
+    Work arrays.
+    """
 
     u: Array
     v: Array
@@ -46,7 +49,7 @@ class State(NamedTuple):
 
 @jit
 def add_entries(A: Entries, scale: float, u: Array, out: Array) -> None:
-    """Add scale sum_j A_ij (u_j - u_i) to `out`, both halves of every entry."""
+    """Add scale sum_j A_ij (u_j - u_i) to `out`; each stored entry counts for both halves of the symmetric matrix."""
     for i in range(u.size):
         here, total = u[i], 0.0
         for p in range(A.start[i], A.start[i + 1]):
@@ -59,7 +62,7 @@ def add_entries(A: Entries, scale: float, u: Array, out: Array) -> None:
 
 @jit
 def solve_entries(A: Factor, x: Array) -> None:
-    """Overwrite x by A^-1 x where the factor is kept as the entries of L^T."""
+    """Overwrite x by A^-1 x, with the factor stored as the entries of L^T."""
     n, start, column, value = x.size, A.sparse.start, A.sparse.column, A.sparse.value
     for i in range(n):
         here = x[i]
@@ -74,7 +77,7 @@ def solve_entries(A: Factor, x: Array) -> None:
 
 @jit
 def add_product(A: Band, scale: float, u: Array, out: Array, work: Array) -> None:
-    """Add scale A u to `out`, in contiguous passes; `work` has room for N and the band width."""
+    """Add scale A u to `out`, in contiguous passes; `work` needs space for N plus the bandwidth."""
     n = u.size
     if A.grounded:
         for i in range(n):
@@ -95,7 +98,7 @@ def add_product(A: Band, scale: float, u: Array, out: Array, work: Array) -> Non
 
 @jit
 def flush(x: Array) -> None:
-    """Set tiny numbers to zero: solutions ahead of a wave fade into denormals, which cost 100 cycles each."""
+    """Set tiny numbers to zero: ahead of a wave, solutions decay into denormal numbers, which cost 100 cycles each."""
     for i in range(x.size):
         x[i] = 0.0 if abs(x[i]) < TINY else x[i]
 
@@ -142,7 +145,7 @@ def dot(x: Array, y: Array) -> float:
 
 @jit
 def along(p: Parts, k: int, x: Array) -> float:
-    """Row k of Q times x."""
+    """Product of row k of Q with x."""
     total = 0.0
     for j in range(p.columns.shape[1]):
         total += p.value[k, j] * x[p.columns[k, j]]
@@ -157,7 +160,7 @@ def gap_of(p: Parts, k: int, u: Array) -> float:
 
 @jit
 def add_response(p: Parts, scale: float, force: Array, x: Array) -> None:
-    """Add scale A^-1 Q^T force to x; open contacts cost nothing."""
+    """Add scale A^-1 Q^T force to x, skipping open contacts."""
     for k in range(force.size):
         if force[k] != 0.0:
             factor = scale * force[k]
@@ -168,7 +171,7 @@ def add_response(p: Parts, scale: float, force: Array, x: Array) -> None:
 
 @jit
 def add_varying(p: Parts, scale: float, amplitudes: Array, f: Array) -> None:
-    """Add scale times the varying loads of one instant to f."""
+    """Add scale times the varying loads at one time to f."""
     for j in range(amplitudes.size):
         factor = scale * amplitudes[j]
         for i in range(f.size):
@@ -188,7 +191,7 @@ def internal_force(p: Parts, u: Array, v: Array, amplitudes: Array, out: Array, 
 
 @jit
 def varying_work(p: Parts, before: Array, after: Array, du: Array, work: Array) -> float:
-    """Work of the mean of two instants' varying loads along du."""
+    """Work along du of the mean varying loads at two times."""
     if before.size == 0:
         return 0.0
     work[:] = 0.0

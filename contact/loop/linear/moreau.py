@@ -37,7 +37,7 @@ SETTLED = 1e-15  # of the largest impulse
 def note_impulses(
     p: Parts, s: State, e: float, du: Array, dv: Array, sums: Tally, out: Samples, begin: float, h: float
 ) -> None:
-    """Work, gaps and events; s.force holds impulses on entry and forces on return."""
+    """Record work, gaps and events; s.force contains impulses on entry and forces on return."""
     for k in range(s.force.size):
         was, speed, rise = gap_of(p, k, s.u), along(p, k, s.v), along(p, k, du)
         rate = speed + along(p, k, dv) + e * speed
@@ -133,7 +133,10 @@ def advance_nonsmooth(
 
 
 class Corrections(NamedTuple):
-    """`jump` = M^-1 Q^T, changes of a by unit nu and P, as rows (k, N); of gaps and rates (k, k); scratch (k,)."""
+    """Work data of the two corrections.
+
+    `jump` = M^-1 Q^T, changes of a by unit nu and P as rows (k, N), of gaps and rates (k, k).
+    """
 
     jump: Array
     of_nu: Array
@@ -151,7 +154,7 @@ class Corrections(NamedTuple):
 
 @jit
 def add_pulled(c: Corrections, matrix: Array, force: Array) -> None:
-    """Add matrix force to `given`, leaving contacts out that have no bound."""
+    """Add matrix force to `given`, without contacts that have no bound."""
     for i in range(force.size):
         if c.given[i] < math.inf:
             for j in range(force.size):
@@ -160,7 +163,7 @@ def add_pulled(c: Corrections, matrix: Array, force: Array) -> None:
 
 @jit
 def corrected(s: State, c: Corrections, law: LawNumbers, damped: bool) -> bool:
-    """Fill nu and P for the free gaps s.free and rates c.rate; False when they have no common answer."""
+    """Fill nu and P for the free gaps s.free and rates c.rate; returns False if the two have no common solution."""
     k = s.free.size
     c.impulse[:] = 0.0
     for _ in range(ROUNDS):
@@ -197,7 +200,7 @@ def note_contacts(
     begin: float,
     h: float,
 ) -> None:
-    """Work, the gain by nu, gaps and events; the slack is that of both levels."""
+    """Record work, the gain by nu, gaps and events; the slack is that of both levels."""
     for k in range(s.force.size):
         was, speed, rise, jump = gap_of(p, k, s.u), along(p, k, s.v), along(p, k, du), along(p, k, dv)
         s.gap[k], s.force[k] = was + rise, c.impulse[k] / h
@@ -214,7 +217,7 @@ def advance_projected(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, w: Weights, c: Corrections, e: float,
 ) -> int:  # fmt: skip
-    """Steps first .. first + steps - 1; -1, or the step that failed."""
+    """Take steps first .. first + steps - 1; returns -1, or the step that failed."""
     n, contacts = s.u.size, s.force.size
     a, u, v, net, dnet = s.spare[0], s.spare[1], s.spare[2], s.spare[3], s.spare[4]
     spare, rate = s.spare[5], s.spare[6]

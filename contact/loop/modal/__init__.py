@@ -1,1 +1,1 @@
-"""Exact-modal step loops: one contact, several; free flight skipped."""
+"""Exact-modal step loops with one or several contacts; they skip free flight."""

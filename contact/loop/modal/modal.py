@@ -1,4 +1,7 @@
-"""Compiled step loops of the exact-modal scheme at a fixed contact point: its own laws, and the discrete gradient."""
+"""Compiled step loops of the exact-modal scheme at a fixed contact point.
+
+With its own laws, and with the discrete gradient.
+"""
 
 from __future__ import annotations
 

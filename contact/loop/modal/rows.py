@@ -1,4 +1,4 @@
-"""Compiled rows and polynomials of the contact angle, eight modes or harmonics at a time."""
+"""Compiled rows and polynomials of the contact angle, for eight modes or harmonics at a time."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from contact.loop.formulas import damped
 
 
 class RowBlocks(NamedTuple):
-    """Sums of waves, eight sums a block: its waves stand from `start[block]` to the next start, an even number.
+    """Sums of waves in blocks of eight sums.
 
-    Only waves that some sum of the block has are there: few for a nearly perfect casing, all for another. Where it is
-    `alike`, the next three have the same waves, and each is looked up once for all four.
+    The waves of a block are at `start[block]` up to the next start, an even number.
+
+    A block has only the waves that one of its sums needs: few for a nearly perfect casing, all for others. If a block
+    is `alike`, the next three have the same waves, and each wave is read once for all four.
     """
 
     start: Indices
@@ -32,7 +34,7 @@ def rotate(waves: Array, phi: float) -> None:
 
 @jit_inside
 def multiples(waves: Array, c: float, s: float) -> None:
-    """Cos n phi and sin n phi from cos phi and sin phi by the addition theorem: no drift over steps."""
+    """Cos n phi and sin n phi from cos phi and sin phi by the addition theorem, without accumulated error."""
     count = waves.shape[1]
     c2, s2 = c * c - s * s, 2.0 * c * s
     c3, s3 = c2 * c - s2 * s, s2 * c + c2 * s
@@ -52,7 +54,7 @@ def multiples(waves: Array, c: float, s: float) -> None:
 
 @jit
 def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
-    """As many sums as `row` has places, from block `first`."""
+    """Fill `row` with as many sums as it has entries, from block `first` on."""
     block, end = first, first + row.size // WIDTH
     while block < end:
         begin, last = entry(rows.start, block), entry(rows.start, block + 1)
@@ -83,7 +85,7 @@ def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
 
 @jit_inside
 def fill_one(rows: RowBlocks, waves: Array, block: int, row: Array, place: int) -> None:
-    """The eight sums of a block, from `place` of the row on."""
+    """Fill the eight sums of a block, from entry `place` of the row on."""
     begin, last = entry(rows.start, block), entry(rows.start, block + 1)
     a, b, c, d = same(0.0), same(0.0), same(0.0), same(0.0)
     for j in range(begin, last - 3, 4):  # four sums, so that none waits for the last product

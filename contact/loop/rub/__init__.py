@@ -1,1 +1,1 @@
-"""The step loop of a rub: predict, solve, ledger."""
+"""The step loop of a rub: prediction, contact forces, energies."""

@@ -1,4 +1,4 @@
-"""Compiled: the force of one tip that closes alone, and all that it does where the run has no other tip."""
+"""Compiled: the force of one tip that closes alone, and its effects if the run has no other tip."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ UNSOLVED, SOLVED, DONE = 0, 1, 2
 @jit
 def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solver: Solver | None, dim: int,
           share: float, slid: float, step: int, sums: Tally) -> int:  # fmt: skip
-    """Force of the one tip marked, gap and slip; UNSOLVED where `solver` is to find it. `slid` = Omega h.
+    """Force of the single marked tip, its gap and slip; UNSOLVED if `solver` must find it. `slid` = Omega h.
 
-    Without friction or with one slip direction, in one pass over the modes: what `gather` and `solve` do for many tips.
-    DONE where the run has no other tip: the force is added to the increments and the sums, too.
+    Without friction or with one slip direction, one pass over the modes does the work of `gather` and `solve`. DONE if
+    the run has no other tip: the force is also added to the increments and the sums.
     """
     chosen = 0
     for j in range(tips(s, solver)):
@@ -93,7 +93,7 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solve
 @jit_inside
 def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
               width: int) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Response of the casing to forces: along the normal at t_{n+1}, along the tangent at t_n; and its slip."""
+    """Response of the casing to forces along the normal at t_{n+1} and along the tangent at t_n, and its slip."""
     nn, nt, tn, tt, slip = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0)
     for i in range(0, width, WIDTH):
         row, along, c = load(normal, i), load(tangent, i), load(s.c, i)
@@ -105,7 +105,9 @@ def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
 
 @jit_inside
 def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: float) -> tuple[float, float]:
-    """Add the response to the forces of the only tip to the increments; returns its motion along them over two steps.
+    """Add the response to the forces of the only tip to the increments.
+
+    Returns its motion along the forces over two steps.
 
     Without friction `drag` is zero, and `tangent` any row.
     """
@@ -124,7 +126,7 @@ def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: flo
 @jit_inside
 def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, strain: float, strain_along: float,
              share: float, sums: Tally) -> None:  # fmt: skip
-    """Work of the only tip's forces along its motion, as `add_works` of many; the gap that they leave."""
+    """Add the work of the only tip's forces along its motion, as `add_works` for many; and the resulting gap."""
     press, drag, turned, soft = s.lam[0], 0.0, 0.0, 0.0
     s.free[0] += 1.0 / share * (s.motion[0] - s.test[0] - strain)
     rubs = s.lam.size > 1
@@ -147,7 +149,7 @@ def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, s
 
 @jit_inside
 def push_one(w: Work, normal: Array, tangent: Array, press: float, drag: float, rubs: bool) -> None:
-    """The row of the tip, and the modal forces and static response by its forces."""
+    """The row of the tip, and the modal forces and static response due to its forces."""
     to, along = same(press), same(drag)
     for i in range(0, w.pushed.size, WIDTH):
         row = load(normal, i)

@@ -1,4 +1,4 @@
-"""Compiled: response of coupled modes without and under forces, and the work of the coupling."""
+"""Compiled: response of coupled modes with and without forces, and the work of the coupling."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contact.record.record import Tally
 
 @jit
 def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
-    """Add the free motion of coupled modes to the increments, the last ones in `old`, also under `push` and `body`."""
+    """Add free motion of coupled modes, also under `push` and `body`, to the increments; `old`: the last ones."""
     n = s.q.size
     for i in range(0, n, WIDTH):
         put(w.both, i, load(s.old, i))
@@ -40,7 +40,7 @@ def answer(s: RubState, blocks: ModalBlocks, w: Work, forces: Array) -> None:
 def works_of_coupling(s: RubState, blocks: ModalBlocks, w: Work, sums: Tally) -> None:
     """Work of damping and of a skew stiffness on coupled modes, and the error of their discrete energy.
 
-    To be called while q is that of t_n.
+    Call it while q is at t_n.
     """
     fill_some(blocks.lost, s.old, 0, w.moved_by)
     sums.damping[0] -= 0.5 * product_of_sum(w.moved_by, s.old, s.d)

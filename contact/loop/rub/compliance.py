@@ -1,7 +1,10 @@
-"""Compiled: residual compliance of the casing, rotating with the tips, and the static response to all forces.
+"""Compiled.
 
-S = E(phi) S_w E(phi)^T + still, E the waves at the tips and S_w between waves. Of few tips S is a table by the angle,
-which costs their number squared; of many only S_w E^T is made, for those that close.
+Residual compliance of the casing, which rotates relative to the tips, and the static response to all forces.
+
+S = E(phi) S_w E(phi)^T + still, with the waves E at the tips and the compliance S_w between waves. For few tips, S is a
+table over the angle, whose cost grows with their number squared. For many, only S_w E^T is computed, for the tips that
+close.
 """
 
 from __future__ import annotations
@@ -18,14 +21,14 @@ from contact.solver.dense import dot
 
 @jit_inside
 def copy(row: Array, out: Array) -> None:
-    """Put `row` into `out`, which may be longer."""
+    """Copy `row` into `out`, which may be longer."""
     for i in range(0, row.size, WIDTH):
         put(out, i, load(row, i))
 
 
 @jit
 def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
-    """S of the chosen tips at phi_n and at phi_{n-1}; the waves at t_n are at their places."""
+    """S of the chosen tips at phi_n and at phi_{n-1}, from the waves at t_n."""
     blocks, now = w.S.shape[2] // WIDTH, w.side[0]
     for n in range(count):
         j = w.chosen[n]
@@ -40,7 +43,7 @@ def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
 
 @jit_inside
 def fill_S(rows: RubRows, waves: Array, first: int, row: Array) -> None:
-    """S of one tip, from block `first`: a single block where there is one tip."""
+    """S of one tip, from block `first`: a single block if there is one tip."""
     if row.size == WIDTH:
         fill_one(rows.S, waves, first, row, 0)
     else:
@@ -49,7 +52,7 @@ def fill_S(rows: RubRows, waves: Array, first: int, row: Array) -> None:
 
 @jit
 def fill_soft(S: RowBlocks, rows: RubRows, w: Work, j: int, slot: int, dim: int, waves: Array) -> None:
-    """Static response of the casing, by waves, to unit forces of tip j; `waves` are those at the tip."""
+    """Static response of the casing, by waves, to unit forces at tip j; `waves` are those at the tip."""
     for i in range(dim):
         block = (rows.line[j] * dim + i) * (w.strained.size // WIDTH)
         fill_some(S, waves, block, w.soft[slot * dim + i])
@@ -57,7 +60,7 @@ def fill_soft(S: RowBlocks, rows: RubRows, w: Work, j: int, slot: int, dim: int,
 
 @jit
 def soft_at(rows: RubRows, w: Work, row: int, j: int, i: int, dim: int) -> float:
-    """Turning part of S between row `row` of `soft`, or all forces where negative, and direction i of tip j."""
+    """Rotating part of S between row `row` of `soft` (all forces if negative) and direction i of tip j."""
     waves = w.waves[w.side[0], rows.place[j]]
     first = (rows.line[j] * dim + i) * waves.size
     if row < 0:
@@ -67,7 +70,7 @@ def soft_at(rows: RubRows, w: Work, row: int, j: int, i: int, dim: int) -> float
 
 @jit_inside
 def yields(rows: RubRows, w: Work, j: int, i: int, k: int, dim: int) -> float:
-    """Residual compliance between two directions of tip j, whose turning part stands in `S` or the first of `soft`."""
+    """Residual compliance between two directions of tip j; the rotating part is in `S` or first in `soft`."""
     R = j * dim
     found = entry(rows.still, (R + i) * rows.still.shape[1] + R + k)
     if rows.turns:
@@ -77,7 +80,7 @@ def yields(rows: RubRows, w: Work, j: int, i: int, k: int, dim: int) -> float:
 
 @jit
 def strains(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
-    """S lam in every direction of every tip, and the part of it that turns."""
+    """S lam in every direction of every tip, and its rotating part."""
     few, R = rows.turns and rows.few, w.strain.size
     for k in range(R):
         turning = 0.0
@@ -102,7 +105,7 @@ def strains(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
 
 @jit
 def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
-    """The part that turns of S lam with S at phi_{n-1}, along the directions of the chosen tips."""
+    """Rotating part of S lam with S at phi_{n-1}, along the directions of the chosen tips."""
     if rows.few:
         R = s.lam.size
         for n in range(count):
@@ -124,7 +127,7 @@ def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) ->
 
 @jit
 def strain_waves(rows: RubRows, w: Work) -> None:
-    """Static response of the casing, by waves, to forces by waves."""
+    """Static response of the casing to forces, both by waves."""
     for k in range(0, w.strained.size, WIDTH):
         put(w.strained, k, same(0.0))
     for b in range(w.pressed.shape[0]):

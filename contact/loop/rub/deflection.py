@@ -1,4 +1,4 @@
-"""Compiled: the largest deflection around a rim, as `contact.model.gaps.deflection`, where it may matter."""
+"""Compiled: largest deflection around a rim, as `contact.model.gaps.deflection`, only where it may matter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contact.model.gaps.limits import LARGEST, REACHED, RIM, WATCHED
 
 
 class RimWaves(NamedTuple):
-    """`RimRows` in whole blocks of eight modes, and work space."""
+    """`RimRows` in whole blocks of eight modes, and work arrays."""
 
     reach: Array  # (lines, width)
     soft: Array  # (lines, lines d)
@@ -45,7 +45,7 @@ def strained(rim: RimWaves, line: int) -> None:
 
 @jit
 def largest_of_waves(z: Array) -> float:
-    """Most that the sum of waves can be anywhere."""
+    """Upper bound of the sum of waves over all angles."""
     N, most = z.size // 2, abs(z[0])
     for n in range(1, N + 1):
         most += math.sqrt(z[n] * z[n] + z[N + n] * z[N + n])
@@ -54,7 +54,7 @@ def largest_of_waves(z: Array) -> float:
 
 @jit
 def largest_around(z: Array, places: Array, top: Array) -> float:
-    """Largest magnitude of the sum of waves at the places theta, at pi - theta, and at minus the same angles.
+    """Largest magnitude of the sum of waves at the angles theta, pi - theta, and their negatives.
 
     At theta and -theta together it is |sum of cosines| + |sum of sines|. At pi - theta, cosines of odd waves and sines
     of even ones change sign.
@@ -87,14 +87,14 @@ def largest_around(z: Array, places: Array, top: Array) -> float:
 
 @jit_inside
 def magnitude(x: Array) -> Array:
-    """|x|, by entry."""
+    """Absolute values of the entries."""
     found: Array = larger(x, same(0.0) - x)
     return found
 
 
 @jit_inside
 def most_of(reach: Array, q: Array) -> float:
-    """Sum of reach |q|: a line's modes deflect it by no more."""
+    """Sum of reach |q|, an upper bound of a line's deflection by its modes."""
     part = same(0.0)
     for i in range(0, reach.size, WIDTH):
         part = part + load(reach, i) * magnitude(load(q, i))
@@ -110,7 +110,7 @@ def matters(limits: Array, bound: float, ends: bool) -> bool:
 
 @jit
 def note_deflection(limits: Array, rim: RimWaves, ends: bool) -> None:
-    """Keep the largest deflection; `ends`: of a step at which one beyond the limit ends the run."""
+    """Update the largest deflection; `ends`: whether a deflection beyond the limit in this step ends the run."""
     if not matters(limits, largest_of_waves(rim.z), ends):
         return
     deflected = largest_around(rim.z, rim.places, rim.top)

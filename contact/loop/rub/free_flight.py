@@ -1,7 +1,8 @@
-"""Compiled: contact-free time is skipped: how far the gap is surely open, and the state beyond.
+"""Compiled: skip time without contact: how long the gap is certainly open, and the state afterwards.
 
-The modes' share of the gap is at most B = sum_n hypot(sum_i |cos_in| A_i, sum_i |sin_in| A_i) at every angle and for
-all time until the next force, A_i the amplitude of mode i now. Where the clearance exceeds B no contact is possible.
+The contribution of the modes to the gap is at most B = sum_n hypot(sum_i |cos_in| A_i, sum_i |sin_in| A_i) at every
+angle and for all time until the next force, with the current amplitude A_i of mode i. Where the clearance exceeds B no
+contact is possible.
 """
 
 from __future__ import annotations
@@ -22,7 +23,10 @@ FOREVER = 1 << 40
 
 
 class FreeFlight(NamedTuple):
-    """Map over 2^j steps, amplitudes' coefficients, least clearance by angle; `powers` is empty where none is taken."""
+    """Maps over 2^j steps, coefficients of the amplitudes, least clearance by angle.
+
+    `powers` is empty if no step is skipped.
+    """
 
     powers: Array  # (bits, 4, m): (q, D) -> (q, D), entries 11, 12, 21, 22
     fade: Array  # (m,) e^{-a h}
@@ -38,7 +42,7 @@ class FreeFlight(NamedTuple):
 
 @jit
 def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
-    """Bound of |q| from now on without force; a rigid mode that moves has none."""
+    """Bound of |q| from now on without force; inf for a moving rigid mode."""
     if sin == 0.0:
         return abs(q) if d == 0.0 else math.inf
     other = (q * cos - fade * (q - d)) / sin
@@ -47,7 +51,7 @@ def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
 
 @jit_vectors
 def largest_share(flight: FreeFlight, q: Array, d: Array) -> float:
-    """Bound B of the modes' share of the gap at any angle and any later time without force."""
+    """Bound B of the modes' contribution to the gap at any angle and later time without force."""
     reach = flight.reach
     reach[:] = 0.0
     for i in range(q.size):
@@ -62,9 +66,9 @@ def largest_share(flight: FreeFlight, q: Array, d: Array) -> float:
 
 @jit_vectors
 def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
-    """Steps from angle phi on, `turn` apart, at which the clearance surely exceeds `bound`.
+    """Number of steps from angle phi on, `turn` apart, at which the clearance certainly exceeds `bound`.
 
-    Where the first is not among them: minus the steps after which it may be.
+    If the first step is not one of them: minus the number of steps after which it may be.
     """
     cells = floor.size
     place = phi / (2.0 * math.pi)
@@ -90,7 +94,7 @@ def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
 
 @jit_vectors
 def propagate(q: Array, d: Array, powers: Array, steps: int) -> None:
-    """Take (q, D) over `steps` steps of free motion."""
+    """Advance (q, D) by `steps` steps of free motion."""
     j = 0
     while steps > 0:
         if steps & 1:
@@ -104,7 +108,7 @@ def propagate(q: Array, d: Array, powers: Array, steps: int) -> None:
 
 @jit
 def discrete_energy(q: Array, d: Array, be: Array, c: Array) -> float:
-    """D^T D/(2 c) + omega^2 q_{n-1} q_n/2: what damping takes of it during a skip is its work."""
+    """D^T D/(2 c) + omega^2 q_{n-1} q_n/2; its decrease during a skip is the work of damping."""
     total = 0.0
     for i in range(q.size):
         total += 0.5 * (d[i] * d[i] + be[i] * (q[i] - d[i]) * q[i]) / c[i]
@@ -113,9 +117,9 @@ def discrete_energy(q: Array, d: Array, be: Array, c: Array) -> float:
 
 @jit
 def skip_free_flight(flight: FreeFlight, q: Array, d: Array, phi: float, turn: float, room: int) -> int:
-    """Skip as far as no contact is possible, at most `room` steps; phi the angle of the next gap.
+    """Skip steps while contact is impossible, at most `room`; phi is the angle of the next gap.
 
-    The steps taken, or minus those to wait before another try.
+    Returns the number of skipped steps, or minus the number of steps to wait before the next attempt.
     """
     bound = largest_share(flight, q, d)
     steps: int = min(open_steps(flight.floor, bound, phi, turn), room, (1 << flight.powers.shape[0]) - 1)
@@ -131,7 +135,7 @@ def skip_free_flight(flight: FreeFlight, q: Array, d: Array, phi: float, turn: f
 
 @jit_inside
 def untouched(out: Samples, sums: Tally, step: int) -> int:
-    """Steps from `step` to the next that is stored; none when it is one."""
+    """Number of steps from `step` to the next stored one; none if `step` is stored."""
     if out.every == 0:
         row = max(sums.filled[0], sums.filled[1])
         return int(out.at[row] - step) if row < out.at.size else FOREVER
@@ -147,7 +151,7 @@ def may_skip(s: RubState, sums: Tally) -> bool:
 @jit
 def skip_ahead(s: RubState, rows: RubRows, flight: FreeFlight, w: Work, angle: float, turn: float, room: int,
                sums: Tally) -> int:  # fmt: skip
-    """Skip over steps without contact, at most `room`; `angle` is turned so far, `turn` in a step. Negative: wait."""
+    """Skip at most `room` steps without contact; `angle`: turned so far, `turn`: in a step. Negative: steps to wait."""
     m = flight.fade.size
     q, own, be, c = s.q[:m], s.d[:m], s.be[:m], s.c[:m]
     before = discrete_energy(q, own, be, c)
@@ -164,7 +168,7 @@ def skip_ahead(s: RubState, rows: RubRows, flight: FreeFlight, w: Work, angle: f
 
 @jit
 def loses(weight: Array) -> bool:
-    """Whether some mode is damped."""
+    """Whether any mode is damped."""
     found = False
     for i in range(weight.size):
         found |= weight[i] != 0.0

@@ -1,8 +1,8 @@
-"""Compiled: W, the matrix of the contacts: motion of the chosen tips by unit forces within a step.
+"""Compiled: W, the contact matrix: motion of the chosen tips due to unit forces within a step.
 
-It is made of products of their rows. At constant speed it depends on the angle alone, smoothly: of many tips it is
-interpolated between `NODES` angles of a cell, at Chebyshev's points, where it is made of products once for all tips.
-`contact.scheme.modal.cells` chooses the cells so that W differs by round-off.
+Its entries are products of the tips' rows. At constant speed W is a smooth function of the angle alone. For many tips
+it is interpolated between `NODES` Chebyshev points of a cell of angle, where it is computed once for all tips.
+`contact.scheme.modal.cells` chooses the cells so that the error is round-off.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ FEWER = 3  # tips over those chosen: of fewer, products take less time
 @jit
 def fill_factors(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, slot: int, dim: int,
                  share: float, waves: Array, ahead: Array) -> None:  # fmt: skip
-    """Factors of `casing_yields` at the place of tip j; `waves` at t_n, `ahead` the normal row at t_{n+1}."""
+    """Factors of `casing_yields` for tip j; `waves` are at t_n, `ahead` is the normal row at t_{n+1}."""
     for i in range(dim):
         row, test = w.rows[slot * dim + i], w.tests[slot * dim + i]
         law(s.c, row if i > 0 else ahead, 1.0 if i > 0 else share, test)
@@ -39,7 +39,7 @@ def fill_factors(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work
 
 @jit
 def fill_columns(rows: RubRows, w: Work, j: int, slot: int, waves: Array) -> None:
-    """Waves of a slot, the place of tip j, as a column."""
+    """Waves of a slot, at the position of tip j, as a column."""
     n = w.turn.size
     for k in range(w.wave_columns.shape[0]):
         w.wave_columns[k, slot] = 0.0
@@ -49,7 +49,7 @@ def fill_columns(rows: RubRows, w: Work, j: int, slot: int, waves: Array) -> Non
 
 @jit_inside
 def law(c: Array, row: Array, share: float, out: Array) -> None:
-    """Fill out = share c row."""
+    """Set out = share c row."""
     part = same(share)
     for i in range(0, out.size, WIDTH):
         put(out, i, part * load(c, i) * load(row, i))
@@ -65,7 +65,7 @@ def add_part(row: Array, share: float, out: Array) -> None:
 
 @jit
 def known(rows: RubRows, w: Work, size: int) -> None:
-    """Fill W with the rows and columns of the chosen tips."""
+    """Fill W from the known rows and columns of the chosen tips."""
     wide = rows.W.shape[1]
     for a in range(size):
         own = w.row[a] * wide
@@ -75,7 +75,7 @@ def known(rows: RubRows, w: Work, size: int) -> None:
 
 @jit
 def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> None:
-    """Fill W of the chosen tips."""
+    """Compute W of the chosen tips."""
     size = count * dim
     casing_yields(w, rows.width, dim)
     for a in range(size):
@@ -100,7 +100,7 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
 
 @jit
 def casing_yields(w: Work, width: int, dim: int) -> None:
-    """Fill `casing`: tests rows^T of `width` modes, and `soft` by waves; eight rows by eight slots at a time."""
+    """Fill `casing` with tests rows^T of `width` modes, and `soft` by waves; eight rows by eight slots at a time."""
     slots, columns, waves = w.row_columns.shape[1], w.casing.shape[1], w.strained.size
     n = w.turn.size
     for i in range(dim):
@@ -144,7 +144,7 @@ def casing_yields(w: Work, width: int, dim: int) -> None:
 
 @jit
 def enter_cell(s: RubState, rows: RubRows, w: Work, dim: int, share: float) -> bool:
-    """Let `nodes` and `weights` be those of the angle at t_n, where W is interpolated; False where it is not."""
+    """Set `nodes` and `weights` for the angle at t_n, where W is interpolated; returns False where it is not."""
     chosen, K = 0, s.mu.size
     for j in range(K if rows.cell > 0.0 else 0):
         chosen += 1 if s.inside[j] == 2 else 0
@@ -162,13 +162,13 @@ def enter_cell(s: RubState, rows: RubRows, w: Work, dim: int, share: float) -> b
 
 @jit_inside
 def chebyshev(k: int) -> float:
-    """Point k of -1 .. 1."""
+    """Chebyshev point k in -1 .. 1."""
     return math.cos(math.pi * (2.0 * k + 1.0) / (2.0 * NODES))
 
 
 @jit
 def weigh(x: float, weights: Array) -> None:
-    """Weights of the values at the nodes in the value at x (Berrut & Trefethen, SIAM Review 46, 2004, 501, 4.2)."""
+    """Weights of the node values for interpolation at x (Berrut & Trefethen, SIAM Review 46, 2004, 501, 4.2)."""
     total, sign = 0.0, 1.0
     for k in range(NODES):
         away = x - chebyshev(k)
@@ -184,7 +184,7 @@ def weigh(x: float, weights: Array) -> None:
 
 @jit
 def fill_node(s: RubState, rows: RubRows, w: Work, dim: int, share: float, node: int, angle: float) -> None:
-    """W of all tips when the casing has turned by `angle`, into node number `node`; the slots become all places."""
+    """W of all tips when the casing has turned by `angle`, into node `node`; the slots then have all positions."""
     look_at(w.node_angles, NOW, angle)
     K, slots, wide, count = s.mu.size, w.row_columns.shape[1], w.line.size, 0
     for p in range(w.slot.size):
@@ -212,7 +212,7 @@ def fill_node(s: RubState, rows: RubRows, w: Work, dim: int, share: float, node:
 
 @jit
 def interpolate(w: Work, size: int) -> None:
-    """Fill W of the chosen tips from the nodes."""
+    """Interpolate W of the chosen tips from the nodes."""
     a, b, c, d = same(w.weights[0]), same(w.weights[1]), same(w.weights[2]), same(w.weights[3])
     e, f, g, h = same(w.weights[4]), same(w.weights[5]), same(w.weights[6]), same(w.weights[7])
     wide = w.line.size

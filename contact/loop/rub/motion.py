@@ -1,7 +1,7 @@
-"""Compiled: motion of the casing at its tips, by their rows or, of many tips, by waves.
+"""Compiled: motion of the casing at its tips, from their rows or, for many tips, from waves.
 
-A row is a sum of waves of its tip's angle. So the motion of all tips is known from the motion by waves, which is
-computed once, and what their forces push on the modes from the forces by waves.
+A row is a sum of waves at the angle of its tip. So the motion at all tips follows from the motion by waves, which is
+computed once. Likewise the modal forces follow from the contact forces by waves.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from contact.loop.rub.state import RubState, Work
 
 @jit_inside
 def felt(values: Array, first: int, waves: Array) -> float:
-    """Sum of products of `waves` with as many values from `first`."""
+    """Sum of products of `waves` with as many values from `first` on."""
     part = same(0.0)
     for k in range(0, waves.size, WIDTH):
         part = part + load(values, first + k) * load(waves, k)
@@ -35,7 +35,7 @@ def see(rows: RubRows, w: Work, some: Array, others: Array, dim: int, first: int
 
 @jit
 def see_spare(rows: RubRows, w: Work, dim: int, first: int, end: int) -> None:
-    """The same of the motion in `spare`."""
+    """Like `see`, for the motion in `spare`."""
     for line in range(rows.reach.shape[0]):
         for i in range(first, end):
             block = (line * rows.directions + i) * (w.turn.size // WIDTH)
@@ -44,7 +44,7 @@ def see_spare(rows: RubRows, w: Work, dim: int, first: int, end: int) -> None:
 
 @jit
 def place_row(rows: RubRows, w: Work, j: int, side: int) -> None:
-    """Normal row of tip j at t_n or t_{n+1}, where the waves are there."""
+    """Normal row of tip j at t_n or t_{n+1}, for which the waves have been computed."""
     p = rows.place[j]
     if w.filled[side, p] == 0:
         w.filled[side, p] = 1
@@ -53,7 +53,7 @@ def place_row(rows: RubRows, w: Work, j: int, side: int) -> None:
 
 @jit
 def press_waves(s: RubState, rows: RubRows, w: Work, count: int, dim: int, when: int) -> None:
-    """Forces of the chosen tips by waves, at their places at t_n or before."""
+    """Forces of the chosen tips by waves, at their positions at t_n or before."""
     n = w.turn.size
     for k in range(0, w.pressed.size, WIDTH):
         put(w.pressed, k, same(0.0))
@@ -68,7 +68,7 @@ def press_waves(s: RubState, rows: RubRows, w: Work, count: int, dim: int, when:
 
 @jit
 def push_waves(rows: RubRows, w: Work, dim: int) -> None:
-    """Modal forces of the forces by waves."""
+    """Modal forces from the forces by waves."""
     for k in range(0, w.pushed.size, WIDTH):
         put(w.pushed, k, same(0.0))
     for line in range(rows.reach.shape[0]):

@@ -1,4 +1,4 @@
-"""A step without forces, which tips could touch after it, and the force of one that closes alone."""
+"""A step without contact forces, the tips that could touch after it, and the force of one that closes alone."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SPARE = 0.25  # of the bound of a casing's deflection: room for forces of this s
 
 @jit
 def slope_at(speed: Array, t: float) -> float:
-    """Acceleration [rad/s^2] of the speed."""
+    """Angular acceleration [rad/s^2]."""
     segment = speed.shape[0] - 1
     while segment > 0 and t < speed[segment, 0]:
         segment -= 1
@@ -45,7 +45,10 @@ def slope_at(speed: Array, t: float) -> float:
 
 @jit
 def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float, out: Array) -> None:
-    """Modal forces at t, when the casing has turned by `angle`; the blades' axes turn against it."""
+    """Modal forces of gravity and whirl at t, when the casing has turned by `angle`.
+
+    The blades' axes rotate against it.
+    """
     slope = slope_at(speed, t)
     x, y, blade_x, blade_y = 0.0, 0.0, 0.0, 0.0
     for k in range(pulls.laws.shape[0]):
@@ -67,7 +70,7 @@ def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float,
 
 @jit
 def propagate(s: RubState, laws: RubLaws, angles: Array, t: float, omega: float, h: float) -> None:
-    """D* = al D - be q + c (f + gravity and whirl - stiffening), the last increment kept in `old`."""
+    """D* = al D - be q + c (f + gravity and whirl - stiffening); the last increment is kept in `old`."""
     for i in range(0, s.q.size, WIDTH):
         last = load(s.d, i)
         put(s.old, i, last)
@@ -91,7 +94,7 @@ def propagate(s: RubState, laws: RubLaws, angles: Array, t: float, omega: float,
 
 @jit
 def find_disk(s: RubState, swing: Swing, w: Work) -> None:
-    """Position of the disk of a rotor at t_{n+1} without forces, along x and y."""
+    """Position of the disk of a rotor at t_{n+1} without contact forces, along x and y."""
     x, y = 0.0, 0.0
     for i in range(swing.plane.shape[1]):
         k = swing.first + i
@@ -102,9 +105,9 @@ def find_disk(s: RubState, swing: Swing, w: Work) -> None:
 
 @jit
 def nearer(swing: Swing, rows: RubRows, w: Work, j: int) -> float:
-    """Approach of tip j to the casing by the disk: x cos phi + y sin phi, and a share of the casing's bound.
+    """Approach of tip j to the casing due to the disk, x cos phi + y sin phi, and a share of the casing's bound.
 
-    Forces of other tips in this step move a tip too; the share leaves room for that.
+    Forces of other tips in this step also move a tip; the share is a margin for that.
     """
     if swing.plane.shape[1] == 0:
         return 0.0
@@ -116,10 +119,10 @@ def nearer(swing: Swing, rows: RubRows, w: Work, j: int) -> float:
 @jit
 def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver | None, dim: int, share: float,
               every: bool, now_too: bool, t: float, h: float) -> int:  # fmt: skip
-    """Free gaps of the tips that could touch; marks those that are solved for and returns how many.
+    """Free gaps of the tips that could touch; marks the tips to solve for and returns their number.
 
-    Whether a tip that was near in the last step still is, is asked where `now_too`: for one tip the bound costs as much
-    as the gap.
+    With `now_too`, tips that were near in the last step are tested again. For one tip the bound costs as much as the
+    gap.
     """
     inside, side = 0, 1 - w.side[0]
     closing = straight(laws.closing, t + h)
@@ -171,7 +174,10 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
 
 @jit
 def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
-    """Bars under the tips that are near; their gaps become those of the surface. How many no longer close."""
+    """Find the coating bars under the near tips; gaps are then to the bars' surface.
+
+    Returns how many tips no longer close.
+    """
     apart = 0
     for j in range(s.mu.size):
         coats.memory[j, 1] = 0.0
@@ -193,7 +199,7 @@ def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim:
 
 @jit
 def flow(s: RubState, w: Work, coats: Coats, count: int, dim: int) -> None:
-    """Let the bars under the chosen tips flow, each to the depth that was found."""
+    """Let the bars under the chosen tips yield, each to the depth found."""
     for a in range(count):
         j = w.chosen[a]
         if s.lam[j * dim] > 0.0:

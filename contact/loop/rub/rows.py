@@ -26,7 +26,7 @@ class Terms(NamedTuple):
 
 @jit
 def polynomial(terms: Terms, waves: Array) -> float:
-    """Value at the angle of `waves`."""
+    """Value of the polynomial at the angle of `waves`."""
     total = 0.0
     for j in range(terms.harmonic.size):
         n = terms.harmonic[j]
@@ -35,7 +35,7 @@ def polynomial(terms: Terms, waves: Array) -> float:
 
 
 class Pulls(NamedTuple):
-    """Body forces by their rows (`BodyForce.row`), and the modes' share of them along x and y."""
+    """Body forces by their rows (`BodyForce.row`), and the participation of the modes along x and y."""
 
     laws: Array  # (forces, 8)
     plane: Array  # (2, m)
@@ -43,7 +43,7 @@ class Pulls(NamedTuple):
 
 
 class Swing(NamedTuple):
-    """The unbalance of a rotor, without rows where there is none."""
+    """The unbalance of a rotor; without rows if there is none."""
 
     jumps: Array  # (jumps, 4): from [s], 1/h, and what the unbalance gains along the rotor's x and y [kg m]
     plane: Array  # (2, modes of the rotor): motion of the unbalance along x and y
@@ -51,7 +51,7 @@ class Swing(NamedTuple):
 
 
 class Spin(NamedTuple):
-    """The angle of a rotor whose speed follows from its torques: mode number `mode`, -1 where the speed is given."""
+    """The angle of a rotor whose speed follows from its torques: mode number `mode`, -1 if the speed is given."""
 
     mode: int
     scale: float  # 1/sqrt(inertia)
@@ -61,7 +61,7 @@ class Spin(NamedTuple):
 
 
 class RubLaws(NamedTuple):
-    """Laws known before the run: rows of the tables in `model.rub_laws`."""
+    """Laws that are known before the run: rows of the tables in `model.rub_laws`."""
 
     speed: Array  # (segments, 4): from, angle, omega, slope
     closing: Array  # (points, 2): time, reduction
@@ -75,10 +75,10 @@ class RubLaws(NamedTuple):
 
 
 class RubRows(NamedTuple):
-    """Casing rows by harmonic and block = directions line + direction; the tips; residual compliance by angle.
+    """Casing rows by harmonic and block (block = directions line + direction); the tips; residual compliance by angle.
 
-    Rows over the casing's modes are filled up with zeros to whole blocks of eight, `width` in all. Those of a single
-    tip hold its blade's modes too, which do not turn: `apart` is empty then, and `fixed` zero.
+    Rows over the casing's modes are filled up with zeros to whole blocks of eight, `width` in all. For a single tip the
+    rows also contain its blade's modes, which do not rotate; then `apart` is empty and `fixed` zero.
     """
 
     casing: RowBlocks
@@ -112,7 +112,7 @@ class RubRows(NamedTuple):
 
 @jit
 def turned(speed: Array, t: float) -> tuple[float, float]:
-    """Angle turned since t = 0, and Omega."""
+    """Angle turned since t = 0, and speed Omega."""
     i = speed.shape[0] - 1
     while i > 0 and t < speed[i, 0]:
         i -= 1
@@ -122,7 +122,7 @@ def turned(speed: Array, t: float) -> tuple[float, float]:
 
 @jit
 def spun(spin: Spin, angle: float, q: float) -> float:
-    """Angle turned, of a rotor that is ahead by the modal coordinate q; it turns against the angle of the casing."""
+    """Angle turned by a rotor that leads by the modal coordinate q; it turns against the angle of the casing."""
     return angle - spin.scale * q
 
 
@@ -134,9 +134,9 @@ def look_at(angles: Array, when: int, angle: float) -> None:
 
 @jit
 def look_ahead(angles: Array, angle: float) -> None:
-    """Fill the row of t_{n+1}: from the middle of the cell that contains the angle, by series exact to round-off.
+    """Fill the row of t_{n+1} by a series about the middle of the cell that contains the angle, exact to round-off.
 
-    The middle depends on the angle alone, so that a run in parts is the same run.
+    The middle depends on the angle alone, so that a run in several parts gives identical results.
     """
     middle = CELL * math.floor(angle / CELL + 0.5)
     if not middle == angles[MIDDLE, 0]:
@@ -157,7 +157,7 @@ def waves_at(rows: RubRows, j: int, angles: Array, when: int, waves: Array) -> N
 
 @jit
 def straight(table: Array, t: float) -> float:
-    """Piecewise linear table, constant outside."""
+    """Piecewise linear table, constant outside its range."""
     last = table.shape[0] - 1
     if t <= table[0, 0]:
         return float(table[0, 1])
@@ -204,7 +204,7 @@ def fill_block(rows: RubRows, block: int, waves: Array, row: Array) -> None:
 
 @jit
 def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, when: int, waves: Array) -> float:
-    """Gap at the place of tip j, but for its own clearance, closing and deflection; leaves `waves` at the tip."""
+    """Gap at tip j without its own clearance, closing and deflection; leaves the waves at the tip in `waves`."""
     angle = angles[when, 0]
     phi = rows.angle[j] - angle
     waves_at(rows, j, angles, when, waves)
@@ -217,7 +217,7 @@ def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, whe
 
 @jit
 def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
-    """A bound from below of the tip's clearance and `rigid_gap`, for no trigonometry."""
+    """Lower bound of the tip's clearance plus `rigid_gap`, without trigonometric functions."""
     gap = rows.clearance[j] - closing + laws.lowest
     for w in range(laws.whirl.shape[0]):
         gap -= laws.whirl[w, 0]
@@ -226,7 +226,7 @@ def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
 
 @jit_inside
 def blade_dot(rows: RubRows, modes: Indices, row: int, j: int, values: Array) -> float:
-    """Share of `modes` of the tip's own blade, `rows.own` or `rows.apart`, in one of its directions."""
+    """Product of a row of the tip's own blade (`rows.own` or `rows.apart`) in one direction with `modes`."""
     total, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
     for i in range(entry(modes, 2 * j), entry(modes, 2 * j + 1)):
         total += entry(rows.blade, first + i) * entry(values, i)
@@ -235,7 +235,7 @@ def blade_dot(rows: RubRows, modes: Indices, row: int, j: int, values: Array) ->
 
 @jit_inside
 def blade_dot_of_sum(rows: RubRows, modes: Indices, row: int, j: int, some: Array, others: Array) -> float:
-    """The same of the sum of two."""
+    """Like `blade_dot`, for the sum of two vectors of modes."""
     total, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
     for i in range(entry(modes, 2 * j), entry(modes, 2 * j + 1)):
         total += entry(rows.blade, first + i) * (entry(some, i) + entry(others, i))

@@ -1,8 +1,8 @@
-"""Compiled step loop of a rub: exact-modal coefficients, K turning tips, stick and slip by semi-smooth Newton.
+"""Compiled step loop of a rub: exact-modal coefficients, K rotating tips, stick and slip by semi-smooth Newton.
 
-Tips meet a rigid surface, or press into bars of a coating, which flow (`coats`), or into a surface with a force-depth
-law (`y`); with `blocks` None each mode moves by itself, else some are coupled; the rows of `steady` contacts do not
-change; a single tip needs no `solver`. Each is a loop of its own, which holds no code of the others.
+Tips meet a rigid surface, the plastic bars of a coating (`coats`), or a surface with a force-depth law (`y`). With
+`blocks` None the modes are uncoupled. The rows of `steady` contacts are constant. A single tip needs no `solver`. Each
+combination compiles to its own loop, without code of the others.
 """
 
 from __future__ import annotations
@@ -57,10 +57,10 @@ AGAIN = 8  # steps between looks whether the only tip is still near
 
 @jit
 def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:  # fmt: skip
-    """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the turning point, by friction; heat and drive.
+    """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the moving point, by friction; heat and drive.
 
-    What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
-    back; what S stores because the point moves is the turning point's.
+    Energy stored in the tangential compliance counts as friction's work on the bodies, and as a loss of the contact
+    until S returns it. Energy that S stores because the point moves counts for the moving point.
     """
     if rows.turns:
         strains_before(s, rows, w, count, dim)
@@ -100,7 +100,7 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
 
 @jit
 def advance_modes(s: RubState, sums: Tally) -> None:
-    """Add the increments, and the work of damping, of the stiffening, of gravity and whirl."""
+    """Add the increments, and the work of damping, stiffening, gravity and whirl."""
     for i in range(s.body.size):
         sums.body_force[0] += 0.5 * s.body[i] * (s.old[i] + s.d[i])
     given = 0.0
@@ -112,7 +112,7 @@ def advance_modes(s: RubState, sums: Tally) -> None:
 
 @jit
 def pace(s: RubState, y: Yielding, h: float) -> None:
-    """Rate of depth of near tips in this step; of those that were far, by their gaps of the last two steps."""
+    """Rate of depth of the near tips in this step; of tips that were far, from their gaps of the last two steps."""
     for j in range(s.mu.size):
         if s.inside[j] > 0:
             if s.known[j] == 0:
@@ -123,7 +123,7 @@ def pace(s: RubState, y: Yielding, h: float) -> None:
 @jit
 def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding | None, steady: Steady | None,
          dim: int, slid: float, sums: Tally, out: Samples, h: float, time: float) -> None:  # fmt: skip
-    """Forces, gaps and events of this step; the gaps of q move on."""
+    """Record forces, gaps and events of this step; advance the gaps of q."""
     for j in range(tips(s, solver)):
         if y is None:
             if s.inside[j] == 0 and sums.closed[j] == 0 and sums.stuck[j] == 0:
@@ -160,7 +160,7 @@ def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding
 
 @jit
 def note_rim(s: RubState, rows: RubRows, w: Work, dim: int, ends: bool) -> None:
-    """Note the rim's deflection by q and the forces of this step, where it may be larger than before."""
+    """Update the largest deflection of the rim from q and the forces of this step."""
     rim = rows.rim
     for line in range(rim.reach.shape[0]):
         strain = 0.0
@@ -173,7 +173,7 @@ def note_rim(s: RubState, rows: RubRows, w: Work, dim: int, ends: bool) -> None:
 
 @jit
 def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, strain: float, ends: bool) -> None:
-    """Note the deflection of one line; the forces deflect it by no more than `strain`."""
+    """Update the largest deflection of one line; the forces deflect it by at most `strain`."""
     rim, c, t = rows.rim, w.angles[NOW, 1], w.angles[NOW, 2]
     for a in range(rim.z.size):
         rim.z[a] = product(rim.rows[line, a], s.q)
@@ -194,7 +194,7 @@ def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, strain: 
 
 @jit
 def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
-    """Whether a contact presses and its tangential force lies inside the cone."""
+    """Whether a contact presses and its tangential force lies inside the friction cone."""
     pull, radius = 0.0, s.mu[j] * s.lam[row] * (1.0 - INSIDE)
     for i in range(row + 1, row + dim):
         pull += s.lam[i] * s.lam[i]
@@ -205,9 +205,9 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
           steady: Steady | None, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
-    """Forces of the tips marked and of those that they draw in; how many, -1 where none are found.
+    """Forces of the marked tips and of those that close because of them; returns their number, -1 without solution.
 
-    `solved`: the first has its force already.
+    `solved`: the force of the first one is known already.
     """
     while True:
         count = 1
@@ -231,7 +231,7 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
 @jit
 def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: Steady, w: Work,
               share: float) -> int:  # fmt: skip
-    """Forces of all contacts at once, without friction; how many press, -1 where none are found."""
+    """Forces of all frictionless contacts at once; returns how many press, -1 without solution."""
     if not frictionless(s, steady):
         return -1
     count = gather(s, rows, blocks, w, 1, share, False)
@@ -262,10 +262,10 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
                 blocks: ModalBlocks | None, steady: Steady | None, solver: Solver | None, flight: FreeFlight, w: Work,
                 dim: int, averaged: bool, sums: Tally, out: Samples, h: float, first: int,
                 steps: int) -> int:  # fmt: skip
-    """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step.
+    """Take whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step.
 
-    Without `solver` there is a single tip with at most one slip direction, on a rigid surface. Contact-free time is
-    skipped to the next step that is stored; what a coating has lost only widens the gap.
+    Without `solver` there is a single tip with at most one slip direction, on a rigid surface. Time without contact is
+    skipped up to the next stored step; wear of a coating only widens the gap.
     """
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)

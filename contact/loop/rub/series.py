@@ -1,8 +1,8 @@
-"""Compiled: rows of a single tip by their Taylor series in the angle turned, about the middle of a cell of angle.
+"""Compiled: rows of a single tip by Taylor series in the angle turned, about the middle of a cell of angle.
 
 A row is a sum of waves, so its derivatives are sums of the same waves. At low speed a tip stays in a cell for many
 steps, and a series of `TERMS` vectors takes less time than the sum of all waves. `contact.scheme.modal.cells` chooses
-the cells so that rows differ by round-off. Which cell is used depends on the angle alone.
+the cells so that the error is round-off. The choice of the cell depends on the angle alone.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from contact.loop.rub.state import TERMS, Work
 
 @jit
 def fill_row(rows: RubRows, w: Work, j: int, i: int, when: int, waves: Array, row: Array) -> None:
-    """Row of the casing at tip j along direction i, at the angle number `when`; `waves` are those of that angle."""
+    """Row of the casing at tip j along direction i, at angle number `when`; `waves` are those of that angle."""
     if rows.cells == 0.0:
         fill_block(rows, rows.line[j] * rows.directions + i, waves, row)
         return

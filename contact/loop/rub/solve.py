@@ -1,4 +1,4 @@
-"""The forces of one step: rows and compliances of the tips that close, friction, and the modal forces."""
+"""The forces of one step: rows and compliances of the closing tips, friction, and the modal forces."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from contact.solver.yielding.yields import Yielding
 @jit
 def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float,
            interpolated: bool) -> int:  # fmt: skip
-    """Rows at t_n where tips are to be solved; returns how many tips. And the factors of W, if not `interpolated`."""
+    """Rows at t_n of the tips to solve for, and the factors of W unless `interpolated`; returns the number of tips."""
     count, w.slots[0] = 0, 0
     for p in range(w.slot.size):
         w.slot[p] = -1
@@ -49,7 +49,7 @@ def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim:
 @jit
 def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, dim: int, share: float,
               interpolated: bool) -> None:  # fmt: skip
-    """The next slot becomes the place of tip j."""
+    """Set the next slot to the position of tip j."""
     p, slot, now, n = rows.place[j], w.slots[0], w.side[0], w.turn.size
     w.slot[p], w.slots[0] = slot, slot + 1
     place_now(rows, w, j)
@@ -74,7 +74,7 @@ def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j
 
 @jit
 def place_now(rows: RubRows, w: Work, j: int) -> None:
-    """Waves where tip j is at t_n; they are there if it was near in the last step."""
+    """Waves at tip j at t_n; already known if it was near in the last step."""
     p, now = rows.place[j], w.side[0]
     if w.fresh[now, p] == 0:
         w.fresh[now, p], w.filled[now, p] = 1, 0
@@ -84,7 +84,7 @@ def place_now(rows: RubRows, w: Work, j: int) -> None:
 @jit
 def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | None, y: Yielding | None, count: int,
           dim: int, share: float, slid: float, interpolated: bool) -> bool:  # fmt: skip
-    """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
+    """Forces of the chosen tips into `lam`; gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
     if interpolated:
         interpolate(w, size)
@@ -122,7 +122,7 @@ def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | No
 
 @jit
 def rigid(s: RubState, w: Work, solver: Solver, count: int, dim: int, fast: bool) -> bool:
-    """Forces of the chosen tips on a rigid surface; `fast`: the surface turns, and most tips slide."""
+    """Forces of the chosen tips on a rigid surface; `fast`: the surface rotates, and most tips slide."""
     if fast and dim > 1 and count > 1:
         solver.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, solver.room)
     iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, solver.room)
@@ -133,7 +133,7 @@ def rigid(s: RubState, w: Work, solver: Solver, count: int, dim: int, fast: bool
 
 @jit
 def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float) -> None:
-    """Fill b, mu and the last forces of the chosen tips; `slid` = Omega h, or 1 where rows do not change."""
+    """Set b, mu and the last forces of the chosen tips; `slid` = Omega h, or 1 if rows are constant."""
     for n in range(count):
         j = w.chosen[n]
         w.mu[n] = s.mu[j]
@@ -149,7 +149,7 @@ def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float
 
 @jit
 def hand_over(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
-    """Write forces, gaps and slips to the tips, and their modal forces to the casing."""
+    """Copy forces, gaps and slips to the tips, and their modal forces to the casing."""
     for a in range(count * dim):
         s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
     if rows.many:
@@ -173,7 +173,7 @@ def hand_over(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None
 @jit
 def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
                  share: float) -> bool:  # fmt: skip
-    """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
+    """Whether the forces close tips that were left out; marks these, and records the gaps of the others."""
     grown = False
     find_gaps(s, rows, blocks, w, count, dim, share)
     for j in range(s.mu.size):
@@ -185,7 +185,7 @@ def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work
 @jit
 def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
               share: float) -> None:  # fmt: skip
-    """Gaps of the tips that were left out, under the forces of the chosen."""
+    """Gaps of the tips that were left out, under the forces of the chosen ones."""
     if blocks is not None:
         fill_some(blocks.casing, w.pushed, 0, w.normal_moves)
     if rows.many:
@@ -238,14 +238,14 @@ def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
 
 @jit_inside
 def clear(values: Array, first: int) -> None:
-    """Zeros from block `first` on."""
+    """Set zeros from block `first` on."""
     for i in range(first, values.size, WIDTH):
         put(values, i, same(0.0))
 
 
 @jit
 def update_gaps(s: RubState, w: Work, count: int, dim: int, share: float) -> None:
-    """Add the forces' share to the gaps of q at t_{n+1}: all of the law's gap except S lam."""
+    """Add the effect of the forces to the gaps of q at t_{n+1}: the complete gap of the law except S lam."""
     whole = 1.0 / share
     for j in range(s.mu.size):
         if s.inside[j] == 1:

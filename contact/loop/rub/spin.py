@@ -42,7 +42,7 @@ TORQUE, PASSED, PENDING = 0, 1, 2  # entries of `Spin.now`
 def unbalance(swing: Swing, t: float) -> tuple[float, float]:
     """U at t along the rotor's x and y [kg m].
 
-    In the step in which it changes, the change counts for the part of t - h/2 to t + h/2 that follows it.
+    In the step of a change, the change is weighted by the part of t - h/2 to t + h/2 after it.
     """
     x, y = 0.0, 0.0
     for k in range(swing.jumps.shape[0]):
@@ -54,7 +54,7 @@ def unbalance(swing: Swing, t: float) -> tuple[float, float]:
 
 @jit
 def add_unbalance(swing: Swing, t: float, h: float, angles: Array, out: Array) -> None:
-    """Force of the unbalance on the modes of the rotor, which turns against the angle of the casing."""
+    """Force of the unbalance on the modes of the rotor, which rotates against the angle of the casing."""
     ux, uy = unbalance(swing, t)
     c = (angles[AHEAD, 1] - angles[NOW, 1]) - (angles[NOW, 1] - angles[BEFORE, 1])
     s = (angles[AHEAD, 2] - angles[NOW, 2]) - (angles[NOW, 2] - angles[BEFORE, 2])
@@ -65,7 +65,7 @@ def add_unbalance(swing: Swing, t: float, h: float, angles: Array, out: Array) -
 
 @jit
 def shared(s: RubState, swing: Swing, t: float, h: float, angles: Array) -> tuple[float, float]:
-    """Increase of C by the disk's motion, twice the work taken from the spin, and by a change of U [J]."""
+    """Increase of C by the disk's motion (twice the work taken from the spin), and by a change of U [J]."""
     before_x, before_y, more_x, more_y = 0.0, 0.0, 0.0, 0.0
     for i in range(swing.plane.shape[1]):
         old, new = s.old[swing.first + i], s.d[swing.first + i]
@@ -86,9 +86,9 @@ def shared(s: RubState, swing: Swing, t: float, h: float, angles: Array) -> tupl
 @jit
 def spin_on(s: RubState, laws: RubLaws, rows: RubRows, angles: Array, dim: int, base: float, t: float, h: float,
             sums: Tally) -> None:  # fmt: skip
-    """Supply, from the rotor's spin, the energy that unbalance and contact take in this step.
+    """Take from the rotor's spin the energy that unbalance and contact absorb in this step.
 
-    The increment has the torque of the last step already. Friction acts on the mode of the spin itself.
+    The increment already contains the torque of the last step. Friction acts directly on the mode of the spin.
     """
     spin, rotation, taken, jumped = laws.spin, 0.0, 0.0, 0.0
     for j in range(sums.rotation.size):
@@ -127,7 +127,7 @@ def spin_on(s: RubState, laws: RubLaws, rows: RubRows, angles: Array, dim: int, 
 
 @jit
 def further(k: float, turned: float, torque: float, given: float) -> float:
-    """The change x of a torque so that (torque + x) (turned + k x)/2 = -given; zero for a rotor that hardly turns."""
+    """The change x of a torque such that (torque + x) (turned + k x)/2 = -given; zero for a rotor that hardly turns."""
     b, c = turned + k * torque, torque * turned + 2.0 * given
     root = b * b - 4.0 * k * c
     if not root > 0.0:

@@ -1,4 +1,4 @@
-"""State of a rub in its compiled loop, and its work space."""
+"""State of a rub in its compiled loop, and its work arrays."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; f
 
 
 class ModalBlocks(NamedTuple):
-    """Coupling of modes, as rows by blocks of eight, w places of all modes or `width` of the casing's.
+    """Coupling of modes, as rows by blocks of eight, over w entries of all modes or `width` of the casing's.
 
-    Where modes are coupled, `al`, `be`, `c` and `weight` of the state are zero.
+    For coupled modes, `al`, `be`, `c` and `weight` of the state are zero.
     """
 
     free: RowBlocks  # (w, 2 w): D and q to the increment without forces
@@ -38,9 +38,9 @@ class ModalBlocks(NamedTuple):
 
 
 class RubState(NamedTuple):
-    """Modes (m,), those of the casing first, tips (K,) and their d directions each (K d,), normal first.
+    """Modes (m,), the casing's first; tips (K,); and their d directions each (K d,), normal first.
 
-    Loops take the arrays over the modes filled up with zeros to whole blocks of eight, `push` and `body` excepted.
+    In loops the arrays over modes are padded with zeros to whole blocks of eight, except `push` and `body`.
     """
 
     q: Array
@@ -79,10 +79,10 @@ class RubState(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work space, K tips at P places: rows at t_{n+1} and t_n, the problem of one step, modal forces.
+    """Work arrays for K tips at P positions: rows at t_{n+1} and t_n, the problem of one step, modal forces.
 
-    The tips that are solved for are `chosen`, their directions stand in rows `row` of `lam`; the places where they are
-    have a slot each, row `column` of `rows`.
+    `chosen` are the tips to solve for, with their directions in rows `row` of `lam`. Each of their positions has a
+    slot, row `column` of `rows`.
     """
 
     side: Indices  # (1,) which half of the next four is that of t_n, the other that of t_{n+1}
@@ -141,7 +141,7 @@ class Work(NamedTuple):
 
 
 class Solver(NamedTuple):
-    """Solver for the forces of several tips. A loop without it has a single tip, whose force has a formula."""
+    """Solver for the forces of several tips. A loop without it has a single tip, whose force has a closed formula."""
 
     all_sliding: AllSliding
     room: Room  # of the friction solver
@@ -149,20 +149,20 @@ class Solver(NamedTuple):
 
 @jit_inside
 def tips(s: RubState, solver: Solver | None) -> int:
-    """Number of tips: known to the compiler if it is one."""
+    """Number of tips; a compile-time constant if it is one."""
     if solver is None:
         return 1
     return s.mu.size
 
 
 def solver_of(s: RubState, *, newton: bool = True) -> Solver:
-    """Buffers; `newton`: whether Newton's method on the forces solves for the tips."""
+    """Work arrays of the solver; `newton`: Newton's method on the forces solves for the tips."""
     K, R = s.mu.size, s.lam.size
     return Solver(all_sliding=AllSliding(used=R > K > 1), room=solver_room(K if newton else 0, R // K))
 
 
 def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
-    """Buffers; `newton`: whether Newton's method on the forces solves for the tips."""
+    """Work arrays of a run; `newton`: Newton's method on the forces solves for the tips."""
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
     P, d = int(rows.place.max()) + 1, R // K
     D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, staggered(-(-P // WIDTH) * WIDTH), len(rows.reach)

@@ -1,4 +1,4 @@
-"""Compiled: contacts whose rows do not change, as those of a patch: their matrix is known before the run.
+"""Compiled: contacts with constant rows, such as those of a patch: their matrix is known before the run.
 
 Without friction an active set or Newton's method on the motion finds the forces of all contacts at once.
 """
@@ -34,7 +34,7 @@ class Steady(NamedTuple):
 
 @jit
 def frictionless(s: RubState, steady: Steady) -> bool:
-    """Forces of all contacts, marked where they press; False where not all gaps can open."""
+    """Forces of all contacts, with marks where they press; returns False if not all gaps can open."""
     if steady.springs.size > 0:
         solved, count = spring_forces(steady.roots, steady.springs, s.test, s.lam, steady.soft)
         if not solved:
@@ -55,7 +55,7 @@ def frictionless(s: RubState, steady: Steady) -> bool:
 @jit
 def note_slips(s: RubState, rows: RubRows, steady: Steady, dim: int, sums: Tally, out: Samples, time: float,
                h: float) -> None:  # fmt: skip
-    """Slips of all contacts over this step, and where they begin and cease to stick."""
+    """Record the slips of all contacts over this step, and where they begin and cease to stick."""
     for j in range(s.mu.size):
         for i in range(1, dim):
             row = j * dim + i

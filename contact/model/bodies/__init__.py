@@ -1,4 +1,4 @@
-"""Bodies in contact: rods, masses, beams, bodies by their modes or matrices."""
+"""Bodies in contact: rods, masses, beams, modal bodies, bodies from matrices."""
 
 import lazy_loader
 

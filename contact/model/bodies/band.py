@@ -1,9 +1,9 @@
-"""Symmetric matrices as plain arrays, which compiled loops multiply and solve with.
+"""Symmetric matrices as plain arrays for the products and solves of compiled loops.
 
-A is kept by row sums and off-diagonals, (A u)_i = ground_i u_i + sum_j A_ij (u_j - u_i): a rigid translation
-then strains nothing, whatever its size. The off-diagonals are whole diagonals where the band is narrow, else lists of
-entries (`Entries`). Factors are L D L^T, by banded Cholesky or by SuperLU in the given order with pivots on the
-diagonal; a lumped matrix has neither.
+A is stored by row sums and off-diagonals, (A u)_i = ground_i u_i + sum_j A_ij (u_j - u_i), so that a rigid translation
+causes no strain, whatever its size. A narrow band is stored by diagonals, a wide one by lists of entries (`Entries`).
+Factors are L D L^T, by banded Cholesky or by SuperLU in the given order with pivots on the diagonal; a lumped matrix
+has neither.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ ROUND_OFF = 8.0 * np.finfo(float).eps  # of a row's absolute sum: a smaller row 
 
 
 class Entries(NamedTuple):
-    """Entries right of the diagonal: of row i, columns and values start[i] .. start[i + 1] - 1; `start` empty: none."""
+    """Entries right of the diagonal: columns and values of row i are start[i] .. start[i + 1] - 1; an empty `start`.
+
+    None.
+    """
 
     start: Indices
     column: Indices
@@ -39,7 +42,7 @@ class Band(NamedTuple):
 
     @property
     def lumped(self) -> bool:
-        """Whether there is nothing beside the diagonal."""
+        """Whether all off-diagonal entries are zero."""
         return self.off.shape[0] == 0 and self.sparse.value.size == 0
 
 
@@ -52,7 +55,7 @@ class Factor(NamedTuple):
 
 
 def band(A: Any, order: Indices, *, wide: bool = False) -> Band:
-    """Pack a symmetric sparse or dense matrix, rows and columns taken in `order`; `wide`: as entries.
+    """Pack a symmetric sparse or dense matrix, with rows and columns in `order`; `wide`: by entries.
 
     >>> band(np.array([[2.0, -1.0], [-1.0, 1.0]]), np.arange(2)).ground.tolist()
     [1.0, 0.0]
@@ -151,7 +154,7 @@ def diagonal(A: Band) -> Array:
 
 
 def sparse_form(A: Band) -> Any:
-    """SciPy's sparse array, both halves."""
+    """SciPy sparse array of the whole matrix."""
     from scipy.sparse import coo_array, diags_array
 
     n = A.ground.size
@@ -166,7 +169,7 @@ def lower_form(A: Band) -> Array:
 
 
 def factor(A: Band, name: str) -> Factor:
-    """L D L^T of a positive definite band; raises InputError when it is not one.
+    """L D L^T factors of a positive definite band; raises InputError if it is not positive definite.
 
     >>> factor(Band(np.array([2.0, 4.0]), np.zeros((0, 2))), "M").inverse.tolist()
     [0.5, 0.25]
@@ -187,7 +190,7 @@ def factor(A: Band, name: str) -> Factor:
 
 
 def _sparse_factor(A: Band, name: str) -> Factor:
-    """L D L^T in the order of A, which `fill_order` has made a good one."""
+    """L D L^T in the order of A, which `fill_order` has chosen for a sparse factor."""
     from scipy.sparse import tril
     from scipy.sparse.linalg import splu
 
@@ -207,7 +210,7 @@ def _sparse_factor(A: Band, name: str) -> Factor:
 
 
 def fill_order(A: Any) -> Indices:
-    """Order of rows and columns in which the factor of this pattern stays sparse: minimum degree, postordered."""
+    """Order of rows and columns with a sparse factor of this pattern: minimum degree, postordered."""
     from scipy.sparse import csc_array, eye_array
     from scipy.sparse.linalg import splu
 
@@ -219,7 +222,7 @@ def fill_order(A: Any) -> Indices:
 
 
 def solve(A: Factor, right: Array) -> Array:
-    """A^-1 right for columns (N, k): set-up only, the loops have their own compiled solve."""
+    """A^-1 right for columns (N, k); only for set-up, since loops have their own compiled solve."""
     from scipy.linalg import solve_banded
 
     if A.sparse.start.size:

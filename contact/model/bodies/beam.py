@@ -1,4 +1,4 @@
-"""A beam turning on a hinge inside a circle, rigid or flexible: the two-dimensional picture of a blade in a casing."""
+"""A beam rotating on a hinge inside a circle, rigid or flexible: a two-dimensional model of a blade in a casing."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class HingedBeam:
 
     @property
     def inertia(self) -> float:
-        """Moment of inertia about the hinge, the section's own part left out [kg m^2]."""
+        """Moment of inertia about the hinge, without the section's own part [kg m^2]."""
         return self.mass * self.length**2 / 3.0
 
     def nodes(self) -> Array:
@@ -98,7 +98,7 @@ class BeamInCircle:
     Gap of node i: g_i = R + w(theta_i) - |x_i - centre|; w = 0 for a rigid circle, else the radial displacement of
     `ring`, a modal basis of kind "rim" (`ring_modes`, or a reduced casing), a smooth function of theta.
 
-    Raises InputError when the beam starts outside, or the ring has another radius than the circle.
+    Raises InputError if the beam starts outside, or the radii of ring and circle differ.
 
     >>> beam = HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)
     >>> round(math.degrees(BeamInCircle(beam, radius=0.502, offset=6e-3).first_contact_angle), 2)
@@ -131,7 +131,7 @@ class BeamInCircle:
             raise InputError(f"ring: found radius {self.ring.radius:g} m, expected about {self.radius:g} m")
 
     def rates(self) -> tuple[Rate, ...]:
-        """The turns of the beam at t = 0."""
+        """Rates for the choice of the step: the initial turns of the beam."""
         hz = abs(self.beam.spin) / (2.0 * math.pi)
         return (Rate(key="beam.spin", hz=hz, words=f"{self.beam.spin:.6g} rad/s"),) if hz > 0.0 else ()
 
@@ -153,7 +153,9 @@ class BeamInCircle:
 
     @property
     def first_contact_time(self) -> float:
-        """Time of it for a rigid beam [s]: spin t + torque t^2/(2 J) is the angle from `angle_deg` to the contact.
+        """Time at which a rigid beam first touches [s].
+
+        Spin t + torque t^2/(2 J) is the angle from `angle_deg` to the contact.
 
         Raises InputError where torque or spin turns the beam away from that angle, or both are 0.
         """

@@ -1,4 +1,4 @@
-"""Bodies of one-dimensional scenes: finite element rods, point masses, walls (modal bodies: `modal_body`)."""
+"""Bodies of one-dimensional scenes: finite element rods, point masses, walls (modal bodies are in `modal_body`)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Fixed = Literal["none", "left", "right"]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Nodes:
-    """Nodes of one body from left to right: positions [m], masses [kg], which are fixed, springs to the next [N/m].
+    """Nodes of one body from left to right: positions [m], masses [kg], fixed ones, springs to the next node [N/m].
 
     `ground` [N/m] and `damping` [N s/m] to the ground, `stretch` [m] of the ground springs at t = 0; the last spring
     is zero.
@@ -39,7 +39,8 @@ class Nodes:
 class Body(Protocol):
     """A body of a chain between `x` and `end` [m], moving at `velocity` [m/s].
 
-    `force` [N] varies at its first node, with `force_hz` and `force_deg`. `moves` is false for what is rigid and held.
+    `force` [N] varies at its first node, with `force_hz` and `force_deg`. `moves` is false for a rigid body that is
+    fixed.
     """
 
     moves: ClassVar[bool]
@@ -58,34 +59,34 @@ class Body(Protocol):
 
     @property
     def crossing_time(self) -> float:
-        """Time of a wave through one element [s], infinite where there is none."""
+        """Time of a wave through one element [s], infinite for bodies without elements."""
 
     @property
     def force(self) -> float:
-        """Amplitude of the force on it [N]."""
+        """Amplitude of the force on the body [N]."""
 
     @property
     def force_hz(self) -> float:
         """Frequency of the force [Hz]."""
 
     def rates(self, key: str) -> tuple[Rate, ...]:
-        """Loads that vary on the body, under names that begin with its key."""
+        """Rates of the loads on the body, under names that begin with its key."""
 
     @property
     def force_deg(self) -> float:
-        """Phase of the force."""
+        """Phase of the force [degrees]."""
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
-        """Nodes of the body, which has a neighbour on its left, on its right."""
+        """Nodes of the body, given whether it has neighbours on its left and right."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rod:
     """Elastic rod on the x axis, linear elements, lumped mass: rho A u,tt = E A u,xx.
 
-    `length`, `x` (left end) [m]; `area` [m^2]; `E` [Pa]; `rho` [kg/m^3]; `velocity` [m/s] of the whole rod at
-    t = 0, unstressed; `end_mass` [kg] sits at the end that faces its neighbour; `damping` [1/s] is viscous, in
-    proportion to the mass: force = -damping M v.
+    `length`, `x` (left end) [m]; `area` [m^2]; `E` [Pa]; `rho` [kg/m^3]; `velocity` [m/s] of the whole rod at t = 0,
+    unstressed; `end_mass` [kg] sits at the end that faces its neighbour; `damping` [1/s] is viscous, proportional to
+    the mass: force = -damping M v.
 
     Raises InputError for a value that is not physical.
 
@@ -140,13 +141,13 @@ class Rod:
         return self.x + self.length
 
     def rates(self, key: str) -> tuple[Rate, ...]:
-        """Its damping, and the passage of a wave from end to end; `key` names it."""
+        """Rates of its damping and of the passage of a wave from end to end; `key` names the body."""
         time = self.length / self.wave_speed
         damping = (Rate.of_decay(f"{key}.damping", self.damping),) if self.damping > 0.0 else ()
         return (*damping, Rate.of_passage(f"a wave through {key}", time, f"{time:.4g} s"))
 
     def contact_end(self, *, has_left: bool, has_right: bool) -> str:
-        """The end that has the end mass: the free one, or the one that faces a neighbour."""
+        """The end with the end mass: the free end, or the one that faces a neighbour."""
         if self.fixed != "none":
             return "right" if self.fixed == "left" else "left"
         if has_left and has_right:
@@ -154,7 +155,7 @@ class Rod:
         return "left" if has_left else "right"
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
-        """Equal elements with lumped masses."""
+        """Nodes of equal elements with lumped masses."""
         n = self.elements
         mass = np.full(n + 1, self.mass / n)
         mass[[0, n]] *= 0.5
@@ -209,7 +210,7 @@ class PointMass:
         return self.x
 
     def rates(self, key: str) -> tuple[Rate, ...]:
-        """Its force, its dashpot and its own frequency, which a scheme integrates down to two steps a period."""
+        """Rates of its force, its dashpot and its own frequency; a scheme needs at least two steps a period of it."""
         found = []
         if self.force and self.force_hz > 0.0:
             found.append(Rate(key=f"{key}.force_hz", hz=self.force_hz, words=f"{self.force_hz:.6g} Hz"))
@@ -221,7 +222,7 @@ class PointMass:
         return tuple(found)
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
-        """One node."""
+        """The single node."""
         return _node(self.x, self.mass, self.stiffness, self.damping, self.stretch)
 
 
@@ -250,11 +251,11 @@ class Wall:
         return self.x
 
     def rates(self, key: str) -> tuple[Rate, ...]:
-        """Nothing varies."""
+        """Empty, since nothing varies."""
         return ()
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
-        """One node without mass, held."""
+        """One fixed node without mass."""
         return _node(self.x, 0.0, 0.0, 0.0, 0.0)
 
 

@@ -14,7 +14,7 @@ from contact.model.bodies.modal_body import ModalBody
 class BodyMatrices:
     """Bodies of a scene and the sense in which each turns: 1 or -1 with the speed, 0 for a body at rest.
 
-    A body at rest has the stiffness of its basis at rest, and what couples its modes at any speed.
+    A body at rest has the stiffness of its basis at rest and the coupling of its modes, at any speed.
     """
 
     bodies: tuple[ModalBody, ...]
@@ -22,7 +22,7 @@ class BodyMatrices:
 
     @staticmethod
     def of_one(body: ModalBody) -> BodyMatrices:
-        """One body in a scene without a speed: it has the stiffness of its basis, at whatever speed that was made.
+        """One body in a scene without a speed: it keeps the stiffness of its basis, whatever the speed of that basis.
 
         >>> pair = ModalBody(omega=[3.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], spin=2.0,
         ...                  stiffness_by_speed=[[0.5]])
@@ -33,12 +33,12 @@ class BodyMatrices:
 
     @property
     def vary(self) -> bool:
-        """Whether some matrix depends on the speed."""
+        """Whether any matrix depends on the speed."""
         return any(sense != 0 and body.varies for body, sense in zip(self.bodies, self.senses, strict=True))
 
     @property
     def coupled(self) -> bool:
-        """Whether some body has more than its modes' own frequencies and damping."""
+        """Whether any body has more than the frequencies and damping of its uncoupled modes."""
         return self.vary or any(
             body.damping is not None or body.stiffness is not None or (body.spin != 0.0 and body.varies)
             for body in self.bodies

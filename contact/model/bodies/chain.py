@@ -50,7 +50,7 @@ class Chain:
         return min(body.crossing_time for body in self.bodies)
 
     def rates(self) -> tuple[Rate, ...]:
-        """Rates of all bodies under the names of a scene file: mass[1], rod[2], numbered as they were given."""
+        """Rates of all bodies under the names of a scene file: mass[1], rod[2], numbered in the order given."""
         found: list[Rate] = []
         count: Counter[str] = Counter()
         for _, body in sorted(zip(self.numbers, self.bodies, strict=True), key=lambda pair: pair[0]):
@@ -65,7 +65,7 @@ class Chain:
         return float(np.sum(self.load**2 * self.inverse_mass))
 
     def linear_form(self) -> LinearBody:
-        """M, C, K, Q and gap0: one coordinate a node, held nodes with unit mass and no stiffness.
+        """M, C, K, Q and gap0: one coordinate for each node; fixed nodes get unit mass and no stiffness.
 
         >>> from contact.model.bodies.body import Rod, Wall
         >>> body = assemble([Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=2, x=0.5), Wall(x=0.0)]).linear_form()
@@ -94,7 +94,7 @@ class Chain:
 def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
     """Assemble a chain; x is height: `gravity` > 0 [m/s^2] pulls every body towards -x.
 
-    Raises InputError when bodies overlap, when nothing can touch, or for a mass between two bodies.
+    Raises InputError if bodies overlap, no contact is possible, or a mass is between two bodies.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> chain = assemble([Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=2, x=0.5), Wall(x=0.0)])
@@ -141,7 +141,7 @@ def _require_apart(ordered: Sequence[Body], numbers: Sequence[int]) -> None:
 
 
 def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], inverse: Array, left: Indices) -> None:
-    """Every pair of neighbours must have a side that moves."""
+    """Raise InputError for a pair of neighbours that are both fixed."""
     for i, node in enumerate(left.tolist()):
         if inverse[node] == 0.0 and inverse[node + 1] == 0.0:
             a, b = _name(ordered[i], numbers[i]), _name(ordered[i + 1], numbers[i + 1])

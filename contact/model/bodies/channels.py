@@ -1,4 +1,4 @@
-"""Names of the channels at which contact sees a rim."""
+"""Names of the channels of a rim at contacts."""
 
 
 def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, ...]:

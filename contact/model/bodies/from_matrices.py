@@ -11,9 +11,11 @@ from contact.model.bodies.modal_body import ModalBody
 def body_of(
     matrices: Matrices, contact: Contact, *, modes: int | None = None, zeta: float = 0.0
 ) -> tuple[ModalBody, MatrixReport]:
-    """Reduce matrices to a modal body seen at its contact, and report on them; 20 modes, or all if they are fewer.
+    """Reduce matrices to a modal body with its contact channels, and report on them.
 
-    Raises InputError for indefinite matrices, dofs that are not there, or more modes than there are.
+    20 modes, or all if there are fewer.
+
+    Raises InputError for indefinite matrices, unknown dofs, or more modes than the matrices have.
 
     >>> import numpy as np
     >>> K = 1e6 * np.array([[2.0, -1.0], [-1.0, 1.0]])

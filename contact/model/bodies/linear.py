@@ -19,7 +19,7 @@ SYMMETRIC = 1e-9  # of the largest entry
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Forcing:
-    """A load that varies in time: shape (N,) [N] times amplitude(t), t an array of instants [s].
+    """A load that varies in time: shape (N,) [N] times amplitude(t), t an array of times [s].
 
     >>> Forcing(shape=np.array([0.0, 2.0]), amplitude=np.cos).shape.tolist()
     [0.0, 2.0]
@@ -34,7 +34,7 @@ class Forcing:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Part:
-    """Coordinates start .. end-1 are one body; mean velocity = r.M v/r.M r with r = 1 there, if `rigid`.
+    """Coordinates start .. end-1 are one body; if `rigid`, its mean velocity is r.M v/r.M r with r = 1 on them.
 
     >>> Part(name="left", start=0, end=20, number=0, rigid=True).end
     20
@@ -102,7 +102,7 @@ class LinearBody:
         self._require_apart()
 
     def linear_form(self) -> LinearBody:
-        """Itself."""
+        """The body itself."""
         return self
 
     def dense(self) -> tuple[Array, Array, Array, Array]:
@@ -134,7 +134,7 @@ class LinearBody:
 
 
 def _matrix(name: str, A: Any, n: int) -> Any:
-    """Return a symmetric (N, N) matrix, lumped ones as sparse diagonals."""
+    """A symmetric (N, N) matrix; lumped ones become sparse diagonals."""
     from scipy.sparse import csr_array, diags_array, issparse
 
     if A is None:

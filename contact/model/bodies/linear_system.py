@@ -45,7 +45,7 @@ class LinearSystem:
 
     @property
     def damped(self) -> bool:
-        """Whether C has an entry."""
+        """Whether C has any entry."""
         return bool(self.C.ground.any()) or not self.C.lumped
 
     def rows(self) -> Array:
@@ -64,7 +64,7 @@ class LinearSystem:
 
 
 class Linear(Protocol):
-    """Interface of a problem M u'' + C u' + K u = f + Q^T force for schemes; your own class may implement it."""
+    """Interface of a problem M u'' + C u' + K u = f + Q^T force for schemes; a class of your own may implement it."""
 
     @property
     def crossing_time(self) -> float:
@@ -72,7 +72,7 @@ class Linear(Protocol):
 
     @property
     def in_order(self) -> bool:
-        """Whether the coordinates' order makes narrow bands of the matrices; else one is searched for."""
+        """Whether the given order of coordinates makes narrow bands; else a better order is sought."""
 
     def linear_form(self) -> LinearBody:
         """Matrices, gaps and loads."""
@@ -97,7 +97,7 @@ def linear_system(problem: Linear) -> LinearSystem:
 
 
 def _ordered(body: LinearBody) -> tuple[Indices, bool]:
-    """Order of the coordinates, and whether matrices are kept as entries because the narrowest band is too wide."""
+    """Order of the coordinates, and whether matrices are stored by entries because the narrowest band is too wide."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import reverse_cuthill_mckee
 
@@ -153,7 +153,7 @@ def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Arr
 
 
 def _top_sparse(K: Band, M: Band, free: Array | None) -> float:
-    """By Lanczos from a fixed start; the result is raised by its possible error, since limits depend on it."""
+    """Largest frequency by Lanczos from a fixed start, raised by its possible error, since limits depend on it."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import LinearOperator, eigsh, splu
 

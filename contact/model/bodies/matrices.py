@@ -1,4 +1,4 @@
-"""Given matrices M, K, C, G, K4, checked and in SI: the meaning of their rows, unit forces on a contact."""
+"""Given matrices M, K, C, G, K4, checked and in SI: meaning of their rows, unit forces at a contact."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class Matrices:
         return motions
 
     def loads(self, contact: Contact) -> tuple[tuple[str, ...], Array]:
-        """Channel names and unit forces on them, (n, channels)."""
+        """Channel names, and unit forces on them (n, channels)."""
         if isinstance(contact, Mapping):
             P = np.stack([np.asarray(row, dtype=float) for row in contact.values()], axis=1)
             if P.shape[0] != self.size:
@@ -184,7 +184,7 @@ class Matrices:
         return tuple(f"{node}.{direction}" for node, direction in wanted), P
 
     def unit_force(self, node: int, direction: str) -> dict[int, float] | None:
-        """Row -> share of a unit force along x, y or z of the points' axes; None where the node's dofs lack a part."""
+        """Row -> share of a unit force along x, y or z of the points' axes; None if the node lacks a needed dof."""
         kind = direction[:-1]
         own = {"q": 1.0}
         if direction != "q":

@@ -25,7 +25,7 @@ Dof: TypeAlias = tuple[int, str | int]
 
 
 def checked_axes(node: int, own: Any) -> Array:
-    """Axes of a node, at right angles."""
+    """Check the axes of a node, which must be at right angles."""
     axes = np.asarray(own, dtype=float)
     if axes.shape != (3, 3) or not np.abs(axes @ axes.T - EYE).max() <= SQUARE or np.linalg.det(axes) < 0.0:
         raise InputError(f"axes: found {axes.tolist()} at node {node}, expected three unit vectors at right angles")
@@ -33,7 +33,7 @@ def checked_axes(node: int, own: Any) -> Array:
 
 
 def check_minors(M: Any, dofs: Sequence[tuple[int, str]]) -> None:
-    """Refuse an impossible mass matrix: M_ii < 0, or |M_ij| above the root of M_ii M_jj, by a millionth of the mean."""
+    """Refuse an impossible mass matrix: M_ii < 0, or |M_ij| above sqrt(M_ii M_jj), by a millionth of the mean."""
     from scipy.sparse import coo_array
 
     diagonal = M.diagonal()
@@ -57,7 +57,7 @@ def check_minors(M: Any, dofs: Sequence[tuple[int, str]]) -> None:
 
 
 def checked_dof(dof: Dof) -> tuple[int, str]:
-    """A dof as (node, direction), directions by name or as 1 to 6, 0 for a scalar."""
+    """A dof as (node, direction); directions by name or as 1 to 6, 0 for a scalar."""
     node, direction = dof
     name = NUMBERED.get(direction, str(direction))
     if name not in DIRECTIONS:
@@ -66,7 +66,7 @@ def checked_dof(dof: Dof) -> tuple[int, str]:
 
 
 def checked(name: str, A: Any, size: int) -> Any:
-    """A sparse matrix of finite numbers with a row for each dof; only an optional one may be zero."""
+    """Check a sparse matrix: finite numbers, a row for each dof; only an optional matrix may be zero."""
     from scipy.sparse import csc_array
 
     given = csc_array(A)
@@ -83,9 +83,9 @@ def checked(name: str, A: Any, size: int) -> Any:
 
 
 def rounding_of(values: Any) -> float:
-    """Largest relative error of numbers by the precision in which they were stored, which the numbers themselves show.
+    """Largest relative error of numbers, by the precision of storage, which is detected from the numbers.
 
-    2^-24 where single precision has them all, 0.5 10^(1 - d) where d significant digits do, 2^-53 otherwise.
+    2^-24 if all are exact in single precision, 0.5 10^(1 - d) if all have d significant digits, 2^-53 otherwise.
 
     >>> third = np.array([1.0, 2.0]) / 3.0
     >>> rounding_of(third) == 2.0**-53, rounding_of(third.astype(np.float32)) == 2.0**-24
@@ -107,7 +107,7 @@ def rounding_of(values: Any) -> float:
 
 
 def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
-    """A sparse symmetric matrix and the asymmetry taken out, relative to the entries in the same rows."""
+    """A sparse matrix made symmetric, and the removed asymmetry relative to the entries in the same rows."""
     from scipy.sparse import csc_array
 
     sparse = checked(name, A, size)
@@ -122,7 +122,7 @@ def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
 
 
 def skew_part(G: Any, size: int) -> Any:
-    """A sparse gyroscopic matrix without the symmetric part that is round-off."""
+    """A sparse gyroscopic matrix made skew by removing its symmetric part, which must be round-off."""
     from scipy.sparse import coo_array, csc_array
 
     sparse = checked("G", G, size)
@@ -139,8 +139,9 @@ def skew_part(G: Any, size: int) -> Any:
 def asymmetry(A: Any) -> float:
     """The largest |A_ij - A_ji| over the mean sqrt(a_i a_j) of the largest entries a of both rows.
 
-    Not over the largest entry of all: beside the penalty of a support, 1e20, a missing half is as nothing. Rows that
-    hold round-off alone, as the stiffness of a free Craig-Bampton set, count with the median of the rows.
+    The largest entry of the whole matrix is no scale: beside a support's penalty of 1e20, a missing half would be
+    negligible. Rows with round-off only, such as in the stiffness of a free Craig-Bampton set, are compared with the
+    median of the rows.
 
     >>> asymmetry(np.array([[1e20, 0.0, 0.0], [0.0, 2.0, -1.0], [0.0, 0.0, 2.0]]))
     0.5

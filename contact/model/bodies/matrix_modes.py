@@ -1,19 +1,19 @@
-"""Someone's matrices M, K, C, G, K4 as a body: reduced to modes with residual compliance.
+"""Given matrices M, K, C, G, K4 as a body, reduced to modes with residual compliance.
 
     K phi = omega^2 M phi,   S = P^T G P - (P^T Phi) diag(1/omega^2) (P^T Phi)^T
 
 P are the unit forces on the contact channels, G the static compliance K^-1. A free body has the compliance of its
-elastic modes alone, by inertia relief: G P = u with K u = P - M R R^T P and R^T M u = 0, R its rigid modes. Massless
-dofs are kept by S exactly. Modes come from M x = theta (K + s M) x, theta = 1/(omega^2 + s), in which the lowest ones
-are the sharpest, rigid modes and massless dofs do no harm.
+elastic modes alone, by inertia relief: G P = u with K u = P - M R R^T P and R^T M u = 0, R its rigid modes. S
+represents massless dofs exactly. Modes come from M x = theta (K + s M) x, theta = 1/(omega^2 + s), which resolves the
+lowest modes best and admits rigid modes and massless dofs.
 
 K is stored as K + dK, |dK_ij| <= u |K_ij|, u = 2^-24 in single precision. A mode of zero stiffness then comes out as
 omega^2 = phi^T dK phi, of either sign, |omega^2| <= u |phi|^T |K| |phi|. A mode within this bound is rigid if it is
-negative, below ten times the most negative one, or a rigid motion of the nodes. Others beside a negative one are
-refused. The springs that a mode strains add up to |phi|^T |K| |phi|. Of a rigid mode they cancel. A mode in which they
-do not cancel is elastic, however stiff other springs are.
+negative, below ten times the most negative one, or a rigid motion of the nodes. Other modes near a negative one are
+refused. The terms of a mode's strain energy add up to |phi|^T |K| |phi| in magnitude. For a rigid mode they cancel. A
+mode whose terms do not cancel is elastic, however stiff other springs are.
 
-The modes are those of M and the symmetric part of K. Phi^T C Phi beside the ratios of the modes is their `damping`,
+The modes are those of M and the symmetric part of K. Phi^T C Phi without the modal damping ratios is their `damping`,
 Phi^T G Phi their `gyroscopic`, and the skew part of K between them their `stiffness`.
 """
 
@@ -51,7 +51,7 @@ def reduced(
 ) -> tuple[dict[str, Any], MatrixReport]:
     """Fields of the modal body of matrices at their contact, and a report; 20 modes, or all if fewer.
 
-    Raises InputError for indefinite matrices, dofs that are not there, or more modes than there are.
+    Raises InputError for indefinite matrices, unknown dofs, or more modes than the matrices have.
     """
     modes = min(MODES, matrices.size) if modes is None else modes
     if not 1 <= modes <= matrices.size:
@@ -95,7 +95,10 @@ def reduced(
 
 
 def without_round_off(S: Array, level: float) -> Array:
-    """A residual compliance without round-off, which may be all of it, or eigenvalues a little below zero."""
+    """Remove round-off from a residual compliance.
+
+    Slightly negative eigenvalues, or the whole matrix if it is only round-off.
+    """
     if np.abs(S).max() <= level:
         return np.zeros_like(S)
     values, vectors = np.linalg.eigh(S)
@@ -108,7 +111,7 @@ def without_round_off(S: Array, level: float) -> Array:
 
 
 def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
-    """omega^2 ascending (at most `count`, those of massless dofs left out), mass-normalised modes, rigid ones first."""
+    """omega^2 ascending (at most `count`, without massless dofs), mass-normalised modes, rigid ones first."""
     from scipy.linalg import eigh
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
@@ -180,7 +183,7 @@ def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
 
 
 def strain(matrices: Matrices, X: Array) -> Array:
-    """Share of mass-normalised modes beside the rigid motions of all nodes, 0 to 1, (m,)."""
+    """Part of mass-normalised modes outside the rigid motions of all nodes, 0 to 1, (m,)."""
     known = np.array([matrices.points[node] for node, _ in matrices.dofs if node in matrices.points])
     R = matrices.rigid_motions(known.mean(axis=0) if len(known) else None)
     R = R / np.maximum(np.sqrt(np.einsum("ij,ij->j", R, matrices.M @ R)), np.finfo(float).tiny)
@@ -189,10 +192,10 @@ def strain(matrices: Matrices, X: Array) -> Array:
 
 
 def lowest_elastic(lam: Array, rate: float) -> float:
-    """omega^2 of the first mode from the seventh on that is more than round-off; of the last one if none is.
+    """omega^2 of the first mode from the seventh on that exceeds round-off; that of the last one if none does.
 
-    A part has at most six rigid modes; several parts that nothing joins, or a mechanism, have more. The median rate
-    K_ii / M_ii represents what is beyond it, as the mode of a support's penalty.
+    A part has at most six rigid modes; unconnected parts or a mechanism have more. Larger values, such as the mode of a
+    support's penalty, are replaced by the median rate K_ii / M_ii.
 
     >>> lowest_elastic(np.array([0.0] * 8 + [4.0, 9.0]), 20.0), lowest_elastic(np.array([4.0, 1e20]), 20.0)
     (4.0, 20.0)
@@ -203,7 +206,7 @@ def lowest_elastic(lam: Array, rate: float) -> float:
 
 
 def factored(A: Any) -> Any:
-    """The factors of a sparse matrix; a singular one is refused."""
+    """Factors of a sparse matrix; a singular one is refused."""
     from scipy.sparse import csc_array
     from scipy.sparse.linalg import splu
 
@@ -214,7 +217,7 @@ def factored(A: Any) -> Any:
 
 
 def median_rate(matrices: Matrices) -> float:
-    """Median K_ii / M_ii [rad^2/s^2] of dofs on springs: masses without springs are no measure of the others."""
+    """Median K_ii / M_ii [rad^2/s^2] of dofs with stiffness; masses without springs are left out."""
     masses, springs = matrices.M.diagonal(), matrices.K.diagonal()
     heavy = masses > 0.0
     if not heavy.any():
@@ -226,7 +229,7 @@ def median_rate(matrices: Matrices) -> float:
 
 
 def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:
-    """Static displacements under unit forces on the channels, (n, channels), of a free body by inertia relief."""
+    """Static displacements under unit forces on the channels, (n, channels); for a free body by inertia relief."""
     from scipy.sparse import block_array, csc_array
 
     if not R.shape[1]:
@@ -241,7 +244,7 @@ def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:
 
 
 def between(skew: Any, phi: Array) -> Array | None:
-    """A skew matrix between the modes, (m, m); None without it."""
+    """A skew matrix projected on the modes, (m, m); None without it."""
     if skew is None:
         return None
     found = phi.T @ (skew @ phi)
@@ -251,9 +254,9 @@ def between(skew: Any, phi: Array) -> Array | None:
 def modal_damping(
     matrices: Matrices, phi: Array, omega: Array, zeta: float
 ) -> tuple[Array, Array | None, float | None]:
-    """Damping ratios, Phi^T C Phi beside them, and the largest coupling of two modes; None, None without C.
+    """Modal damping ratios, the rest of Phi^T C Phi, and the largest coupling of two modes; None, None without C.
 
-    A mode whose own damping makes a ratio below 1 has this ratio; of others, such as rigid modes, it is in the matrix.
+    A mode gets its ratio if that is below 1; the damping of other modes, such as rigid ones, is in the matrix.
     """
     if matrices.C is None:
         return np.full(len(omega), zeta), None, None
@@ -275,7 +278,7 @@ def modal_damping(
 
 
 def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, float]:
-    """Loss factor g of each mode by structural damping, phi^T K4 phi / phi^T K phi, and the largest coupling of two.
+    """Loss factor g = phi^T K4 phi / phi^T K phi of each mode (structural damping), and the largest coupling of two.
 
     A rigid mode has none.
     """
@@ -299,7 +302,7 @@ def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, f
 def report_of(
     matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None
 ) -> MatrixReport:
-    """The facts of matrices and of the modes kept."""
+    """Report on matrices and the kept modes."""
     motions = matrices.rigid_motions()
     inertia = motions.T @ (matrices.M @ motions)
     mass = np.diag(inertia)[:3]

@@ -15,7 +15,7 @@ class MatrixReport:
     the share of S in the static compliance at the contact; `coupling` the largest damping between two modes by C over
     their own; `structural` the least and largest loss factor g of a mode by structural damping, `structural_coupling`
     the largest between two modes over their own; None without. `gyroscopic` and `cross`: whether there is a gyroscopic
-    matrix, a nonsymmetric stiffness; `rigid_motion` what the test of rigid motions found.
+    matrix, a nonsymmetric stiffness; `rigid_motion` the finding of the rigid-body test.
 
     >>> import contact as ct
     >>> import numpy as np
@@ -80,7 +80,7 @@ class MatrixReport:
 
     @property
     def words(self) -> str:
-        """Whether the basis has residual compliance, and the consequences."""
+        """Whether the basis has residual compliance, and what follows from that."""
         if self.residual > 0.0:
             return (
                 f"residual compliance: present, {100 * self.residual:.3g} % of the static compliance at the contact; "

@@ -28,7 +28,7 @@ ROUND = 1e-9  # of a speed: round-off beyond a range
 
 
 class Basis(Protocol):
-    """A reduced basis: its arrays by the names of a file of it."""
+    """A reduced basis: its arrays under the names that its file uses."""
 
     def arrays(self) -> Mapping[str, Any]:
         """Plain arrays by name."""
@@ -43,27 +43,25 @@ class ModalBody:
     K = diag(omega^2) + stiffness + (Omega^2 - spin^2) stiffness_by_speed, of a body that turns at Omega [rad/s]; with
     x = Omega^2 - spin^2 also C + Omega x^j gyroscopic_higher[j - 1] and K + x^(j + 1) stiffness_higher[j - 1].
 
-    `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
-    of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
-    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N, mean `radius` and least
-    `thickness` of the wall [m], 0 where it is not known; of several rim lines line0.radial.cos0 .. line1... Of each
-    line `lines` (L, 2) are axial place and radius [m], `line_thickness` (L,) the wall there [m]; of a file without
-    them every line has the one `radius` and `thickness`. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points`
-    (R, 3) give displacements elsewhere, `recovery_cells` the cells between those points, for drawing; `output_rows`
-    (O, m) and `output_S` (O, K) the quantities named in `outputs`.
-    `gyroscopic` (m, m) [1/s per rad/s]: the Coriolis matrix 2 G of the modes, skew, in the body's frame, which turns at
-    Omega > 0 about the axis of a rim from x to y. `stiffness_by_speed` (m, m) [1/s^2 per (rad/s)^2]: stiffening by
-    centrifugal stress minus spin softening; `spin` [rad/s] is the speed at which the modes were computed. `damping`
-    (m, m) [1/s] and `stiffness` (m, m) [1/s^2]: what couples the modes beside their own damping and stiffness, such as
-    cross-coupled bearings; they may be nonsymmetric. `gyroscopic_higher` and `stiffness_higher` (k, m, m): what modes
-    that are left out do to those kept at higher powers of the speed; the former are skew, too. `matrices` gives C and K
-    at a speed.
-    `known_speeds` (2,) [rad/s]: the lowest and the highest speed at which these matrices hold, of a part whose steady
-    shape follows the speed; None where they hold at every speed.
+    `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance of all
+    modes that are not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN, then
+    tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N, mean `radius` and least `thickness` of
+    the wall [m], 0 if unknown; for several rim lines line0.radial.cos0 .. line1... Of each line `lines` (L, 2) are
+    axial place and radius [m], `line_thickness` (L,) the wall there [m]; in a file without them every line has the same
+    `radius` and `thickness`. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements
+    elsewhere, `recovery_cells` the cells between those points, for drawing; `output_rows` (O, m) and `output_S` (O, K)
+    the quantities named in `outputs`. `gyroscopic` (m, m) [1/s per rad/s]: the Coriolis matrix 2 G of the modes, skew,
+    in the body's frame, which turns at Omega > 0 about the axis of a rim from x to y. `stiffness_by_speed` (m, m)
+    [1/s^2 per (rad/s)^2]: stiffening by centrifugal stress minus spin softening; `spin` [rad/s] is the speed at which
+    the modes were computed. `damping` (m, m) [1/s] and `stiffness` (m, m) [1/s^2]: coupling of the modes beyond their
+    own damping and stiffness, such as by cross-coupled bearings; they may be nonsymmetric. `gyroscopic_higher` and
+    `stiffness_higher` (k, m, m): effect of omitted modes on the kept ones at higher powers of the speed; the former are
+    skew, too. `matrices` gives C and K at a speed. `known_speeds` (2,) [rad/s]: the lowest and highest speed at which
+    these matrices are valid, for a part whose steady shape depends on the speed; None if they are valid at every speed.
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
-    axis of a rim, along span, flap and chord of a blade.
-    `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
-    `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's radius, cos0 .. cosN, sin1 .. sinN.
+    axis of a rim, along span, flap and chord of a blade. `sectors`: number of equal sectors of a wheel, else 0, with
+    channels sector0.span, ..., sector1.span, ... `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's
+    radius, cos0 .. cosN, sin1 .. sinN.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies, an asymmetric or indefinite S, a gyroscopic
     matrix that is not skew.
@@ -120,7 +118,7 @@ class ModalBody:
 
     @property
     def rim_lines(self) -> int:
-        """Lines around a rim at which contact sees it."""
+        """Number of lines around a rim at which contact acts."""
         return len(self.channels) // ((2 * self.n_max + 1) * self.directions)
 
     def roundness(self, line: int = 0) -> list[dict[str, float]]:
@@ -138,7 +136,7 @@ class ModalBody:
         return self.radius if self.lines is None else float(self.lines[line, 1])
 
     def line_wall(self, line: int) -> float:
-        """Least thickness of the wall on one rim line [m], 0 where it is not known."""
+        """Least thickness of the wall at one rim line [m], 0 if unknown."""
         return self.thickness if self.line_thickness is None else float(self.line_thickness[line])
 
     def __repr__(self) -> str:
@@ -147,17 +145,17 @@ class ModalBody:
         return f"ModalBody({self.kind}, {self.omega.size} modes, {band}, {len(self.channels)} channels)"
 
     def channel(self, name: str) -> int:
-        """Row number of a channel; raises InputError listing the channels there are."""
+        """Row number of a channel; raises InputError that lists the existing channels."""
         if name not in self.channels:
             expected = f"one of {', '.join(self.channels)}{hint(name, self.channels)}"
             raise InputError(f"channel: found {name!r}, expected {expected}")
         return self.channels.index(name)
 
     def matrices(self, omega_rotation: float = 0.0) -> tuple[Array, Array]:
-        """C [1/s] and K [1/s^2] of q'' + C q' + K q = rows^T lam, both (m, m), while the body turns.
+        """C [1/s] and K [1/s^2] of q'' + C q' + K q = rows^T lam, both (m, m), of the rotating body.
 
-        `omega_rotation` [rad/s] is positive from x to y about the axis of a rim. Modes of a wheel or a blade turn about
-        the axis of their study.
+        `omega_rotation` [rad/s] is positive from x to y about the axis of a rim. Wheels and blades rotate about the
+        axis of their study.
 
         >>> pair = ModalBody(omega=[3.0, 3.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2),
         ...                  S=np.zeros((2, 2)), gyroscopic=[[0.0, -2.0], [2.0, 0.0]])
@@ -187,7 +185,7 @@ class ModalBody:
         return any(getattr(self, name) is not None for name in ("gyroscopic", "stiffness_by_speed", *HIGHER))
 
     def require_known(self, omega_rotation: float) -> None:
-        """Raise InputError at a speed [rad/s] where the matrices of the body are not known.
+        """Raise InputError at a speed [rad/s] for which the matrices of the body are not known.
 
         >>> part = ModalBody(omega=[9.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], spin=6.0,
         ...                  stiffness_by_speed=[[0.5]], known_speeds=[2.0 * np.pi, 4.0 * np.pi])
@@ -210,16 +208,16 @@ class ModalBody:
         )
 
     def without_rotation(self) -> ModalBody:
-        """The body with the stiffness of its modes at every speed, and without Coriolis forces."""
+        """The body with the same modal stiffness at every speed, and without Coriolis forces."""
         return replace(
             self, gyroscopic=None, stiffness_by_speed=None, gyroscopic_higher=None, stiffness_higher=None,
             known_speeds=None,
         )  # fmt: skip
 
     def powers_of_speed(self) -> tuple[Array, Array]:
-        """Coefficients of Omega, Omega^3, ... in C and of 1, Omega^2, Omega^4, ... in K, beside those of the modes.
+        """Coefficients of Omega, Omega^3, ... in C and of 1, Omega^2, Omega^4, ... in K, without the modes' own terms.
 
-        Shapes (k, m, m) and (k + 1, m, m); `damping`, `stiffness` and the modes' own share are left out.
+        Shapes (k, m, m) and (k + 1, m, m); `damping` and `stiffness` are left out.
         """
         parts: list[Array] = []
         for name, higher, shift in (("gyroscopic", HIGHER[0], 0), ("stiffness_by_speed", HIGHER[1], 1)):
@@ -233,7 +231,7 @@ class ModalBody:
         return parts[0], parts[1]
 
     def poles(self, omega_rotation: float = 0.0) -> NDArray[np.complex128]:
-        """Poles [1/s, rad/s] of the free body in its own frame while it turns, (2 m,), by ascending imaginary part.
+        """Poles [1/s, rad/s] of the rotating free body in its own frame, (2 m,), by ascending imaginary part.
 
         The eigenvalues s of s^2 + C s + K = 0, of `matrices` at this speed. A wave on a rim that runs with a positive
         rotation has a lower frequency than the one against it.
@@ -251,9 +249,9 @@ class ModalBody:
         return np.asarray(found[np.argsort(found.imag, kind="stable")])
 
     def truncated(self, omega_max: float) -> ModalBody:
-        """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S.
+        """Drop modes above `omega_max` [rad/s]; S receives their static compliance rows rows^T / omega^2.
 
-        Forces between a dropped mode and a kept one by rotation, `damping` and `stiffness` are left out.
+        Coupling of dropped and kept modes by rotation, `damping` and `stiffness` is lost.
         """
         keep = self.omega <= omega_max
         gone = self.rows[:, ~keep] / self.omega[~keep]
@@ -272,7 +270,7 @@ class ModalBody:
         )  # fmt: skip
 
     def retuned(self, freq_hz: float) -> ModalBody:
-        """The same body of another stiffness: all frequencies scaled so that the lowest elastic one is `freq_hz`.
+        """The same body with another stiffness: all frequencies scaled so that the lowest elastic one is `freq_hz`.
 
         `damping` is multiplied by the ratio r of the frequencies, `stiffness` by its square. `gyroscopic` and
         `stiffness_by_speed` stay; of their higher powers the j-th is divided by r^(2 j).
@@ -296,7 +294,7 @@ class ModalBody:
         return replace(self, omega=self.omega * ratio, **scaled)
 
     def detuned(self, scatter: float, *, seed: int) -> ModalBody:
-        """Each frequency times 1 + scatter x, x normal and seeded: the effect of small imperfections on pairs."""
+        """Multiply each frequency by 1 + scatter x, x normal and seeded: the effect of small imperfections on pairs."""
         require_not_negative(scatter=scatter)
         draw = np.random.default_rng(seed).standard_normal(self.omega.size)
         return replace(self, omega=self.omega * (1.0 + scatter * draw))
@@ -329,20 +327,20 @@ class ModalBody:
         nonsymmetric: bool = False,
         axes: Mapping[int, Any] | None = None,
     ) -> ModalBody:
-        """Modes and residual compliance of someone's matrices M, K and maybe C, G, K4, dense or sparse.
+        """Modes and residual compliance of given matrices M, K and maybe C, G, K4, dense or sparse.
 
         `dofs`: (node, direction) of each row, directions x, y, z, rx, ry, rz or 1 to 6; q or 0 for a scalar, such as a
         mode of a Craig-Bampton set. `contact`: nodes (channels 6.x, 6.y, 6.z), dofs, or channel name -> row over the
         dofs. `points`: node -> x, y, z. `units` of all of them, length-mass-time. `modes` kept: 20 if left out, or all
-        if they are fewer. `zeta` where there is no C and no K4. What C does between modes, and to a mode that it
-        damps above its critical damping, is their `damping`. `G`: gyroscopic matrix, skew, which the speed [rad/s]
-        multiplies beside C. K and C may differ from their transposes where they are given as `nonsymmetric`: modes
-        and residual compliance are those of the symmetric part of K, the skew part is the `stiffness` between the
-        modes kept. `K4`: structural damping, the imaginary part of K; a mode has zeta = phi^T K4 phi / (2 omega^2).
-        `axes`: node -> directions of its own x, y, z, rows (3, 3), for
-        nodes whose dofs are not along the axes of the points; channels are along the latter. A free body keeps its
-        rigid modes; modes left out go into S, as do massless dofs. The provenance contains what `ct.bodies.body_of`
-        reports: mass, inertia, rigid modes, symmetry, frequencies, residual compliance.
+        if they are fewer. `zeta` where there is no C and no K4. Coupling of modes by C, and damping above critical,
+        become their `damping`. `G`: gyroscopic matrix, skew, which is added to C after multiplication by the speed
+        [rad/s]. K and C may differ from their transposes where they are given as `nonsymmetric`: modes and residual
+        compliance are those of the symmetric part of K, the skew part is the `stiffness` between the modes kept. `K4`:
+        structural damping, the imaginary part of K; a mode has zeta = phi^T K4 phi / (2 omega^2). `axes`: node ->
+        directions of its own x, y, z, rows (3, 3), for nodes whose dofs are not along the axes of the points; channels
+        are along the latter. A free body keeps its rigid modes; modes left out go into S, as do massless dofs. The
+        provenance contains what `ct.bodies.body_of` reports: mass, inertia, rigid modes, symmetry, frequencies,
+        residual compliance.
 
         Raises InputError naming the matrix, dof or unit that cannot be used, or the node at which a free part resists
         rigid motion: wrong axes, positions or units.
@@ -374,7 +372,7 @@ class ModalBody:
 
     @staticmethod
     def of(basis: Basis) -> ModalBody:
-        """The body of a reduced basis in memory, as `load` reads it after `basis.save`; raises InputError.
+        """The body of a reduced basis in memory, as `load` reads it from the file of `basis.save`; raises InputError.
 
         >>> class Own:  # cf.reduce(...) gives one
         ...     def arrays(self):

@@ -24,7 +24,7 @@ SKEW = 1e-8  # of the largest entry: symmetric part of a gyroscopic matrix that 
 
 
 def check(body: Any) -> None:
-    """Refuse arrays of a `ModalBody` that do not fit each other, negative frequencies, an indefinite S.
+    """Refuse arrays of a `ModalBody` that do not fit each other, negative frequencies, or an indefinite S.
 
     Raises InputError.
     """

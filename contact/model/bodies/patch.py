@@ -19,9 +19,9 @@ class Patch:
 
     Gap i: g_i = clearance_i + pressed_i + u of channel normal[i] (positive opens); its slip is the velocity of the
     channels tangent[i] less that of the ground, `slide` (k, 1 or 2) [m/s]. Without `tangent` there is no friction; with
-    one channel each the contacts are two-dimensional, with two three-dimensional. Modal `displacement`, `velocity` at
-    t = 0 and constant `load` (m,) are zero when left out; `pressed` (k,) [m] is what the load moves the normals by
-    beside the modes, through the residual compliance.
+    one channel each the contacts are two-dimensional, with two three-dimensional. Modal `displacement`, `velocity` at t
+    = 0 and constant `load` (m,) are zero when left out; `pressed` (k,) [m] is the motion of the normals under the load
+    through the residual compliance.
 
     Raises InputError for unknown channels, shapes that do not fit, gaps that are negative at t = 0.
 
@@ -78,7 +78,10 @@ class Patch:
 
     @property
     def opening(self) -> Array:
-        """Gaps of modes at rest under the load, (k,) [m]: below zero where the residual compliance is pressed."""
+        """Gaps when the modes are at rest under the load, (k,) [m].
+
+        Negative where the residual compliance is compressed.
+        """
         opening: Array = np.asarray(self.clearance) + np.asarray(self.pressed)
         return opening
 
@@ -110,6 +113,6 @@ class Patch:
 
 
 def _require_names(name: str, given: object) -> None:
-    """Raise InputError for a text: its letters would be read as names."""
+    """Raise InputError for a text, whose letters would be read as names."""
     if isinstance(given, str):
         raise InputError(f"{name}: found the text {given!r}, expected a tuple of channel names")

@@ -1,11 +1,11 @@
-"""Whether matrices know the rigid motions of their nodes: K R = 0 for a free part, and R^T M R that of one mass.
+"""Test whether matrices represent rigid motions of their nodes: K R = 0 for a free part, and R^T M R that of one mass.
 
-Axes of nodes, units of length or an order of rows that do not fit leave K R. A row of it is compared with its terms,
+With wrong axes of nodes, units of length or order of rows, K R is not zero. A row of it is compared with its terms,
 
     |sum_j K_ij R_j| / sum_j |K_ij| |R_j|,
 
 the rotation about the row's own node, so that neither the place of the origin nor the fineness of a mesh matters. A
-part is what K connects. Amplitudes of modes (q) that K couples to the nodes are condensed first.
+part is a set of nodes that K connects. Amplitudes of modes (q) that K couples to the nodes are condensed first.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ ADVICE = (
 
 
 class Rows(NamedTuple):
-    """Rows that belong to nodes: their stiffness, numbers in the matrices, nodes, directions and places."""
+    """Rows that belong to nodes: their stiffness, indices in the matrices, nodes, directions and positions."""
 
     K: Any
     rows: Indices
@@ -82,7 +82,7 @@ def rigid_findings(matrices: Matrices, null: Array, rate: float) -> str:
 
 
 def rows_of_nodes(matrices: Matrices) -> Rows | None:
-    """Rows of translations and rotations, coupled modal amplitudes condensed; None if a model has no such rows."""
+    """Rows of translations and rotations, with coupled modal amplitudes condensed; None if a model has no such rows."""
     from scipy.sparse import csr_array
 
     q = np.array([direction == "q" for _, direction in matrices.dofs])
@@ -107,7 +107,7 @@ def rows_of_nodes(matrices: Matrices) -> Rows | None:
 
 
 def components(given: Rows) -> Array:
-    """The part each row belongs to: nodes that K connects."""
+    """The part of each row: nodes that K connects."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -147,7 +147,7 @@ def residuals(given: Rows, matrices: Matrices, rate: float) -> tuple[Array, Arra
 
 
 def ratio(left: Array, terms: Array) -> Array:
-    """Zero where there are no terms."""
+    """Ratio, zero if there are no terms."""
     return np.divide(left, terms, out=np.zeros_like(left), where=~(terms <= 0.0))
 
 
@@ -173,7 +173,7 @@ def explained(matrices: Matrices, given: Rows, own: Array, seen: Array, count: i
 
 
 def refuse(given: Rows, matrices: Matrices, moves: Array, turns: Array, own: Array, count: int) -> None:
-    """Raise for a free part that its nodes' rigid motions deform."""
+    """Raise for a free part that deforms under rigid motions of its nodes."""
     rows = np.flatnonzero(own)
     shifted = float(moves[own].max()) > TOLERANCE
     of = moves if shifted else turns

@@ -4,14 +4,14 @@ Radial w and tangential v, strains (Love; Soedel, Vibrations of Shells and Plate
 
     eps = (v' + w)/R,  kappa = (v' - w'')/R^2,  2 U = int (EA eps^2 + EI kappa^2 + k_r w^2 + k_t v^2) R dtheta,
 
-rigid motions free of strain. The ring rests on springs k_r, k_t [N/m per m] or floats. In its own frame, which turns
-with its springs at Omega, Coriolis forces join, and its hoop tension N Omega^2 with Green's strain, less the softening
-(line mass m):
+without strain in rigid motions. The ring rests on springs k_r, k_t [N/m per m] or floats. In its own frame, which
+rotates with its springs at Omega, there are also Coriolis forces, and stiffening by the hoop tension N Omega^2 with
+Green's strain minus spin softening (line mass m):
 
     v_i' G v_j = 2 m int (v_i w_j' - w_i v_j') R dtheta,  N = m R^2/(1 + k_r R^2/EA),
     2 U_1 = N int [3 (v' + w)^2 + (w' - v)^2]/R dtheta - m int (w^2 + v^2) R dtheta.
 
-Of (v' + w)^2 one part comes from the stress, two from the strain of the steady state, N/EA.
+In 3 (v' + w)^2 one part comes from the stress and two from the strain N/EA of the steady state.
 """
 
 from __future__ import annotations
@@ -67,12 +67,12 @@ class ThinRing:
 
     @property
     def tension(self) -> float:
-        """Hoop force at 1 rad/s [N s^2]."""
+        """Hoop tension at 1 rad/s [N s^2]."""
         EA = self.E * self.width * self.height
         return self.line_mass * self.radius**2 / (1.0 + self.k_r * self.radius**2 / EA)
 
     def stiffness(self, n: int) -> Array:
-        """Stiffness per length of w = W cos n theta, v = V sin n theta, on (W, V), (2, 2) [N/m^2]."""
+        """Stiffness per length for w = W cos n theta, v = V sin n theta, on (W, V), (2, 2) [N/m^2]."""
         EA = self.E * self.width * self.height
         EI = EA * self.height**2 / 12.0
         stretch, bend = np.array([1.0, n]), n * np.array([n, 1.0])
@@ -83,7 +83,7 @@ class ThinRing:
         )
 
     def frequencies(self, n: int) -> list[float]:
-        """The two frequencies of n waves [Hz], bending first."""
+        """The two frequencies for n waves [Hz], the bending one first."""
         values = np.linalg.eigvalsh(self.stiffness(n) / self.line_mass)
         return [math.sqrt(max(value, 0.0)) / (2.0 * math.pi) for value in values.tolist()]
 
@@ -118,13 +118,13 @@ def ring_modes(ring: ThinRing, n_max: int = 20) -> ModalBody:
 
 
 def _turning_waves(ring: ThinRing, n_max: int, rows: Array) -> tuple[Array, Array]:
-    """G and the stiffness by speed between motions given by their waves, in the order of `rim_channels`."""
+    """G and the stiffness by speed between motions given by waves, in the order of `rim_channels`."""
     n = np.arange(n_max + 1)
     w, v = rows.reshape(2, 2 * n_max + 1, -1)
     size = np.where(np.arange(2 * n_max + 1) == 0, 2.0, 1.0)[:, None] * math.pi * ring.radius
 
     def slope(waves: Array) -> Array:
-        """Derivative by the angle: cos n -> -n sin n, sin n -> n cos n."""
+        """Derivative with respect to the angle: cos n -> -n sin n, sin n -> n cos n."""
         cos, sin = waves[: n_max + 1], waves[n_max + 1 :]
         return np.vstack([np.zeros_like(cos[:1]), n[1:, None] * sin, -n[1:, None] * cos[1:]])
 
@@ -135,11 +135,11 @@ def _turning_waves(ring: ThinRing, n_max: int, rows: Array) -> tuple[Array, Arra
 
 
 def ring_elements(ring: ThinRing, elements: int, n_max: int = 20) -> ModalBody:
-    """All modes of a ring of curved elements, cubic Hermite in w and v, seen up to `n_max` waves at its rim.
+    """All modes of a ring of curved elements, cubic Hermite in w and v, with channels of up to `n_max` waves.
 
-    The contact surface is the projection of the elements' own w on `n_max` waves: smooth.
+    The contact surface is smooth: the projection of the elements' w on `n_max` waves.
 
-    Raises InputError when the elements cannot show `n_max` waves.
+    Raises InputError if the elements cannot represent `n_max` waves.
 
     >>> ring = ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
     >>> basis = ring_elements(ring, 48, n_max=6)
@@ -185,7 +185,7 @@ def hermite(x: Array, span: float) -> Array:
 
 
 def _dofs(elements: int) -> Indices:
-    """Dof numbers (elements, 8): w, w' of both ends, then v, v'; four a node."""
+    """Dof numbers (elements, 8): w, w' at both ends, then v, v'; four for each node."""
     first = 4 * np.arange(elements)[:, None]
     last = 4 * ((np.arange(elements) + 1) % elements)[:, None]
     w = np.hstack([first, first + 1, last, last + 1])

@@ -40,7 +40,8 @@ class BladedDisk:
     (D. L. Thomas, Int. J. Numer. Meth. Eng. 14, 1979, 81).
 
     `modal_mass` [kg] for unit motion of the tip; `mistuning` (blades,) relative deviations of the blades' frequencies;
-    `compliance` [m/N] of each tip, along span and flap: what the one mode leaves out; `lean_deg` into the motion.
+    `compliance` [m/N] of each tip, along span and flap: that of the omitted modes; `lean_deg` is the lean into the
+    motion.
 
     Raises InputError for values that are not physical.
 
@@ -96,7 +97,7 @@ class BladedDisk:
         )  # fmt: skip
 
     def tips(self) -> tuple[ContactPoint, ...]:
-        """A contact at the tip of every blade, evenly around."""
+        """A contact at the tip of every blade, evenly around the disk."""
         return tuple(
             ContactPoint(
                 span=f"span{j}", flap=f"flap{j}", angle_deg=360.0 * j / self.blades, lean_deg=self.lean_deg, track=0
@@ -115,9 +116,9 @@ def tip_channels(blades: int) -> tuple[str, ...]:
 
 
 def pair_rim(pair: ModalPair, *, radius: float) -> ModalBody:
-    """A casing as its pair of n diameters alone: cos and sin n theta, inextensional (tangential over radial 1/n).
+    """A casing reduced to its pair of n diameters: cos and sin n theta, inextensional (tangential over radial 1/n).
 
-    Raises InputError unless n is from 1 to 1000: a rim keeps every harmonic up to n.
+    Raises InputError unless n is from 1 to 1000: a rim stores every harmonic up to n.
 
     >>> casing = pair_rim(ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
     >>> casing.kind, casing.n_max, (casing.omega / (2.0 * np.pi)).round(6).tolist()
@@ -142,11 +143,11 @@ def two_dimensional(
     casing: ModalPair, disk: ModalPair, *, blades: int, stiffness: float, press: float, speed_hz: float,
     velocity: float = 0.0, radius: float = 0.5,
 ) -> Rub:  # fmt: skip
-    """A disk of blades in a casing, each body by its two n-diameter modes, seen from the disk.
+    """A disk of blades in a casing, each body by its two n-diameter modes, in the disk's frame.
 
     P. Schmiechen (thesis, Imperial College, 1997); M. Legrand, C. Pierre, P. Cartraud, J.-P. Lombard (J. Sound Vib.
-    319, 2009, 366). Every tip presses with `stiffness` [N/m], by `press` [m] at rest; `velocity` [m/s] starts the
-    casing's cosine. The disk moves radially; modal masses are those of unit amplitude of cos n theta.
+    319, 2009, 366). Every tip presses with `stiffness` [N/m], by `press` [m] at rest; `velocity` [m/s] is the initial
+    velocity of the casing's cosine. The disk moves radially; modal masses are those of unit amplitude of cos n theta.
 
     Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips distinguish cosine from
     sine.

@@ -1,4 +1,4 @@
-"""Gravity and whirling frames: forces on every piece of a body, known beforehand."""
+"""Gravity and whirling frames: prescribed forces on the mass of a body."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ BEARERS = ("casing", "blades", "both")
 class BodyForce:
     """Force per mass on a body [m/s^2], in the casing's frame, whose axis is z.
 
-    a(t) = (acceleration + radius w^2) e(beta) - radius w' e'(beta) + axial z,
-    beta = phase + per_rev angle(t) + 2 pi hz t as for `Whirl`, e' = de/d beta, and w = d beta/dt, plus Omega where the
-    casing turns: the rate of that direction in space. Gravity is `acceleration` in a direction that is in space;
-    a frame whose origin runs on a circle of `radius` [m] feels the rest. Modes are moved by f = participation . a.
+    a(t) = (acceleration + radius w^2) e(beta) - radius w' e'(beta) + axial z, beta = phase + per_rev angle(t) + 2 pi hz
+    t as for `Whirl`, e' = de/d beta, and w = d beta/dt, plus Omega if the casing rotates: the rate of that direction in
+    space. Gravity is the `acceleration` in a direction fixed in space. The other terms act in a frame whose origin
+    moves on a circle of `radius` [m]. The modal forces are f = participation . a.
 
     Raises InputError for an unknown bearer or numbers that are not finite.
 
@@ -61,7 +61,7 @@ class BodyForce:
 
     @staticmethod
     def of_whirl(whirl: Whirl, on: Literal["casing", "blades"], *, turning: str = "blades") -> BodyForce:
-        """Modal forces of a whirl: on the casing outwards, on the blades at its other side.
+        """Modal forces of a whirl: outwards on the casing, opposite on the blades.
 
         >>> BodyForce.of_whirl(Whirl(amplitude=1e-3, hz=10.0), "blades").radius
         -0.001
@@ -75,7 +75,7 @@ class BodyForce:
 
     @property
     def row(self) -> tuple[float, ...]:
-        """Numbers of the compiled loop: acceleration, radius, per_rev, per_rev in space, rad/s, phase, on which."""
+        """Parameters for the compiled loop: acceleration, radius, per_rev, per_rev in space, rad/s, phase, body."""
         return (
             self.acceleration, self.radius, self.per_rev, self.per_rev + float(self.casing_turns),
             2.0 * math.pi * self.hz, math.radians(self.phase_deg), float(self.on != "blades"),

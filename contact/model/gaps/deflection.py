@@ -1,7 +1,7 @@
 """Deflection of a rim: the largest |u_r| around any of its lines, modes and residual compliance together.
 
 u_r(theta) = sum_n a_n cos n theta + b_n sin n theta on each line, (a, b) = rows q + S F, F the forces of the tips by
-waves. The largest is taken at PLACES points per period of the highest harmonic, which is within 0.5 % of it. The limit
+waves. The maximum over PLACES points per period of the highest harmonic is within 0.5 % of the true one. The limit
 of half the wall, the growth of a run, its end state, pages and JSON all use it.
 """
 
@@ -26,8 +26,8 @@ ROWS = 4096  # states that are read together
 class RimRows:
     """Radial rows of the lines of a rim of m modes, waves 1, cos .. cos N, sin .. sin N.
 
-    `S`: what unit forces strain, by line and direction; empty where nothing strains. `reach`: most that unit motion of
-    a mode moves a line, `soft`: that a unit force does.
+    `S`: static deflection by unit forces, by line and direction; empty without residual compliance. `reach` and `soft`:
+    largest motion of a line for unit motion of a mode, and for a unit force.
     """
 
     rows: Array  # (lines, 2 N + 1, m)
@@ -38,7 +38,10 @@ class RimRows:
 
 @remembered
 def rim_rows(casing: ModalBody, dimensions: int, flexible: int) -> RimRows:
-    """Radial rows of a casing whose contacts are seen in `dimensions`; modes from `flexible` on, a rotor, are 0."""
+    """Radial rows of a casing whose contacts have `dimensions` directions.
+
+    Rows of modes from `flexible` on (a rotor's) are 0.
+    """
     size, lines, D = 2 * casing.n_max + 1, casing.rim_lines, casing.directions
     rows = casing.rows.reshape(lines, D, size, -1)[:, 0].copy()
     rows[:, :, flexible:] = 0.0
@@ -51,7 +54,7 @@ def rim_rows(casing: ModalBody, dimensions: int, flexible: int) -> RimRows:
 
 
 def forces_by_wave(rub: Rub, turned: Array, forces: Array) -> Array:
-    """Forces of the tips (ns, K d) on the waves of the casing's lines and directions, (ns, lines, D, 2 N + 1) [N].
+    """Forces of the tips (ns, K d) as waves on the casing's lines and directions, (ns, lines, D, 2 N + 1) [N].
 
     `turned` (ns,) are the angles turned.
     """
@@ -80,7 +83,7 @@ def rim_motion(rub: Rub, time: Array, q: Array, forces: Array) -> Array:
 
 
 def places(size: int) -> Array:
-    """Angles [rad] in half a turn at which, and at minus which, a deflection of `size` waves is taken."""
+    """Angles [rad] in half a turn at which, and at whose negatives, a deflection of `size` waves is evaluated."""
     count = PLACES // 2 * (size // 2 + 1)
     return np.asarray((np.arange(count) + 0.5) * (math.pi / count))
 

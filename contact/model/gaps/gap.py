@@ -19,7 +19,7 @@ from contact.model.gaps.turning import casing_turns
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Side:
-    """One modal body at a contact: its gap share is sign * (rows[channel] q + S[channel, channel] lam).
+    """One modal body at a contact: its part of the gap is sign * (rows[channel] q + S[channel, channel] lam).
 
     `sign` +1 when a positive displacement opens the gap, -1 when it closes it. `velocity` (m,) initial modal
     velocities, `load` (m,) constant modal forces; zero when left out. `mass` [kg] (for its
@@ -51,7 +51,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class PointGap:
-    """Gap at a fixed point: g = clearance + sum of the sides' shares; a side left out is a rigid wall.
+    """Gap at a fixed point: g = clearance + the parts of the sides; a missing side is a rigid wall.
 
     >>> rod = ModalBody(omega=[0.0], zeta=[0.0], channels=("left",), rows=[[1.0]], S=[[0.0]])
     >>> PointGap(sides=(Side(body=rod, channel="left", sign=1),), clearance=0.1).clearance
@@ -74,12 +74,12 @@ class PointGap:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RotatingRim:
-    """Casing rim and one blade that turn past each other at `speed_hz`; contact at phi = phi_0 - Omega t.
+    """Casing rim and one blade that rotate relative to each other at `speed_hz`; contact at phi = phi_0 - Omega t.
 
-    g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), a the lean; d the out-of-roundness
+    g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), with the lean a and the out-of-roundness d
     in the casing frame, terms {p, cos, sin} in metres, positive where the radius is larger. The tangent of
     the blade is cos a flap - sin a span, along +theta. `clearance` [m], `angle_deg` = phi_0; modal
-    displacements and velocities at t = 0 are zero when left out. `turning`: which side turns, as in `Rub`.
+    displacements and velocities at t = 0 are zero when left out. `turning`: the side that rotates, as in `Rub`.
 
     Raises InputError when a basis is of the wrong kind or lacks a channel, or |clearance| exceeds
     a tenth of the radius.

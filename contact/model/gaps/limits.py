@@ -1,4 +1,4 @@
-"""Limits on the motion of a rim and its tips: beyond them a linear model is invalid, and usually it diverges."""
+"""Limits on the motion of a rim and its tips; beyond them a linear model is invalid, and usually the run diverges."""
 
 from __future__ import annotations
 
@@ -18,11 +18,13 @@ LOOK = 64  # steps between two computations of a rim's deflection
 
 
 def motion_limits(radius: float, thickness: float) -> Array:
-    """Largest deflection of the rim, largest motion of a tip against it [m]; those reached; then two of the deflection.
+    """Limits of the rim's deflection and of a tip's motion against it [m]; the values reached.
 
-    Deflections below WATCHED are not computed: what was reached is 0 then. A run ends by the deflections of every
-    LOOK-th step, whatever it stores; LARGEST is that of these and of all states stored. `thickness` 0 or infinite where
-    it is not known: a tenth of the radius bounds both then.
+    Two thresholds of the deflection.
+
+    Deflections below WATCHED are not computed; the value reached is then 0. The deflection of every LOOK-th step
+    decides whether a run ends, whatever is stored. LARGEST includes these and all stored states. If `thickness` is 0 or
+    infinite (unknown), both limits are a tenth of the radius.
 
     >>> motion_limits(0.5, 3e-3).tolist(), motion_limits(0.5, 0.0).tolist()
     ([0.0015, 0.05, 0.0, 0.0, 0.0015, 0.0], [0.05, 0.05, 0.0, 0.0, 0.05, 0.0])
@@ -33,7 +35,7 @@ def motion_limits(radius: float, thickness: float) -> Array:
 
 
 def rotor_limits(limit: float) -> Array:
-    """Limits of a rotor without a casing: the largest distance of a node from its straight place [m].
+    """Limits of a rotor without a casing: the largest distance of a node from its straight position [m].
 
     >>> rotor_limits(0.05).tolist()
     [inf, 0.05, 0.0, 0.0, inf, 0.0]
@@ -58,7 +60,7 @@ def passed(limits: Array | None) -> tuple[str, float, float] | None:
 
 
 def wall_flags(deflection: float, thickness: float) -> tuple[Flag, ...]:
-    """Flag of a rim's largest deflection [m] beyond half of its wall; none below."""
+    """Flag for a rim's largest deflection [m] if it exceeds half of the wall; none below."""
     if not (math.isfinite(thickness) and thickness > 0.0 and deflection > WALL * thickness):
         return ()
     part = f"{deflection / thickness:.2g} of the wall"
@@ -67,7 +69,7 @@ def wall_flags(deflection: float, thickness: float) -> tuple[Flag, ...]:
 
 
 def require_near(radius: float, **lengths: float) -> None:
-    """Raise InputError for the first length [m] beyond a tenth of the radius: a mistyped unit."""
+    """Raise InputError for the first length [m] beyond a tenth of the radius, which suggests a mistyped unit."""
     for name, value in lengths.items():
         if not abs(value) <= FAR * radius:
             expected = f"at most a tenth of it: millimetres are written {1e-3 * value:g}"

@@ -1,4 +1,4 @@
-"""Modal bodies and their gap, brought to the one form the propagator integrates."""
+"""Modal bodies and their gap in the single form that the time integration uses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NOISE = 1e-10  # of the largest entry of rows or of S: smaller ones come from th
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RowTable:
-    """Rows that turn with the contact point, as a sparse table.
+    """Rows that rotate with the contact point, as a sparse table.
 
     Q_i(phi) = sum_j q_cos[j] cos(n_j phi) + q_sin[j] sin(n_j phi), j = start[i] .. start[i+1]-1;
     T_i(phi) alike with t_cos, t_sin. A mode of a perfect casing has one entry.
@@ -32,7 +32,7 @@ class RowTable:
     t_sin: Array
 
     def rows(self, phi: float) -> tuple[Array, Array]:
-        """Q(phi) and T(phi), (m,) each: the reference the compiled loop is tested against."""
+        """Q(phi) and T(phi), (m,) each: the reference for tests of the compiled loop."""
         c, s = np.cos(self.harmonic * phi), np.sin(self.harmonic * phi)
         total = np.zeros((2, self.harmonic.size + 1))
         total[0, 1:] = np.cumsum(self.q_cos * c + self.q_sin * s)
@@ -66,11 +66,11 @@ class RowTable:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ModalSystem:
-    """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
+    """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, with one contact.
 
     Fixed point: g = clearance + Q q + S_nn lam. Rim (`table` is given, Q empty): Q, T, the residual compliances along
-    the normal and the tangent and the clearance depend on phi. `radius` and `thickness` of a rim [m], 0 where not
-    known. `first` are the bodies' offsets into q.
+    the normal and the tangent and the clearance depend on phi. `radius` and `thickness` of a rim [m], 0 if unknown.
+    `first` are the bodies' offsets into q.
 
     >>> import contact as ct
     >>> mass = ct.ModalBody(omega=[10.0], zeta=[0.01], channels=("x",), rows=[[2.0]], S=[[0.0]])
@@ -146,7 +146,7 @@ def point_system(gap: PointGap) -> ModalSystem:
 
 
 def rim_system(rim: RotatingRim) -> ModalSystem:
-    """Casing modes, then blade modes; the blade's rows enter with harmonic 0 and the sign of the gap."""
+    """Casing modes, then blade modes; the blade's rows enter as harmonic 0 with the sign of the gap."""
     still = _still_rim(rim.casing, rim.blade, rim.lean_deg)
     for name in ("velocity", "displacement"):
         sides = [(getattr(rim, f"{side}_{name}"), getattr(rim, side).omega.size) for side in ("casing", "blade")]
@@ -159,7 +159,7 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
 
 @remembered
 def _still_rim(casing: ModalBody, blade: ModalBody, lean_deg: float) -> ModalSystem:
-    """Common part of runs of the same bodies: the rim at rest, round, without clearance."""
+    """Part that all runs of the same bodies share: the rim at rest, round, without clearance."""
     N = casing.n_max
     size = 2 * N + 1
     a = math.radians(lean_deg)
@@ -189,7 +189,7 @@ def _clearance(least: float, *terms: tuple[int, float, float]) -> Trig:
 
 @remembered
 def _compliances(casing: ModalBody) -> tuple[Trig, Trig, Trig]:
-    """S of a casing along normal and normal, normal and tangent, tangent and tangent, by the angle."""
+    """S of a casing between normal and normal, normal and tangent, tangent and tangent, over the angle."""
     N = casing.n_max
     r, t = slice(0, 2 * N + 1), slice(2 * N + 1, None)
     return quadratic(casing.S[r, r], N), quadratic(casing.S[r, t], N), quadratic(casing.S[t, t], N)
@@ -205,7 +205,7 @@ def _raised(polynomial: Trig, constant: float) -> Trig:
 
 
 def _table(radial: Array, tangential: Array, blade_n: Array, blade_t: Array, N: int) -> RowTable:
-    """Keep, per mode, the cosines and sines above the noise of an eigen solver."""
+    """Table of the cosines and sines of each mode that exceed the noise of an eigenvalue solver."""
     scale = max(float(np.abs(radial).max(initial=0.0)), float(np.abs(tangential).max(initial=0.0)))
     none = np.zeros((1, radial.shape[1]))
     full = [

@@ -32,7 +32,7 @@ TURNS = 1e-3  # of the rows' derivative may be left by turns: a mesh adds harmon
 
 
 class SplitError(InputError):
-    """A casing whose pairs do not turn into themselves: no frame makes its coefficients constant."""
+    """A casing whose pairs are split, so that no frame has constant coefficients."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -42,15 +42,14 @@ class ClosedContact:
     (D + Omega G)^2 q + C (D + Omega G) q + K q = (Q - mu s T)^T lam, Q q + (S_nn - mu s S_nt) lam = 0, s = sgn Omega;
     C = diag(2 zeta omega) + damping + Omega gyroscopic, K = diag(omega^2) + stiffness + Omega^2 stiffness_by_speed;
     C + Omega^(2 j + 1) gyroscopic_higher[j - 1] and K + Omega^(2 j + 2) stiffness_higher[j - 1], j = 1, 2, ...
-    G^T = -G, dQ/dphi = Q G: how modes turn when the point moves. C and K commute with G.
+    G^T = -G, dQ/dphi = Q G: G rotates the modes as the contact point moves. C and K commute with G.
 
     `omega` [rad/s], `zeta` (m,); `G` (m, m); `Q`, `T` (r, m) normal and tangential rows [1/sqrt(kg)]; `S_nn`, `S_nt`
-    (r, r) [m/N]; `mu` friction. The first `casing` modes are those of the body before which the contact points move,
-    the others belong to the bodies with the points. `damping` [1/s], `gyroscopic` [1/s per rad/s], `stiffness` [1/s^2]
+    (r, r) [m/N]; `mu` friction. The first `casing` modes are those of the body over which the contact points move, the
+    others are those of the bodies with the points. `damping` [1/s], `gyroscopic` [1/s per rad/s], `stiffness` [1/s^2]
     and `stiffness_by_speed` [1/s^2 per (rad/s)^2], (m, m), and their higher powers (k, m, m) are zero where they are
-    left out. A body at rest has no
-    share in those of speed; `turns` shows whether the casing turns or its blades do. `known` are the bodies that turn
-    and whose matrices hold in a range of speeds (`ModalBody.known_speeds`).
+    left out. Matrices by speed are zero for a body at rest; `turns` is true if the casing rotates, false if its blades
+    do. `known` are the rotating bodies whose matrices are valid in a range of speeds (`ModalBody.known_speeds`).
 
     Raises InputError for shapes that do not fit, or a compliance that cannot be inverted.
     """
@@ -101,26 +100,26 @@ class ClosedContact:
         )
 
     def matrices(self, speed: float) -> tuple[Array, Array]:
-        """C and K at a speed [rad/s], (m, m). Raises InputError at a speed at which those of a body are not known."""
+        """C and K at a speed [rad/s], (m, m). Raises InputError at a speed for which those of a body are not known."""
         self.require_known(speed)
         C, K = self.parts()
         odd, even = powers(speed, len(C), len(K))
         return np.tensordot(odd, C, 1), np.tensordot(even, K, 1)
 
     def require_known(self, speed: Array | float) -> None:
-        """Raise InputError at speeds [rad/s] at which the matrices of a body that turns are not known."""
+        """Raise InputError at speeds [rad/s] for which the matrices of a rotating body are not known."""
         for body in self.known:
             for one in np.ravel(speed).tolist():
                 body.require_known(one)
 
     @property
     def rates(self) -> Array:
-        """Scale of each mode's velocity [rad/s], (m,): its own frequency, of a rigid mode the highest one."""
+        """Scale of each mode's velocity [rad/s], (m,): its own frequency; for a rigid mode the highest one."""
         highest = float(self.omega.max(initial=0.0)) or 1.0
         return np.where(self.omega > 0.0, self.omega, highest)
 
     def pushes(self, sense: float) -> Array:
-        """W = Q - mu s T, (r, m): modal forces of unit contact forces, s the sense of rotation."""
+        """W = Q - mu s T, (r, m): modal forces of unit contact forces, with the sense of rotation s."""
         return np.asarray(self.Q - self.mu * sense * self.T)
 
     def compliance(self, sense: float) -> Array:
@@ -168,12 +167,12 @@ class ModalPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandPair:
-    """The hand calculation: a pair of n diameters of a casing at rest against one mode of a blade that moves around it.
+    """Hand calculation: a pair of n diameters of a casing at rest and one mode of a blade that moves around it.
 
     `compliance` S [m/N] of the contact, 1/stiffness; `friction` mu; `lean_deg` the lean a of the blade into the motion.
-    The blade's mode bends across its span: 1 along the normal goes with cot a along the rim, so the contact works on it
-    with kappa = (1 - mu cot a)/modal_mass, negative (the blade digs) where mu > tan a > 0. At a = 0 it moves along the
-    normal alone. The casing's pair is inextensional: tangential over radial motion is 1/n.
+    The blade's mode is a bending across its span: unit motion along the normal comes with cot a along the rim, so the
+    contact drives it with kappa = (1 - mu cot a)/modal_mass, negative (the blade digs) where mu > tan a > 0. At a = 0
+    it moves along the normal alone. The casing's pair is inextensional: tangential over radial motion is 1/n.
 
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
     ...                 blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
@@ -205,11 +204,11 @@ class HandPair:
 
     @property
     def kappa(self) -> float:
-        """(1 - mu cot a)/modal_mass [1/kg]: negative where friction drives the blade into the casing."""
+        """(1 - mu cot a)/modal_mass [1/kg]; negative if friction drives the blade into the casing."""
         return (1.0 - self.friction * self.slip) / self.blade.modal_mass
 
     def contact(self) -> ClosedContact:
-        """Three modes, one contact: the 6-state system."""
+        """Three modes and one contact: the system of 6 states."""
         casing, blade = self.casing, self.blade
         x, y = 1.0 / math.sqrt(casing.modal_mass), 1.0 / math.sqrt(blade.modal_mass)
         return ClosedContact(
@@ -249,7 +248,7 @@ def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blade
 
 
 def turning(n: list[int], size: int) -> Array:
-    """G of pairs (cos, sin) of n diameters that come first: d/dphi of (cos n phi, sin n phi), (size, size)."""
+    """G of leading pairs (cos, sin) of n diameters: d/dphi of (cos n phi, sin n phi), (size, size)."""
     G = np.zeros((size, size))
     for k, order in enumerate(n):
         G[2 * k, 2 * k + 1], G[2 * k + 1, 2 * k] = order, -order
@@ -257,7 +256,7 @@ def turning(n: list[int], size: int) -> Array:
 
 
 def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
-    """A perfect casing against its blade while the contact stays closed, as `rub_contact` has it.
+    """A perfect casing against its blade in permanent contact, in the form of `rub_contact`.
 
     >>> import numpy as np
     >>> import contact as ct
@@ -272,12 +271,11 @@ def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
 
 
 def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
-    """A perfect casing with every tip of a rub closed, sliding around, in the tips' frame.
+    """A perfect casing with every tip of a rub in permanent sliding contact, in the tips' frame.
 
-    Profile, closing and whirl only force the vibration and are left out. Every pair must be equal to 1e-8 and turn into
-    itself but for 1e-3, what its damping, stiffness and rotation do must be the same at all angles, and so must S.
-
-    Raises SplitError where it does not: the coefficients are then periodic in time (`contact.stability.split_casing`).
+    Profile, closing and whirl only force the vibration and are left out. The frequencies of each pair must agree to
+    1e-8 and its shapes rotate into each other to 1e-3. Damping, stiffness, rotation and S must be the same at all
+    angles. Raises SplitError if not: the coefficients are then periodic in time (`contact.stability.split_casing`).
     """
     rub: Rub = rub_of(what)
     system = rub_system(rub, 2)
@@ -307,14 +305,14 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
 
 
 def _limited(rub: Rub) -> tuple[ModalBody, ...]:
-    """Bodies that turn and whose matrices hold in a range of speeds."""
+    """Rotating bodies whose matrices are valid in a range of speeds."""
     seen = matrices_of(rub)
     found = zip(seen.bodies, seen.senses, strict=True)
     return tuple(body for body, sense in found if sense and body.known_speeds is not None)
 
 
 def bodies_squares(rub: Rub) -> dict[str, Array]:
-    """The matrices of `ClosedContact` of all bodies by the speed of the rub, (m, m) or (k, m, m) each."""
+    """The matrices of `ClosedContact` of all bodies at the speed of the rub, (m, m) or (k, m, m) each."""
     parts: dict[str, list[Array]] = {name: [] for name in (*SQUARES, *HIGHER)}
     seen = matrices_of(rub)
     given = {1 + stiff.blade: stiff for stiff in rub.stiffening}
@@ -354,7 +352,7 @@ def _varies(part: Array, G: Array) -> float:
 
 
 def mean_compliance(system: RubSystem, n_max: int) -> tuple[Array, float]:
-    """Residual compliance between the tips in the mean of a turn, (K d, K d), and how far it leaves that, relative."""
+    """Residual compliance between the tips, averaged over a turn, (K d, K d), and its relative deviation."""
     if not system.turns:
         return system.compliance(0.0), 0.0
     count = 4 * n_max + 1  # more than twice its highest wave: the mean is exact
@@ -371,7 +369,7 @@ def equal_modes(omega: Array, zeta: Array) -> list[Indices]:
 
 
 def _generator(omega: Array, zeta: Array, tables: list[Array]) -> tuple[Array, float]:
-    """G with dQ/dphi = Q G within groups of equal modes, and the part of the derivative it leaves."""
+    """G with dQ/dphi = Q G within groups of equal modes, and the residual of the derivative."""
     order = np.arange(len(tables[0]))[:, None]
     rows = np.vstack(tables)
     pairs = zip(tables[::2], tables[1::2], strict=True)

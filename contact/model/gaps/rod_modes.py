@@ -1,4 +1,4 @@
-"""Modes of rods and clamped beams in closed form, with the exact compliance of the modes left out."""
+"""Modes of rods and clamped beams in closed form, with the exact compliance of the omitted modes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from contact.model.gaps.gap import PointGap, Side
 
 
 def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None = None) -> ModalBody:
-    """Modes of the continuous rod seen at its contact end (`end`, or the free end of a fixed rod).
+    """Modes of a continuous rod with its contact end as channel (`end`, or the free end of a fixed rod).
 
     Free: phi = cos(beta xi), tan beta = -alpha beta, plus the rigid mode; fixed: phi = sin(beta xi),
     cot beta = alpha beta; alpha = end_mass/(rho A L), omega = beta c/L, xi measured from the far end.
@@ -77,7 +77,7 @@ def _roots(alpha: float, count: int, *, free: bool) -> Array:
 def chain_gap(chain: Chain, *, modes: int) -> PointGap:
     """Two bodies of a chain (or one and a wall) as modal bodies at their contact.
 
-    Raises InputError when the chain has more than one contact.
+    Raises InputError if the chain has more than one contact.
     """
     if len(chain.bodies) != 2:
         raise InputError(f"bodies: found {len(chain.bodies)}, expected two for the exact-modal scheme")
@@ -91,7 +91,7 @@ def chain_gap(chain: Chain, *, modes: int) -> PointGap:
 
 @singledispatch
 def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Side:
-    """One body of a chain at the contact it meets with its `face`; a body of one's own registers its way."""
+    """One body of a chain as a side of the contact at its `face`; a class of your own registers its function."""
     name = type(body).__name__
     raise InputError(f"bodies: found {name}, which has no modes, expected a rod or a mass for the exact-modal scheme")
 
@@ -179,9 +179,9 @@ class Cantilever:
         return self.E * self.width * self.height**3 / 12.0
 
     def modes(self, count: int = 20) -> ModalBody:
-        """First modes with the channels "tip" (its displacement) and "uniform" (integral of w, moved by a line load).
+        """First modes with the channels "tip" (its displacement) and "uniform" (integral of w, driven by a line load).
 
-        S is what the modes left out give under static loads: L^3/(3 E I) and so on, less the kept modes.
+        S is the static compliance of the omitted modes: L^3/(3 E I) and so on, minus that of the kept modes.
         """
         if not 1 <= count <= 200:
             raise InputError(f"modes: found {count!r}, expected a whole number from 1 to 200")
@@ -196,9 +196,12 @@ class Cantilever:
         )  # fmt: skip
 
     def before_stop(self, *, clearance: float, load: float = 0.0, velocity: float = 0.0, modes: int = 20) -> PointGap:
-        """The tip `clearance` [m] from a rigid stop; line `load` [N/m] and `velocity` [m/s] of all points towards it.
+        """The beam with its tip `clearance` [m] from a rigid stop.
 
-        At rest it is a propped cantilever: the stop bears 3 load L/8 - 3 E I clearance/L^3 where that is positive.
+        Line `load` [N/m] and `velocity` [m/s] of all points towards it.
+
+        At rest it is a propped cantilever: the reaction of the stop is 3 load L/8 - 3 E I clearance/L^3 if that is
+        positive.
 
         >>> beam = Cantilever(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
         >>> beam.before_stop(clearance=1e-3, load=10.0).sides[0].sign

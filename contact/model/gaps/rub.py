@@ -1,4 +1,4 @@
-"""A rub: tips of one or more blades against one turning casing, each a contact that may stick."""
+"""A rub: tips of one or more blades against one casing in relative rotation, each a contact that may stick."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from contact.model.rotor.rotor import Rotor, Spin
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContactPoint:
-    """One contact candidate: a place of blade number `blade` before rim line number `line` of the casing.
+    """One possible contact: a place on blade number `blade` before rim line number `line` of the casing.
 
-    `span`, `flap` and `axial` name channels of the blade: radial at no lean, along +theta, along the casing's axis
-    (left out: the contact slides along theta only). `angle_deg` where it is at t = 0 in the casing's frame,
-    `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub. `track` numbers the strip of an abradable
-    coating that it wears on its rim line, so that tips at one axial place share one; left out, its place among its
+    `span`, `flap` and `axial` name channels of the blade: radial without lean, along +theta, along the casing's axis
+    (if left out, the contact slides along theta only). `angle_deg` is its angle at t = 0 in the casing's frame,
+    `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub. `track` is the number of the coating strip
+    that it wears on its rim line; tips at the same axial place share a strip. The default is its number among its
     blade's tips on that line.
 
     >>> ContactPoint(angle_deg=90.0).span
@@ -67,7 +67,7 @@ class ContactPoint:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Start:
-    """Motion at t = 0 and constant loads of one body, modal (m,) each; zero when left out.
+    """Motion at t = 0 and constant loads of one body, modal (m,) each; zero if left out.
 
     >>> Start(velocity=np.array([0.1])).velocity.tolist(), Start().displacement
     ([0.1], None)
@@ -80,10 +80,11 @@ class Start:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Stiffening:
-    """Growth of one blade's modal stiffness with speed: K(Omega) = diag(omega^2) + (Omega^2 - at^2) stiffness_by_speed.
+    """Change of one blade's modal stiffness with speed: K(Omega) = diag(omega^2) + (Omega^2 - at^2) stiffness_by_speed.
 
-    `stiffness_by_speed` (m, m) symmetric [-], such as Phi^T (K_G - M_spin) Phi per unit Omega^2; `at_hz` the speed at
-    which the blade's basis was made. The mode shapes stay those of the basis, and couple through stiffness_by_speed.
+    `stiffness_by_speed` (m, m) symmetric [-], such as Phi^T (K_G - M_spin) Phi per unit Omega^2; `at_hz` is the speed
+    at which the blade's basis was computed. The mode shapes of the basis are kept, and are coupled through
+    stiffness_by_speed.
 
     >>> import numpy as np
     >>> part = Stiffening(blade=0, stiffness_by_speed=np.array([[1.7]]), at_hz=0.0)
@@ -101,7 +102,10 @@ class Stiffening:
 
     @staticmethod
     def of(body: ModalBody, blade: int = 0) -> Stiffening:
-        """That of a rotating body's own basis; raises InputError where the basis was made at rest, without an axis."""
+        """The stiffening of a rotating body's own basis.
+
+        Raises InputError if the basis was computed at rest, without an axis.
+        """
         if body.stiffness_by_speed is None:
             raise InputError(
                 f"blades[{blade}]: found a basis without stiffness_by_speed, expected one of a rotating shell"
@@ -111,18 +115,18 @@ class Stiffening:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Rub:
-    """K tips and one casing that turn past each other: tip j is at phi_j = its angle - angle(t) in the casing.
+    """K tips and one casing in relative rotation: tip j is at phi_j = its angle - angle(t) in the casing.
 
-    g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of
-    `rub_laws`; slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved
-    together, with the residual compliances that couple them. `thickness` of the wall [m], that of the casing's basis
-    where it is left out, bounds the deflection of the linear model: a run stops there, or is flagged.
-    `forces`: gravity and whirl on the modes that are kept; the static share of the others is left out.
-    `turning`: which side turns. Its bodies are seen in their own frame, with the gyroscopic matrix and the stiffness
-    by speed of their bases at that speed; blades turn in the other sense than the angle of the tips in the casing.
-    A blade of `stiffening`, which turns, has the stiffness given there.
-    `rotor`: what the blades turn on, whose modes are the last ones of `casing`; `rotor_rub` makes such a rub. With
-    `spin` one more follows, sqrt(inertia) times the angle by which the rotor is ahead of its speed at t = 0.
+    g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of `rub_laws`;
+    slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved together, with
+    the residual compliances that couple them. `thickness` of the wall [m], that of the casing's basis where it is left
+    out, limits the deflection in the linear model: a run stops at half of it, or gets a flag. `forces`: gravity and
+    whirl on the kept modes, without the static response of the others. `turning`: the side that rotates. Its bodies are
+    described in their own frame, with the gyroscopic matrix and the stiffness by speed of their bases at that speed;
+    blades rotate opposite to the angle of the tips in the casing. `stiffening` gives rotating blades another stiffness.
+    `rotor`: the rotor of the blades, whose modes are the last ones of `casing`; `rotor_rub` makes such a rub. With
+    `spin` one more mode follows: sqrt(inertia) times the angle by which the rotor leads constant rotation at its speed
+    at t = 0.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
     blades at rest with a stiffening, or a clearance, closing, whirl or profile beyond a tenth of the radius.
@@ -228,7 +232,10 @@ class Rub:
             raise InputError(f"clearance: found {found}, expected at most a tenth of it")
 
     def rates(self) -> tuple[Rate | Change, ...]:
-        """Whirl, gravity and the points of a measured profile as they pass; ramps of speed and the closing gap."""
+        """Rates of whirl, gravity and the points of a measured profile as they pass.
+
+        Ramps of speed and the closing gap.
+        """
         omega, found = self.speed.fastest, list[Rate | Change]()
         turning = [(f"whirl[{k}]", one.per_rev, one.hz) for k, one in enumerate(self.whirl, 1)]
         turning += [(f"a force on {one.on}", one.per_rev, one.hz) for one in self.forces]
@@ -254,13 +261,13 @@ class Rub:
         return int(self.casing.omega.size) - others
 
     def turned(self, time: Array, q: Array) -> Array:
-        """Angles turned at instants (ns,), of a rotor's spin by the casing's modal coordinates (ns, m), (ns,) [rad]."""
+        """Angles turned at times (ns,), with spin from the casing's modal coordinates (ns, m), (ns,) [rad]."""
         angle = self.speed.angles(time)
         return angle if self.spin is None else angle - q[:, -1] / math.sqrt(self.spin.inertia)
 
     @property
     def wall(self) -> float:
-        """Thickness of the wall [m]: the one given, else the casing's least on the tips' lines; infinite if unknown."""
+        """Thickness of the wall [m]: as given, else the casing's least on the tips' lines; infinite if unknown."""
         if math.isfinite(self.thickness):
             return self.thickness
         return min(self.casing.line_wall(tip.line) or math.inf for tip in self.tips)
@@ -271,7 +278,7 @@ class Rub:
         return 2 if self.tips[0].axial is None else 3
 
     def blade_normal(self) -> tuple[str, Array]:
-        """Name of the (first) blade that touches, and the row of its motion along the contact normal, (m,)."""
+        """Name of the first blade that touches, and the row of its motion along the contact normal, (m,)."""
         tip = self.tips[0]
         body = self.blades[tip.blade]
         return self.names[1 + tip.blade], np.asarray(tip.directions(body)[0] @ body.rows)
@@ -283,7 +290,7 @@ class Rub:
 
     @property
     def starts(self) -> tuple[Start, ...]:
-        """Their motion at t = 0 and loads."""
+        """Motion at t = 0 and loads of the bodies."""
         return (self.casing_start, *self.blade_starts)
 
     @property
@@ -295,7 +302,7 @@ class Rub:
 
 
 def _counts(number: object, count: int) -> bool:
-    """Whether a value is an index below a count, from 0."""
+    """Whether a value is an index from 0 to below a count."""
     return is_whole(number) and number in range(count)
 
 
@@ -307,7 +314,7 @@ def _require_start(name: str, body: ModalBody, start: Start) -> None:
 
 
 def rub_of(what: object) -> Any:
-    """The rub that a problem is, a rotating rim the same scene in other words, with one tip; None of other problems.
+    """The problem as a rub; a rotating rim is a rub with one tip; None for other problems.
 
     >>> import numpy as np
     >>> import contact as ct

@@ -1,4 +1,4 @@
-"""Given histories of a rub: speed, closing of the gap, whirl, and the rim's measured profile."""
+"""Prescribed histories of a rub: speed, closing of the gap, whirl, and the rim's measured profile."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from contact.io.keys import Key
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Speed:
-    """Omega(t) [rad/s], straight between the points (time [s], hz), constant before the first and after the last.
+    """Omega(t) [rad/s], linear between the points (time [s], hz), constant before the first and after the last.
 
     The angle is its exact integral, angle(0) = 0.
 
@@ -45,7 +45,7 @@ class Speed:
 
     @property
     def table(self) -> Array:
-        """Rows (from [s], angle there [rad], Omega there, its slope), (segments, 4), the first from before t = 0."""
+        """Rows (start [s], angle there [rad], Omega there, its slope), (segments, 4), the first from before t = 0."""
         t, w = self.time, 2.0 * math.pi * self.hz
         slope = np.concatenate(([0.0], np.diff(w) / np.diff(t), [0.0]))
         start, omega = np.concatenate(([min(t[0], 0.0) - 1.0], t)), np.concatenate(([w[0]], w))
@@ -59,7 +59,7 @@ class Speed:
         return float(_integral(self.table, np.float64(t))[0])
 
     def angles(self, t: Array) -> Array:
-        """Angles turned since t = 0 at many instants [rad]."""
+        """Angles turned since t = 0 at many times [rad]."""
         return np.asarray(_integral(self.table, t)[0])
 
     def omega(self, t: float) -> float:
@@ -80,7 +80,7 @@ def _integral(table: Array, t: Array | np.float64) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Closing:
-    """Reduction of every clearance over time [m]: straight between the points, constant outside them.
+    """Reduction of every clearance over time [m]: linear between the points, constant outside them.
 
     >>> Closing(time=[0.0, 10.0], by=[0.0, 1e-4]).at(5.0)
     5e-05
@@ -96,12 +96,12 @@ class Closing:
 
     @staticmethod
     def none() -> Closing:
-        """Constant clearances."""
+        """No reduction: constant clearances."""
         return Closing(readonly([0.0]), readonly([0.0]))
 
     @staticmethod
     def exponential(by: float, time_constant: float, *, points: int = 400) -> Closing:
-        """Reduction by (1 - exp(-t/time_constant)), to twelve time constants, tabulated within 1e-4 of `by`."""
+        """Reduction by (1 - exp(-t/time_constant)) up to twelve time constants, as a table within 1e-4 of `by`."""
         require_finite(by=by)
         if not (math.isfinite(time_constant) and time_constant > 0.0):
             raise InputError(f"time_constant: found {time_constant!r}, expected seconds > 0")
@@ -118,9 +118,9 @@ class Closing:
 class Whirl:
     """Rigid circular offset of the casing's centre from the rotor's: gap += amplitude cos(phi - beta(t)).
 
-    beta = phase + per_rev angle(t) + 2 pi hz t in the casing's frame. A sag that is fixed in the casing has neither;
-    an offset fixed in the blades' frame (an eccentric rotor under a casing at rest, gravity on a turning casing)
-    has per_rev = -1. Only the gap sees it: the speed of the offset is small against R Omega.
+    beta = phase + per_rev angle(t) + 2 pi hz t in the casing's frame. For a sag that is fixed in the casing, both are
+    zero; an offset fixed in the blades' frame (an eccentric rotor under a casing at rest, gravity on a turning casing)
+    has per_rev = -1. It changes only the gap: the speed of the offset is small against R Omega.
 
     >>> Whirl(amplitude=1e-4, per_rev=-1.0).hz
     0.0
@@ -149,9 +149,8 @@ def _hermite_table(profile: RimProfile) -> Array:
 class RimProfile:
     """Out-of-roundness d(theta) in the casing's frame [m], positive where the radius is larger.
 
-    `terms` {p, cos, sin} are summed; the table (`theta` [rad], `depth` [m]) is read by a periodic piecewise cubic
-    with continuous slope that stays between neighbouring points (Fritsch & Butland, SIAM J. Sci.
-    Stat. Comput. 5, 1984, 300).
+    `terms` {p, cos, sin} are summed; the table (`theta` [rad], `depth` [m]) is interpolated by a periodic piecewise
+    cubic with continuous slope, which does not overshoot (Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 1984, 300).
 
     >>> round(RimProfile(theta=[0.0, 2.0, 4.0], depth=[0.0, 1e-4, 0.0])(2.0), 12)
     0.0001
@@ -177,7 +176,7 @@ class RimProfile:
 
     @staticmethod
     def fourier(terms: Sequence[Mapping[str, float]]) -> RimProfile:
-        """Profile of terms as `RotatingRim.out_of_roundness` has them."""
+        """Profile of Fourier terms, as in `RotatingRim.out_of_roundness`."""
         from contact.model.gaps.gap import require_term
 
         for term in terms:
@@ -194,12 +193,12 @@ class RimProfile:
         return self.smooth(phi) + hermite(self.table, phi)
 
     def smooth(self, phi: float) -> float:
-        """Share of the Fourier terms [m]."""
+        """Part of the Fourier terms [m]."""
         return sum(a * math.cos(p * phi) + b * math.sin(p * phi) for p, a, b in self.terms)
 
     @property
     def farthest(self) -> float:
-        """A bound on |d| [m]."""
+        """Upper bound of |d| [m]."""
         table = self.table
         base = float(np.abs(table[:, 1]).max()) if len(table) else 0.0
         return base + sum(math.hypot(a, b) for _, a, b in self.terms)

@@ -1,4 +1,4 @@
-"""A rub brought to arrays: rows by harmonic, directions of tips, compliance by angle, gravity and whirl on modes."""
+"""A rub as arrays: rows by harmonic, directions of tips, compliance by angle, gravity and whirl on modes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TURN = math.sqrt(2.0)  # [rad], no part of a turn: an S that is the same after i
 def plane_participation(rub: Rub) -> Array:
     """Participation of all modes in a force along the casing's x and y, with the blades at t = 0, (2, m).
 
-    A blade at phi with the lean a has its span and flap at a from the radial and tangential directions:
+    Span and flap of a blade at phi with lean a are rotated by a from the radial and tangential directions:
     a_span = cos a a_r - sin a a_t, a_flap = sin a a_r + cos a a_t.
     """
     parts = [np.zeros((2, body.omega.size)) for body in rub.bodies]
@@ -43,7 +43,7 @@ def plane_participation(rub: Rub) -> Array:
 
 
 def axial_load(rub: Rub) -> Array:
-    """Constant modal forces of loads along the axis, (m,): a blade's chord is along it."""
+    """Constant modal forces of loads along the axis, (m,); a blade's chord is along the axis."""
     parts = []
     for k, body in enumerate(rub.bodies):
         pull = sum(f.axial for f in rub.forces if f.on == "both" or (f.on == "casing") == (k == 0))
@@ -53,7 +53,7 @@ def axial_load(rub: Rub) -> Array:
 
 
 def place(rub: Rub, blade: int) -> tuple[float, float]:
-    """Angle at t = 0 and lean of one blade [rad]; raises InputError where its tips are in several places."""
+    """Angle at t = 0 and lean of one blade [rad]; raises InputError if its tips differ in them."""
     tips = [tip for tip in rub.tips if tip.blade == blade]
     if not tips:
         raise InputError(
@@ -84,7 +84,7 @@ def plane_force(forces: Sequence[BodyForce], angle: float, omega: float, slope: 
 
 
 def force_at_start(rub: Rub) -> Array:
-    """Modal forces at t = 0 that vary in time, (m,)."""
+    """Modal forces at t = 0 from loads that vary in time, (m,)."""
     casing = rub.casing.omega.size
     plane, table = plane_participation(rub), rub.speed.table
     slope = table[max(int(np.searchsorted(table[:, 0], 0.0, side="right")) - 1, 0), 3]
@@ -93,7 +93,7 @@ def force_at_start(rub: Rub) -> Array:
 
 
 def varying_force(rub: Rub) -> Array | None:
-    """Modal forces at t = 0 of loads that vary in time, gravity, whirl and unbalance, (m,); None without any."""
+    """Modal forces at t = 0 from varying loads, gravity, whirl and unbalance, (m,); None if there are none."""
     rotor = rub.rotor
     if rotor is None or not (rotor.unbalance.acts or rub.spin is not None):
         return force_at_start(rub) if rub.forces else None
@@ -106,7 +106,7 @@ def varying_force(rub: Rub) -> Array | None:
 
 
 def settled(rub: Rub) -> Rub:
-    """The same rub, its bodies at rest under gravity and whirl of t = 0: q = K^-1 f.
+    """The same rub with its bodies at rest under gravity and whirl at t = 0: q = K^-1 f.
 
     Raises InputError for bodies with rigid modes.
 
@@ -141,7 +141,7 @@ def settled(rub: Rub) -> Rub:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RimTable:
-    """Rows of the casing's m modes at a turning point, one for each of B = lines x directions.
+    """Rows of the casing's m modes at a rotating point, one for each of B = lines x directions.
 
     row_b,i(phi) = sum_n cos[b, n, i] cos(n phi) + sin[b, n, i] sin(n phi).
     """
@@ -155,7 +155,7 @@ class RimTable:
         return int(self.cos.shape[1]) - 1
 
     def rows(self, blocks: Indices | int, phi: Array | float) -> Array:
-        """Some rows at some angles, (blocks, angles, m); tests compare the compiled loop with them."""
+        """Some rows at some angles, (blocks, angles, m); the reference for tests of the compiled loop."""
         phases = np.multiply.outer(phi, np.arange(self.n_max + 1))
         return np.asarray(np.cos(phases) @ self.cos[blocks] + np.sin(phases) @ self.sin[blocks])
 
@@ -164,10 +164,10 @@ class RimTable:
 class RubSystem:
     """Modes of casing and blades one after the other; K tips with d directions each, normal first.
 
-    `blade_rows` (K d, widest blade): the tip's share of its own blade's modes, as subtracted in the gap;
-    `own` (K, 2): first and one past the last of these modes. Residual compliance between all K d directions is
-    E(angle) S E(angle)^T + still, the angle all have turned, E the waves at the tips: where it does not turn, S is
-    empty and all of it is in `still`.
+    `blade_rows` (K d, most modes of a blade): rows of the tip on its own blade's modes, which the gap subtracts; `own`
+    (K, 2): first and one past the last of these modes. Residual compliance between all K d directions is E(angle) S
+    E(angle)^T + still, with the common angle of rotation and the waves E at the tips. If it does not depend on the
+    angle, S is empty and all of it is in `still`.
     """
 
     omega: Array
@@ -196,7 +196,7 @@ class RubSystem:
 
     @property
     def turns(self) -> bool:
-        """Whether residual compliance depends on the angle."""
+        """Whether the residual compliance depends on the angle."""
         return self.S.size > 0
 
     def compliance(self, turned: float) -> Array:
@@ -208,7 +208,7 @@ class RubSystem:
 
 
 def rub_system(rub: Rub, dimensions: int) -> RubSystem:
-    """Arrays of a rub whose contacts are seen in `dimensions` (1: frictionless, else those of the rub)."""
+    """Arrays of a rub whose contacts have `dimensions` directions (1: frictionless, else those of the rub)."""
     still = _still_rub(rub.casing, rub.blades, rub.tips, dimensions)
     none, sizes = still.load, np.diff(still.first)
 
@@ -230,7 +230,7 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
 def _still_rub(
     casing: ModalBody, blades: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], dimensions: int
 ) -> RubSystem:
-    """Common part of runs of the same bodies: at rest, round, without clearance but the tips' own."""
+    """Part that all runs of the same bodies share: at rest, round, with only the clearances of the tips."""
     bodies = (casing, *blades)
     sizes = [body.omega.size for body in bodies]
     first = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
@@ -258,7 +258,7 @@ def _still_rub(
 
 
 def matrices_of(rub: Rub) -> BodyMatrices:
-    """C and K of the bodies by the speed: those on the side that turns see it, blades in the other sense."""
+    """C and K of the bodies by the speed of the side that rotates; blades rotate in the opposite sense."""
     given = {stiff.blade for stiff in rub.stiffening}
     blades = [
         replace(body, stiffness_by_speed=None, stiffness_higher=None) if k in given else body
@@ -270,7 +270,7 @@ def matrices_of(rub: Rub) -> BodyMatrices:
 
 
 def _rim_table(casing: ModalBody) -> RimTable:
-    """Keep, per mode, the harmonics above the noise of an eigen solver."""
+    """Table of the harmonics of each mode that exceed the noise of an eigenvalue solver."""
     N = casing.n_max
     m = casing.omega.size
     blocks = casing.rows.reshape(-1, 2 * N + 1, m)
@@ -286,7 +286,7 @@ def _rim_table(casing: ModalBody) -> RimTable:
 def _residual(
     casing: ModalBody, blades: Sequence[ModalBody], tips: Sequence[ContactPoint], along: Sequence[Array], angle: Array
 ) -> tuple[Array, Array]:
-    """`S` and `still` of a rub's system; `along` the directions of each tip over the channels of its blade."""
+    """`S` and `still` of a rub's system; `along`: the directions of each tip over the channels of its blade."""
     size, d = 2 * casing.n_max + 1, len(along[0])
     blocks = [line * casing.directions + i for line in range(casing.rim_lines) for i in range(d)]
     full = casing.S.reshape(-1, size, casing.directions * casing.rim_lines, size)
@@ -300,7 +300,10 @@ def _residual(
 
 
 def waves_of_tips(angle: Array, line: Indices, d: int, shape: tuple[int, ...]) -> Array:
-    """Waves at tips on lines of the casing, (K d, lines d (2 N + 1)): 1, cos .. cos N, sin .. sin N in their block."""
+    """Waves at tips on lines of the casing, (K d, lines d (2 N + 1)): 1, cos .. cos N, sin ..
+
+    sin N in each tip's block.
+    """
     h = harmonics(shape[1] // 2, angle)
     E = np.zeros((angle.size, d, *shape))
     for i in range(d):
@@ -309,7 +312,7 @@ def waves_of_tips(angle: Array, line: Indices, d: int, shape: tuple[int, ...]) -
 
 
 def _turned(S: Array, by: float, d: int, line: Indices) -> bool:
-    """Whether a casing turned by this angle has another residual compliance on the lines of the tips."""
+    """Whether rotation of the casing by this angle changes the residual compliance on the lines of the tips."""
     N = S.shape[1] // 2
     n = np.arange(1, N + 1)
     R = np.eye(2 * N + 1)

@@ -6,7 +6,7 @@ from contact.base.errors import InputError
 
 
 def casing_turns(turning: str) -> bool:
-    """Whether it is the casing that turns; raises InputError for a word that is neither.
+    """Whether the casing rotates; raises InputError for a word that is neither "casing" nor "blades".
 
     >>> casing_turns("casing"), casing_turns("blades")
     (True, False)

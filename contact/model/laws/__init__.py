@@ -1,4 +1,4 @@
-"""Contact laws beside the usual ones: forces by depth and rate, a table, a law of one's own."""
+"""Further contact laws: force as a function of depth and rate, a table, a law of your own."""
 
 import lazy_loader
 

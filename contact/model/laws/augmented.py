@@ -12,9 +12,9 @@ from contact.base.arrays import require_positive
 class AugmentedLagrangian:
     """Penalty with multiplier updates: force <- <force - stiffness g>, at most `updates` times a step.
 
-    Each update is solved with the motion of the step in it, so any `stiffness` [N/m] > 0 converges, a stiffer one
-    faster; it stops when neither gap nor force violates the law by more than `tolerance` [m] (Simo, Laursen,
-    Comput. Struct. 42, 1992, 97). For implicit schemes.
+    Each update includes the motion of the step, so any `stiffness` [N/m] > 0 converges, a larger one faster. The
+    updates stop when neither gap nor force violates the law by more than `tolerance` [m] (Simo, Laursen, Comput.
+    Struct. 42, 1992, 97). For implicit schemes.
 
     >>> AugmentedLagrangian(stiffness=1e6).updates
     50

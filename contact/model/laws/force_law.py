@@ -1,4 +1,4 @@
-"""Contacts whose force is a function of depth and rate: Hertz, tables, and a law of one's own."""
+"""Contacts whose force is a function of depth and rate: Hertz, tables, and a law of your own."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def hertz(depth: float, rate: float, values: Array) -> tuple[float, float]:
 
 
 def table(depth: float, rate: float, values: Array) -> tuple[float, float]:
-    """Straight lines between points, the last goes on; `values` depths from 0 [m], as many forces [N], c [N s/m]."""
+    """Piecewise linear force, the last line continued; `values`: depths from 0 [m], as many forces [N], c [N s/m]."""
     n = values.size // 2
     low, high = 0, n - 1
     while high - low > 1:
@@ -46,10 +46,10 @@ def table(depth: float, rate: float, values: Array) -> tuple[float, float]:
 class Response:
     """Force of a contact at a depth: `response(depth, rate)` is (force [N], slope [N/m]).
 
-    `depth` > 0 [m]: how far the bodies are inside each other; `rate` [m/s]: how fast that grows; slope: d force /
-    d depth. A force below zero counts as none. `function(depth, rate, values)` takes numbers and the array `values`
-    and uses `math` and numpy's functions of numbers alone: numba compiles it into the step loop. The force should not
-    fall with the depth, or a step may have several answers, of which one is taken.
+    `depth` > 0 [m]: overlap of the bodies; `rate` [m/s]: rate of the depth; slope: d force / d depth. A negative force
+    counts as zero. `function(depth, rate, values)` takes numbers and the array `values` and uses `math` and numpy's
+    functions of numbers alone: numba compiles it into the step loop. The force should not decrease with depth;
+    otherwise a step may have several solutions, of which one is taken.
 
     >>> stiffening = Response(lambda depth, rate, k: (k[0] * depth**3, 3.0 * k[0] * depth**2), (1e12,))
     >>> [round(value, 3) for value in stiffening(1e-4)]
@@ -71,7 +71,7 @@ class Response:
         return float(force), float(slope)
 
     def energy(self, depth: float) -> float:
-        """Energy stored at a depth [J]: the integral of the force at rate 0 over the depth, 32 Gauss points."""
+        """Energy stored at a depth [J]: integral of the force at rate 0 over the depth, by 32 Gauss points."""
         if not depth > 0.0:
             return 0.0
         forces = [max(self(0.5 * depth * (1.0 + x))[0], 0.0) for x in AT]
@@ -90,9 +90,9 @@ class _GivesWay:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ForceLaw(_GivesWay):
-    """A contact law of one's own: `response` gives force and slope at a depth and rate; `mu` of Coulomb friction.
+    """A contact law of your own: `response` gives force and slope at a depth and rate; `mu` of Coulomb friction.
 
-    It is made of a `Response`, or of a function of (depth, rate, values). The force is that at the mean of three steps,
+    Pass a `Response`, or a function of (depth, rate, values). The force is evaluated at the mean of three steps,
     (gap_{n+1} + 2 gap_n + gap_{n-1})/4, or at gap_{n+1} with `ExactModal(law="forward")`, and is solved together with
     the motion of the step. For the exact-modal scheme. Raises InputError.
 
@@ -140,7 +140,7 @@ class Hertz(_GivesWay):
 
     @property
     def words(self) -> str:
-        """Its name in the label of a run."""
+        """Name in the label of a run."""
         return f"Hertz, {self.k:.3g} N/m^{self.exponent:g}"
 
     @property
@@ -151,10 +151,10 @@ class Hertz(_GivesWay):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ForceTable(_GivesWay):
-    """A bumper's measured curve: force [N] over depth [m], straight lines between points; the last line goes on.
+    """A bumper's measured curve: force [N] over depth [m], linear between points; the last line is continued.
 
-    `depth` rises from 0, `force` from 0 and never falls. `damping` [N s/m] adds damping times rate. `mu` of Coulomb
-    friction. Raises InputError naming the point.
+    `depth` increases from 0; `force` starts at 0 and never decreases. `damping` [N s/m] adds damping times rate. `mu`
+    of Coulomb friction. Raises InputError naming the point.
 
     >>> bumper = ForceTable(depth=[0.0, 1e-3, 1.5e-3], force=[0.0, 50.0, 300.0])
     >>> [round(value) for value in bumper.response(1.25e-3)]

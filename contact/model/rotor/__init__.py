@@ -1,4 +1,4 @@
-"""Rotors: a disk on a massless shaft, a beam shaft with disks and bearings, matrices; their whirl and unbalance."""
+"""Rotors: a disk on a massless shaft, a beam shaft with disks and bearings, given matrices; whirl and unbalance."""
 
 import lazy_loader
 

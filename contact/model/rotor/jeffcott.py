@@ -19,7 +19,7 @@ class Jeffcott:
     """The Jeffcott rotor: m r'' + c_e r' + c_i (r' - i Omega r) + k r = f, r = x + i y.
 
     `mass` m, `stiffness` k; c_e = 2 `zeta` sqrt(k m) acts on the motion in space, c_i = 2 `zeta_internal` sqrt(k m) on
-    the motion seen from the shaft. Without bearings' anisotropy the motion grows above
+    the motion seen from the shaft. On isotropic bearings the motion grows above
     Omega = sqrt(k/m) (1 + zeta/zeta_internal).
 
     Raises InputError for a mass or a stiffness that is not positive, a negative ratio of damping.
@@ -52,7 +52,7 @@ class Jeffcott:
         )  # fmt: skip
 
     def internal(self) -> Array | None:
-        """Stiffness from internal damping per speed, (2, 2) [1/s]; None without it."""
+        """Stiffness per unit speed due to internal damping, (2, 2) [1/s]; None without it."""
         if self.zeta_internal == 0.0:
             return None
         return 2.0 * self.zeta_internal * self.omega * np.array([[0.0, 1.0], [-1.0, 0.0]])

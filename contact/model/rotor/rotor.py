@@ -28,9 +28,9 @@ LIMIT = 2.5  # m: of a rotor whose length is not known, `PART` of the longest st
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Release:
-    """Loss of mass at an instant: the additional unbalance from then on.
+    """Loss of mass at a given time: the additional unbalance from then on.
 
-    `angle_deg` counts from the x axis of the rotor in the sense of rotation. The lost mass itself stays in the model.
+    `angle_deg` counts from the x axis of the rotor in the sense of rotation. The model keeps its mass.
 
     >>> Release(time=0.5, moment=5e-2, angle_deg=90.0).moment
     0.05
@@ -68,11 +68,11 @@ class Unbalance:
 
     @property
     def acts(self) -> bool:
-        """Whether there is any, from the start or after the release."""
+        """Whether there is any unbalance, from the start or after the release."""
         return self.before != 0.0 or self.after != 0.0
 
     def at(self, t: float, h: float) -> complex:
-        """U in the step of length h about t [kg m]; a release counts for the part of the step that follows it."""
+        """U in the step of length h about t [kg m]; a release counts for the part of the step after it."""
         if self.release is None:
             return self.after
         share = min(max((t - self.release.time) / h + 0.5, 0.0), 1.0)
@@ -100,7 +100,7 @@ def _exact(moment: float, angle_deg: float) -> complex:
 class Spin:
     """A rotor whose speed follows from its torques: inertia dOmega/dt = torque + torque of the contacts.
 
-    The rotor starts at its speed. What unbalance and deformed casing take from it is in the balance, too.
+    The rotor starts at its speed. The balance includes the energy that unbalance and deformed casing take from it.
     Gyroscopic moments are known from standstill to `most_hz`; a run that goes beyond ends with an error.
 
     Raises InputError for an inertia or a speed that is not positive.
@@ -122,18 +122,18 @@ class Spin:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Rotor:
-    """A rotor in a frame that does not turn, without contact.
+    """A rotor without contact, in a frame that does not rotate.
 
     q'' + (C + Omega G) q' + (K + Omega H) q = rows^T f: C, K and G are `damping`, `stiffness` and `gyroscopic` of the
-    `body`, beside its modes; `internal` is H (m, m), what damping that turns with the shaft adds. Omega > 0 turns from
-    x to y. The `unbalance` acts at the channels `at`.x and `at`.y, where the orbit is measured; `gravity` [m/s^2]
-    pulls towards -y and needs the body's participation. The rotor starts at rest and straight or, `settled`, where
-    gravity and its start speed bend it; `displacement` and `velocity` (m,) of the modes are added.
+    `body`, beside its modes; `internal` is H (m, m), the effect of damping that rotates with the shaft. Omega > 0 turns
+    from x to y. The `unbalance` acts at the channels `at`.x and `at`.y, where the orbit is measured; `gravity` [m/s^2]
+    pulls towards -y and needs the body's participation. The rotor starts at rest and straight or, with `settled`, in
+    its static deflection at the start speed; `displacement` and `velocity` (m,) of the modes are added.
 
-    A run without a casing ends where a node with channels x and y is further than `limit` [m] from its straight place:
-    linear theory assumes small motions. `Rotor.of` takes a tenth of a shaft's length.
+    A run without a casing ends where a node with channels x and y is farther than `limit` [m] from its straight
+    position: linear theory assumes small motions. `Rotor.of` takes a tenth of a shaft's length.
 
-    Raises InputError for channels that are not there, shapes that do not fit and a limit that is not positive.
+    Raises InputError for unknown channels, shapes that do not fit, and a limit that is not positive.
 
     >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6, zeta=0.02), hz=80.0, unbalance=Unbalance(moment=1e-3))
     >>> rotor.at, rotor.body.omega.size
@@ -186,12 +186,11 @@ class Rotor:
         velocity: ArrayLike | None = None,
         limit: float | None = None,
     ) -> Rotor:
-        """Make the rotor of a disk on a massless shaft, of a beam shaft, or of a body of someone's matrices.
+        """Make a rotor from a disk on a massless shaft, a beam shaft, or a body from given matrices.
 
-        `hz`: turns per second, or a `Speed` over time. `at`: place of the unbalance [m] on a shaft, its first disk if
-        left out; of a body the node, such as "6" of the channels 6.x and 6.y, the first one if left out. `modes` of a
-        shaft that are kept, all if left out. `limit` [m]: largest motion; left out, a tenth of the length of a shaft,
-        of others 2.5 m, a tenth of the longest rotor.
+        `hz`: turns per second, or a `Speed` over time. `at`: position of the unbalance [m] on a shaft, by default its
+        first disk; on a body the node, such as "6" for the channels 6.x and 6.y, by default the first. `modes`: number
+        of shaft modes, by default all. `limit` [m]: largest motion, by default a tenth of a shaft's length, else 2.5 m.
 
         >>> from contact.model.rotor import Bearing, Disk, Piece
         >>> shaft = Shaft(pieces=[Piece(length=0.6, diameter=0.03)], disks=[Disk(at=0.3, mass=8.0)],
@@ -239,7 +238,7 @@ class Rotor:
 
     @property
     def sagged(self) -> Array:
-        """Modes at rest under the weight at the start speed, (m,); zero without gravity.
+        """Modes in static equilibrium under the weight at the start speed, (m,); zero without gravity.
 
         Raises InputError for a rotor that no bearing supports.
         """
@@ -252,7 +251,7 @@ class Rotor:
             raise InputError("gravity: found a rotor that no bearing supports, expected one, or gravity 0") from None
 
     def rates(self) -> tuple[Rate | Change, ...]:
-        """The speed, a change of it, and the release."""
+        """Rates of the speed, of its change, and of the release."""
         fastest = float(np.abs(self.speed.hz).max())
         found: list[Rate | Change] = [Rate(key="speed", hz=fastest, words=f"{fastest:.6g} Hz")] if fastest else []
         if self.speed.time.size > 1:
@@ -264,7 +263,7 @@ class Rotor:
 
 
 def nodes_of(body: ModalBody) -> Sequence[str]:
-    """Nodes of which a body has the channels x and y; raises InputError where it has none.
+    """Nodes with the channels x and y of a body; raises InputError if there are none.
 
     >>> nodes_of(Jeffcott(mass=1.0, stiffness=1.0).body())
     ['disk']

@@ -1,11 +1,11 @@
-"""A rub whose blades turn on a flexible rotor: the rotor's modes join those of the casing.
+"""A rub whose blades are on a flexible rotor: the rotor's modes are added to those of the casing.
 
-A disk that moves by (x, y) brings the tip at phi closer by x cos phi + y sin phi and along by -x sin phi + y cos phi.
-To the gap this is a casing that moves by the opposite amount. Its waves of one nodal diameter are
+A disk motion (x, y) moves the tip at phi by x cos phi + y sin phi towards the casing and by -x sin phi + y cos phi
+along it. For the gap this equals the opposite motion of the casing. Its waves of one nodal diameter are
 
     radial cos1 = -x,   radial sin1 = -y,   tangential cos1 = -y,   tangential sin1 = x.
 
-So the rotor's modes have rows like those of a rim, on all its lines, and one contact step serves both.
+So the rotor's modes have rows like a rim, on all its lines, and the same contact step applies.
 """
 
 from __future__ import annotations
@@ -45,28 +45,27 @@ def rotor_rub(
 ) -> Rub:
     """Make the rub of blades on a rotor in a casing at rest.
 
-    The tips are at their angles at t = 0 and turn with the rotor, from x to y at a positive speed. The rotor brings
-    its speed, unbalance, gravity and motion at t = 0; gravity acts on the casing too, and on blades if each has a
-    participation. Forces on the tips act on the
-    disk at `rotor.at`. The inertia of the blades' own motion on the disk is left out: the mass of the blades belongs to
-    the disk, and blades vibrate as on a fixed root.
+    The tips are at their angles at t = 0 and turn with the rotor, from x to y at a positive speed. Speed, unbalance,
+    gravity and motion at t = 0 are those of the rotor; gravity acts on the casing too, and on blades if each has a
+    participation. Forces on the tips act on the disk at `rotor.at`. The inertia of the blades' own motion on the disk
+    is left out: the disk includes the mass of the blades, and blades vibrate as on a fixed root.
 
     Parameters
     ----------
     rotor
-        Shaft, disks and bearings; its mass has that of the blades.
+        Shaft, disks and bearings; its mass includes that of the blades.
     casing
         Basis of kind rim with n_max >= 1.
     blades, tips, clearance, profile, closing, thickness, stiffening
-        As of `Rub`; `rigid_tip()` is a blade that does not deform.
+        As in `Rub`; `rigid_tip()` is a blade that does not deform.
     spin
-        Inertia and drive of a rotor whose speed changes by its torques; left out, the speed is that of the rotor.
+        Inertia and drive of a rotor whose speed follows from its torques; if left out, the speed is that of the rotor.
 
     Raises
     ------
     InputError
         For a casing without waves of one nodal diameter, tips with axial friction, a rotor with internal damping whose
-        speed varies, a spin beside a closing gap or a speed over time, and as `Rub`.
+        speed varies, a spin beside a closing gap or a speed over time, and for the errors of `Rub`.
 
     >>> from contact.model.rotor.jeffcott import Jeffcott
     >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6, zeta=0.02), 30.0)
@@ -100,7 +99,7 @@ def rotor_rub(
 
 
 def _started(rub: Rub) -> Rub:
-    """The rub with the rotor where its own fields put it at t = 0."""
+    """The rub with the rotor in its own state at t = 0."""
     from contact.model.gaps.rub_system import settled
 
     rotor = rub.rotor
@@ -120,13 +119,13 @@ def _started(rub: Rub) -> Rub:
 
 
 def joined(casing: ModalBody, rotor: Rotor, spin: Spin | None = None) -> ModalBody:
-    """The modes of a casing at rest, of the rotor and of its spin, as one rim; it turns against the tips."""
+    """The modes of a casing at rest, of the rotor and of its spin, as one rim that rotates against the tips."""
     found = _with_rotor(casing, rotor)
     return found if spin is None else _with_spin(found, spin)
 
 
 def rotor_of(what: object) -> Rotor | None:
-    """The rotor of a problem; None of one without.
+    """The rotor of a problem; None without one.
 
     >>> rotor_of("no rotor") is None
     True
@@ -135,7 +134,7 @@ def rotor_of(what: object) -> Rotor | None:
 
 
 def casing_of(rub: Rub) -> ModalBody:
-    """The casing of a rub on a rotor, without the modes of rotor and spin; that of another rub as it is.
+    """The casing of a rub without the modes of rotor and spin.
 
     >>> from contact.model.rotor.jeffcott import Jeffcott
     >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6), 30.0)
@@ -179,7 +178,7 @@ def at_constant_speed(rub: Rub, hz: float) -> Rub:
 
 
 def _with_spin(casing: ModalBody, spin: Spin) -> ModalBody:
-    """One more mode, of stiffness 0: sqrt(inertia) times an angle, by which tips move along the rim."""
+    """One more mode without stiffness, sqrt(inertia) times an angle by which the tips move along the rim."""
     m, size = casing.omega.size, 2 * casing.n_max + 1
     row = np.zeros((casing.rim_lines, casing.directions, size))
     for line in range(casing.rim_lines):
@@ -241,7 +240,7 @@ def _rim_motion(casing: ModalBody) -> Array:
 
 
 def _beside(first: Array | None, second: Array | None, m: int, own: int) -> Array | None:
-    """Two square matrices along the diagonal; None where both are."""
+    """Two square matrices along the diagonal; None if both are."""
     if first is None and second is None:
         return None
     found = np.zeros((m + own, m + own))

@@ -1,4 +1,4 @@
-"""A beam shaft with rigid disks on bearings: its matrices in a frame that does not turn, and its modes."""
+"""A beam shaft with rigid disks on bearings: its matrices in a fixed frame, and its modes."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Disk:
-    """A rigid disk at a place of the shaft, with its moments of inertia about the axis and about a diameter.
+    """A rigid disk at a position on the shaft, with its moments of inertia about the axis and about a diameter.
 
     >>> Disk(at=0.2, mass=8.0, polar=0.06, diametral=0.03).polar
     0.06
@@ -99,9 +99,9 @@ class Disk:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bearing:
-    """A bearing between a place of the shaft and the ground: f = -K u - C u' of the displacements u = (x, y).
+    """A bearing between a position on the shaft and the ground: f = -K u - C u' for displacements u = (x, y).
 
-    `kyy` and `cyy` are those of x where they are left out. `k_tilt` resists the tilt of the shaft.
+    `kyy` and `cyy` default to the values of x. `k_tilt` resists the tilt of the shaft.
 
     Raises InputError for a negative stiffness or damping along x, y or tilt.
 
@@ -149,12 +149,12 @@ class RotorMatrices(NamedTuple):
 class Shaft:
     """Pieces of a shaft one after the other from z = 0, with disks and bearings; nodes are numbered from 1 along z.
 
-    The frame does not turn. In the planes x-z and y-z the beam has the matrices of Timoshenko's theory, with the
+    The frame does not rotate. In the planes x-z and y-z the beam has the matrices of Timoshenko's theory, with the
     rotary inertia M_r of its sections. A rotation about z at Omega couples the planes by 2 Omega M_r, a disk by its
     polar moment (H. D. Nelson, J. Mech. Des. 102, 1980, 793). Internal damping D = loss_time K_shaft acts on the
-    motion seen from the shaft: D (u' - Omega J u), J the turn by a right angle from x to y.
+    motion seen from the shaft: D (u' - Omega J u), with the rotation J by a right angle from x to y.
 
-    Raises InputError for a shaft without pieces or bearings, and for places beyond its end.
+    Raises InputError for a shaft without pieces or bearings, and for positions beyond its end.
 
     >>> shaft = Shaft(pieces=(Piece(length=0.6, diameter=0.03),), disks=(Disk(at=0.3, mass=8.0),),
     ...               bearings=(Bearing(at=0.0, kxx=1e8), Bearing(at=0.6, kxx=1e8)))
@@ -196,7 +196,7 @@ class Shaft:
 
     @property
     def nodes(self) -> Array:
-        """Places of the nodes along z [m]: ends of elements, disks, bearings and `places`."""
+        """Positions of the nodes along z [m]: ends of elements, disks, bearings and `places`."""
         ends = np.concatenate(([0.0], np.cumsum([piece.length for piece in self.pieces])))
         found = [np.linspace(a, b, p.elements + 1) for a, b, p in zip(ends[:-1], ends[1:], self.pieces, strict=True)]
         own = [*(disk.at for disk in self.disks), *(bearing.at for bearing in self.bearings)]
@@ -204,7 +204,7 @@ class Shaft:
         return np.asarray(every[np.concatenate(([True], np.diff(every) > SAME * self.length))])
 
     def node(self, at: float) -> int:
-        """Number of the node at a place [m]; raises InputError where there is none."""
+        """Number of the node at a position [m]; raises InputError if there is none."""
         nodes = self.nodes
         k = int(np.abs(nodes - at).argmin())
         if abs(nodes[k] - at) > 2.0 * SAME * self.length:
@@ -212,7 +212,7 @@ class Shaft:
         return k + 1
 
     def matrices(self) -> RotorMatrices:
-        """The matrices, rows x and ry of all nodes, then y and rx."""
+        """The matrices, with rows x and ry of all nodes, then y and rx."""
         nodes = self.nodes
         n = 2 * nodes.size
         M, K, D, G = (np.zeros((n, n)) for _ in range(4))
@@ -248,9 +248,11 @@ class Shaft:
         return RotorMatrices(M=M, C=C, K=K, G=G, H=H, dofs=dofs)
 
     def reduced(self, modes: int | None = None) -> tuple[ModalBody, Array | None]:
-        """Modes of the shaft at rest, seen at all nodes as 1.x, 1.ry, ..., and the matrix of its internal damping.
+        """Modes of the shaft at rest, with channels 1.x, 1.ry, ...
 
-        `modes` kept: all that have mass if left out. Raises InputError for more modes than there are.
+        at all nodes, and the matrix of its internal damping.
+
+        `modes`: number of kept modes, by default all with mass. Raises InputError if there are fewer modes.
         """
         found, n = self.matrices(), 4 * self.nodes.size
         if modes is not None and not 1 <= modes <= n:
@@ -273,7 +275,7 @@ class Shaft:
 
 
 def _soft_first(K: Array, M: Array) -> tuple[Array, Array, float]:
-    """Eigenvalues of M x = theta (K + shift M) x, whose lowest modes are the sharpest; shifted if K is singular."""
+    """Eigenvalues of M x = theta (K + shift M) x, which resolves the lowest modes best; shifted if K is singular."""
     from scipy.linalg import eigh
 
     for shift in (0.0, SHIFT * float(np.median(np.diag(K) / np.diag(M)))):
@@ -286,7 +288,7 @@ def _soft_first(K: Array, M: Array) -> tuple[Array, Array, float]:
 
 
 def _residual(K: Array, phi: Array, squared: Array) -> Array:
-    """Static compliance of the modes left out; none where all are kept or some are rigid."""
+    """Static compliance of the omitted modes; None if all are kept or some are rigid."""
     if len(squared) == len(K) or not squared.all():
         return np.zeros_like(K)
     lost = np.linalg.inv(K) - phi / squared @ phi.T
@@ -296,7 +298,7 @@ def _residual(K: Array, phi: Array, squared: Array) -> Array:
 
 
 def element(piece: Piece, length: float) -> tuple[Array, Array, Array]:
-    """Stiffness, mass of the motion and of the tilt of one beam element in one plane, (4, 4) each.
+    """Stiffness, translational mass and rotary mass of one beam element in one plane, (4, 4) each.
 
     Displacement and slope at its two ends; J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968.
 

@@ -43,7 +43,7 @@ RESPONSE = (
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class RotorCampbell(Reported):
-    """Whirl modes of a rotor, a row for each speed and mode: all arrays have one shape (rows,).
+    """Whirl modes of a rotor, a row for each speed and mode: all arrays have the shape (rows,).
 
     >>> import contact as ct
     >>> shaft = ct.rotor.Rotor.of(ct.rotor.Jeffcott(mass=1.0, stiffness=100.0), 1.0)
@@ -61,7 +61,7 @@ class RotorCampbell(Reported):
     growth: Array
 
     def of(self, sense: str) -> list[Array]:
-        """Frequencies [Hz] of one sense, an array for each speed in ascending order."""
+        """Frequencies [Hz] of one whirl sense, an array for each speed in ascending order."""
         at = np.array([one == sense for one in self.sense])
         return [np.sort(self.freq_hz[at & (self.speed_hz == hz)]) for hz in np.unique(self.speed_hz)]
 
@@ -123,7 +123,7 @@ def modes_at(rotor: Rotor, omega: float) -> tuple[NDArray[np.complex128], NDArra
 
 
 def growth(rotor: Rotor, speed_hz: ArrayLike) -> Array:
-    """Largest growth rate of the free motion at each speed, (speeds,) [1/s]; with modes that do not oscillate.
+    """Largest growth rate of the free motion at each speed, (speeds,) [1/s], including modes that do not oscillate.
 
     >>> from contact.model.rotor import Jeffcott
     >>> rotor = Rotor.of(Jeffcott(mass=1.0, stiffness=100.0, zeta=0.02, zeta_internal=0.01), 1.0)
@@ -139,7 +139,10 @@ def growth(rotor: Rotor, speed_hz: ArrayLike) -> Array:
 
 
 def sense_of(rotor: Rotor, shape: NDArray[np.complex128], sign: float = 1.0) -> list[str]:
-    """forward, backward or planar of each shape (m, modes), by the area of its orbits; `sign` of the speed."""
+    """Whirl sense (forward, backward or planar) of each shape (m, modes), by the area of its orbits.
+
+    `sign` of the speed.
+    """
     x, y = np.moveaxis(rotor.places, 1, 0) @ shape
     area = -2.0 * (np.conj(x) * y).imag.sum(axis=0)
     size = (np.abs(x) ** 2 + np.abs(y) ** 2).sum(axis=0)
@@ -148,10 +151,10 @@ def sense_of(rotor: Rotor, shape: NDArray[np.complex128], sign: float = 1.0) -> 
 
 
 def critical_speeds(rotor: Rotor) -> list[dict[str, Any]]:
-    """Speeds [turns/s] at which the undamped rotor whirls once a turn, ascending: {speed_hz, sense}.
+    """Speeds [turns/s] at which the undamped rotor whirls once per turn, ascending: {speed_hz, sense}.
 
-    K Q = Omega^2 (I - i G) Q with the symmetric part of K. Unbalance drives the forward ones; on bearings that are not
-    isotropic the backward ones too. Of two equal speeds one is forward and one is backward.
+    K Q = Omega^2 (I - i G) Q with the symmetric part of K. Unbalance drives the forward modes, on anisotropic bearings
+    also the backward ones. Of two equal speeds one is forward and one backward.
 
     >>> from contact.model.rotor import Jeffcott
     >>> [(round(2.0 * np.pi * one["speed_hz"], 6), one["sense"]) for one in critical_speeds(
@@ -175,7 +178,7 @@ def critical_speeds(rotor: Rotor) -> list[dict[str, Any]]:
 
 
 def _apart(rotor: Rotor, squared: Array, shape: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """The shapes (m, modes), those of equal eigenvalues combined to the most forward and the most backward one."""
+    """The shapes (m, modes), with those of equal eigenvalues combined to the most forward and most backward ones."""
     found = shape.copy()
     equal = np.diff(squared) <= SAME * squared[1:]
     for own in np.split(np.arange(squared.size), np.flatnonzero(~equal) + 1):
