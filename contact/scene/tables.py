@@ -1,4 +1,4 @@
-"""Scene files of kinds "rods", "beam" and "cantilever"; and of every kind, imported when one is read."""
+"""Scene files of kinds "rods", "beam" and "cantilever"; the other kinds are imported when a file needs them."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class BeamTable(Table):
 
 @table_of(BeamInCircle)
 class CircleTable(Table):
-    """[circle]: radius and offset of its centre from the hinge [m]."""
+    """[circle]: radius, and offset of its centre from the hinge [m]."""
 
     radius: float
     offset: float
@@ -57,7 +57,7 @@ class CircleTable(Table):
 
 @table_of(ThinRing, optional=SECTION)
 class RingTable(Table):
-    """[ring]: an elastic ring in place of the rigid circle: the section of `ThinRing`, or a modal basis file."""
+    """[ring]: an elastic ring instead of the rigid circle: the section of `ThinRing`, or a modal basis file."""
 
     basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
     n_max: Annotated[int, Field(ge=1, le=200)] = Field(default=20, description="highest number of nodal diameters")
@@ -71,14 +71,14 @@ class RingTable(Table):
         return self
 
     def body(self, folder: Path, radius: float) -> ModalBody:
-        """The ring from its file, or by its section on the circle's radius."""
+        """The ring from its file, or from its section and the circle's radius."""
         if self.basis is not None:
             return read_basis(folder / self.basis)
         return ring_modes(value_of(self, ThinRing, radius=radius), self.n_max)
 
 
 class BeamFile(SceneFile):
-    """A hinged beam in an eccentric circle, rigid or an elastic ring."""
+    """A hinged beam in an eccentric circle, which is rigid or an elastic ring."""
 
     scene: BeamHead = Field(description="what this scene is")
     beam: BeamTable = Field(description="the beam")
@@ -88,7 +88,7 @@ class BeamFile(SceneFile):
     record: RecordTable | None = Field(default=None, description="what is stored")
 
     def files(self) -> list[str]:
-        """Files the scene is made of, beside its own."""
+        """Files that the scene uses, besides its own."""
         return [] if self.ring is None or self.ring.basis is None else [self.ring.basis]
 
     def built(self, folder: Path, problems: Problems) -> Built:

@@ -1,4 +1,4 @@
-"""Scene files for `casingfem cycles` of a turning rim: the tables of its bodies, and a range in place of a run."""
+"""Scene files for `casingfem cycles` of a rotating rim: the tables of its bodies, and a range instead of a run."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ContinuationTable(Table):
 
 
 class BasinsTable(Table):
-    """[basins]: runs from random starts at one value of the parameter, and the motions that they reach."""
+    """[basins]: runs from random starts at one value of the parameter, to find the motions that they reach."""
 
     at: Number = Field(description="value of the parameter, within the range [unit of the parameter]")
     starts: Annotated[int, Field(ge=1, le=100_000)] = Field(default=100, description="number of runs")
@@ -47,7 +47,7 @@ class BasinsTable(Table):
 
 
 class SpeedRange(Table):
-    """[speed] of a rim: from where to where [Hz], or one where something else is varied."""
+    """[speed] of a rim: first and last speed [Hz], or a single one if another parameter is varied."""
 
     from_hz: TurnsPerSecond | None = Field(default=None, description="first speed [turns/s]")
     to_hz: TurnsPerSecond | None = Field(default=None, description="last speed [turns/s]")
@@ -68,7 +68,7 @@ class SpeedRange(Table):
 
 
 class VaryTable(Table):
-    """[vary] of a rim: the first and the last clearance [m], or the first and the last coefficient of friction."""
+    """[vary] of a rim: first and last clearance [m], or first and last coefficient of friction."""
 
     clearance: Annotated[list[Gap], TWO] | None = Field(default=None, description="first and last [m]")
     friction: Annotated[list[Friction], TWO] | None = Field(default=None, description="first and last [-]")
@@ -81,19 +81,19 @@ class VaryTable(Table):
 
     @property
     def between(self) -> tuple[float, float]:
-        """From where to where."""
+        """First and last value of the parameter."""
         first, last = self.clearance or self.friction or (0.0, 0.0)
         return first, last
 
 
 class TurningHead(Table):
-    """[scene] of a rim or a rub: the kind alone, for nothing ends."""
+    """[scene] of a rim or a rub: only the kind, since there is no end time."""
 
     kind: Literal["rim", "rub", "disk"] = Field(description="which kind of scene this is")
 
 
 class TurningFile(CheckedFile):
-    """Common tables of scenes with a rotating rim: the range, the coating, settings of the continuation."""
+    """Tables that scenes with a rotating rim share: the range, the coating, settings of the continuation."""
 
     scene: TurningHead = Field(description="what this scene is")
     coating: CoatingTable | None = Field(default=None, description="a coating of the rim, which gives way, not worn")
@@ -118,19 +118,19 @@ class TurningFile(CheckedFile):
 
 
 class RimCyclesFile(TurningFile):
-    """A turning rim against its blade."""
+    """A rotating rim against its blade."""
 
     casing: CasingTable = Field(description="the rim")
     blade: BladeTable = Field(description="the blade")
     contact: RimContact = Field(description="the gap")
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where it is not known."""
+        """Radius of the rotating rim [m]; 0 if unknown."""
         return radius_of(folder / self.casing.basis)
 
 
 class RubCyclesFile(TurningFile):
-    """Blades before a turning rim, each tip in one or more places, sliding around."""
+    """Blades at a rotating rim, each tip in one or more places, sliding along the rim."""
 
     casing: RubCasing = Field(description="the rim")
     blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]")
@@ -138,19 +138,19 @@ class RubCyclesFile(TurningFile):
     whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where it is not known."""
+        """Radius of the rotating rim [m]; 0 if unknown."""
         return radius_of(folder / self.casing.basis)
 
 
 class DiskCyclesFile(TurningFile):
-    """A disk of blades before a turning rim."""
+    """A disk of blades at a rotating rim."""
 
     casing: DiskCasingTable = Field(description="the rim")
     disk: DiskTable = Field(description="the blades")
     contact: GapTable = Field(description="the gap")
 
     def radius(self, folder: Path) -> float:
-        """Radius of the rim that turns [m]; 0 where it is not known."""
+        """Radius of the rotating rim [m]; 0 if unknown."""
         return self.casing.radius(folder)
 
 

@@ -1,4 +1,4 @@
-"""The side of a rim or rub that rotates: the key [speed] turning, and warnings about omitted effects."""
+"""The side of a rim or rub that rotates: the key `turning` of [speed], and warnings about omitted effects."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ MEANING = (
 
 
 def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
-    """Warn where `turning` is left out and matters, and of bodies that turn fast or without their matrices.
+    """Warn if `turning` is left out and matters, and of bodies that rotate fast or without their matrices.
 
-    Raises SceneError for a body at a speed at which its matrices are not known.
+    Raises SceneError for a body at a speed for which its matrices are not known.
     """
     if not rub.speed.hz.any():
         return
@@ -51,7 +51,7 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
 
 
 def moved_by_speed(body: ModalBody, omega: float) -> float:
-    """Largest relative change of a frequency from the speed of the modes to `omega` [rad/s], modes uncoupled.
+    """Largest relative change of a frequency from the speed of the modes to `omega` [rad/s], for uncoupled modes.
 
     >>> body = ModalBody(omega=[3.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], stiffness_by_speed=[[1.0]])
     >>> round(moved_by_speed(body, 4.0), 3)

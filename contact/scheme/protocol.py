@@ -1,16 +1,15 @@
 """Interface between `run` and a scheme: a numbered contract and two small protocols.
 
-1. `Scheme.prepare` takes the physics and the law, checks its limits and refuses with numbers (LimitError) or
-   an InputError when law or scene are not its own; it returns a Stepper at t = 0.
-2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills
-   `out`, adds to `sums`, and returns -1, or the step that failed.
-3. The force of step n acts at the time of its sample: t_n = n h in leapfrog schemes, t_n + h/2 where it is the
-   mean over the step, t_{n+1} where it balances the end of the step. It makes the law valid for the gap stored
-   beside it; where the law is one of velocities, `residual` is theirs times h.
-4. `stored()` and `motions()` read the present state and change nothing.
-5. The energy ledger closes: change of stored energy = work of contact, damping and loads along the displacement +
-   the scheme's own gain. With v_m, f_m means of the step's two ends, a one-step scheme moves by h v_m + s under
-   the mean force f_m + Q^T force + delta; its own gain is du.delta - s.M dv/h, from the formulas of s and delta.
+1. `Scheme.prepare` takes the physics and the law, checks its limits and raises LimitError with the numbers, or
+InputError for a law or scene that it does not support; it returns a Stepper at t = 0. 2. `Stepper.advance(out, first,
+steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills `out`, adds to `sums`, and returns -1,
+or the step that failed. 3. The force of step n acts at the time of its sample: t_n = n h in leapfrog schemes, t_n + h/2
+where it is the mean over the step, t_{n+1} where it balances the end of the step. It makes the law valid for the gap
+stored beside it; where the law is one of velocities, `residual` is theirs times h. 4. `stored()` and `motions()`
+evaluate the current state without changing it. 5. The energies balance: change of stored energy = work of contact,
+damping and loads along the displacement + the gain of the scheme. With v_m, f_m means of the step's two ends, a
+one-step scheme moves by h v_m + s under the mean force f_m + Q^T force + delta; its gain is du.delta - s.M dv/h,
+from the formulas of s and delta.
 """
 
 from __future__ import annotations
@@ -47,11 +46,11 @@ class Modal(Protocol):
 
 @runtime_checkable
 class Loaded(Protocol):
-    """A problem that gives how far its constant loads move it within a step; optional for a problem of one's own."""
+    """Problem that states the motion due to its constant loads within a step; optional for a problem of your own."""
 
     @property
     def load_response(self) -> float:
-        """f^T M^-1 f of the constant loads [J/s^2]: times h^2, what the energy of a leapfrog scheme is off by."""
+        """f^T M^-1 f of the constant loads [J/s^2]; times h^2, the energy offset of a leapfrog scheme."""
 
 
 Problem = Linear | Modal | PointGap | RotatingRim | BeamInCircle | Patch | Rub | Rotor
@@ -59,9 +58,9 @@ Problem = Linear | Modal | PointGap | RotatingRim | BeamInCircle | Patch | Rub |
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """Rigid part of one body's motion: `mean_velocity` [m/s], `momentum` [kg m/s]; NaN where it has none.
+    """Rigid part of one body's motion: `mean_velocity` [m/s], `momentum` [kg m/s]; NaN without one.
 
-    `number` is the body's place in the user's list, `kind` mass | rod | casing | blade | body.
+    `number` is the body's index in the user's list, `kind` mass | rod | casing | blade | body.
 
     >>> Motion(kind="mass", number=0, mean_velocity=0.5, momentum=1.0).momentum
     1.0
@@ -75,12 +74,12 @@ class Motion:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Notes:
-    """Notes of a run beside its forces.
+    """Results of a run besides its forces.
 
-    `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
-    (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them. `orbit` with
-    which the run of a rotor ends; the largest `deflection` of a rim [m] where it is beyond half its wall, else 0;
-    energy and momentum of the `spin` of a rotor whose speed follows from its torques.
+    `flags`: where the run left the range of its theory; `heat` (K,) dissipated by slip and `drive` (K,) the work of the
+    drive against friction [J]; None if the scheme does not sum them. `orbit` at the end of the run of a rotor; the
+    largest `deflection` of a rim [m] if it exceeds half its wall, else 0; energy and momentum of the `spin` of a rotor
+    whose speed follows from its torques.
     """
 
     flags: tuple[Flag, ...] = ()
@@ -95,7 +94,9 @@ Block = tuple[str, int, int]
 
 
 class Stepper(Protocol):
-    """A run in progress; see the module's contract. `PlainStepper` answers the last five for most schemes.
+    """Interface of a run; see the module's contract.
+
+    `PlainStepper` implements the last five functions for most schemes.
 
     >>> import contact as ct
     >>> mass = ct.LinearBody(M=[2.0], K=[[800.0]], Q=[[1.0]], gap0=[0.01], velocity=[-0.5])
@@ -114,7 +115,7 @@ class Stepper(Protocol):
 
     @property
     def window(self) -> float:
-        """Period of the highest frequency [s]: forces averaged over it converge, raw ones do not."""
+        """Period of the highest frequency [s]: forces averaged over it converge, raw forces do not."""
 
     @property
     def sums(self) -> Tally:
@@ -126,14 +127,14 @@ class Stepper(Protocol):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """Name, first and one past the last coordinate of each body."""
+        """Name, first coordinate and one past the last coordinate of each body."""
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """Arrays that `advance` changes, in tuples of any depth: written back, a run goes on to the same bits."""
+        """Arrays that `advance` changes, in nested tuples; after restoring them a run continues with identical bits."""
 
     def why(self) -> Flag:
         """Explain a failed step, with its code."""
@@ -146,7 +147,7 @@ class Stepper(Protocol):
 
     @property
     def start(self) -> Stored:
-        """Energy of the given state, read before the first step."""
+        """Energy of the given state, evaluated before the first step."""
 
     @property
     def overlap(self) -> float:
@@ -154,17 +155,17 @@ class Stepper(Protocol):
 
     @property
     def limits(self) -> Array | None:
-        """Those of `motion_limits`: `advance` stops after the step that passed one; None without limits."""
+        """Limits of `motion_limits`: `advance` stops after the step that passed one; None without limits."""
 
     def notes(self) -> Notes:
-        """Notes on the run so far, beside its forces."""
+        """Results so far besides the forces."""
 
     def wear(self) -> tuple[Wear, ...]:
         """Wear of each track of a coating so far."""
 
 
 class PlainStepper(ABC):
-    """A base for steppers without overlap, limits, notes and coating, whose `stored()` at t = 0 is exact.
+    """Base class for steppers without overlap, limits, notes and coating, whose `stored()` at t = 0 is exact.
 
     >>> class AtRest(PlainStepper):  # a run in which nothing moves
     ...     def stored(self) -> Stored:
@@ -181,25 +182,25 @@ class PlainStepper(ABC):
 
     @property
     def start(self) -> Stored:
-        """Energy of the given state, read before the first step."""
+        """Energy of the given state, evaluated before the first step."""
         return self.stored()
 
     @property
     def overlap(self) -> float:
-        """Bodies do not overlap at t = 0."""
+        """Zero: bodies do not overlap at t = 0."""
         return 0.0
 
     @property
     def limits(self) -> Array | None:
-        """No limits of motion."""
+        """None: no limits of motion."""
         return None
 
     def notes(self) -> Notes:
-        """Nothing beside the forces."""
+        """Empty: no results besides the forces."""
         return Notes()
 
     def wear(self) -> tuple[Wear, ...]:
-        """No coating."""
+        """Empty: no coating."""
         return ()
 
 

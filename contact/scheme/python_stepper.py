@@ -1,4 +1,4 @@
-"""A stepper whose steps are written in Python: a scheme of one's own states one step, the rest is done here."""
+"""A stepper whose steps are written in Python: your own scheme defines one step, the base class does the rest."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from contact.scheme.protocol import Block, Motion, PlainStepper
 
 
 class PythonStepper(PlainStepper):
-    """A run of a scheme of one's own, for trials: a step takes hundreds of times as long as a compiled one.
+    """A run of your own scheme, for experiments: a step takes hundreds of times as long as a compiled one.
 
-    A subclass calls `__init__`, keeps its coordinates in an array `u` (N,) that it writes in place, and states `step`
-    and `stored`. `memory` lists further arrays that a step changes, velocities for example, so that a stopped run can
-    go on. Each step has the time of its start, n dt; its force acts over the step, and the gap is that at its end.
+    A subclass calls `__init__`, keeps its coordinates in an array `u` (N,) that it writes in place, and defines `step`
+    and `stored`. `memory` lists further arrays that a step changes, such as velocities, so that a stopped run can
+    continue. Each step has the time of its start, n dt; its force acts over the step, and the gap is that at its end.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class PythonStepper(PlainStepper):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """One body."""
+        """The single body."""
         return (("body 1", 0, self.size),)
 
     @property
@@ -93,11 +93,11 @@ class PythonStepper(PlainStepper):
         return Flag("the motion is not a finite number: reduce dt", "motion-overflow", failed=True)
 
     def motions(self) -> tuple[Motion, ...]:
-        """No rigid motion is stated."""
+        """Empty: no rigid motion is stated."""
         return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Take steps, store due samples, add to the sums; -1, or the step that failed."""
+        """Take steps, store due samples, and update the sums; returns -1, or the step that failed."""
         from contact.loop import tally as book
 
         due, store_state = uncompiled(book.state_due), uncompiled(book.store_state)
@@ -120,5 +120,5 @@ class PythonStepper(PlainStepper):
 
 
 def uncompiled(function: Any) -> Any:
-    """The Python function behind a compiled one: called once a step, it costs less than passing all its arrays."""
+    """The Python function behind a compiled one; for one call per step it costs less than passing all its arrays."""
     return getattr(function, "py_func", function)

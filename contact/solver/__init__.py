@@ -1,1 +1,1 @@
-"""One-step contact problems; compiled, so imported only when a run starts."""
+"""Contact problems of one step; compiled, so imported only when a run starts."""

@@ -1,7 +1,7 @@
 """Small dense systems inside compiled loops: the first n rows and columns of arrays that are large enough.
 
-Sizes are passed, not slices: a slice is another array to make in every call and to compile. Up to some thirty
-unknowns, as contacts of one step have, LAPACK called from a loop takes longer.
+Functions take sizes instead of slices, since a slice makes another array in every call and takes longer to compile. Up
+to about thirty unknowns, typical of contacts, LAPACK called from a loop takes longer.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def dot(a: Array, b: Array, n: int) -> float:
 
 @jit
 def subtract(a: Array, ratio: float, b: Array, first: int, n: int) -> None:
-    """Take ratio b from a, entries `first` and on."""
+    """Subtract ratio b from a, from entry `first` on."""
     whole, part = n - (n - first) % WIDTH, same(ratio)
     for i in range(first, whole, WIDTH):
         put(a, i, load(a, i) - part * load(b, i))
@@ -59,9 +59,9 @@ def affine(A: Array, x: Array, b: Array, out: Array, n: int) -> None:
 
 @jit
 def solve_in_place(A: Array, x: Array, n: int, panels: Panels) -> bool:
-    """Replace x by A^-1 x and A by its factors, rows exchanged for the largest pivot; False where a pivot is zero.
+    """Replace x by A^-1 x and A by its factors, with partial pivoting; returns False if a pivot is zero.
 
-    `panels` is to be used where n may be LARGE.
+    Use `panels` if n may be LARGE.
     """
     if n >= LARGE:
         if not panels(A, x, n):
@@ -78,7 +78,7 @@ def solve_in_place(A: Array, x: Array, n: int, panels: Panels) -> bool:
 
 @jit
 def eliminate(A: Array, x: Array, n: int) -> bool:
-    """Make A upper triangular; False where a pivot is zero."""
+    """Make A upper triangular; returns False if a pivot is zero."""
     for p in range(n):
         top, largest = p, abs(A[p, p])
         for i in range(p + 1, n):
@@ -98,7 +98,7 @@ def eliminate(A: Array, x: Array, n: int) -> bool:
 
 @jit
 def exchange(A: Array, x: Array, p: int, top: int, first: int, n: int) -> None:
-    """Rows p and `top` change places, from column `first` on."""
+    """Exchange rows p and `top`, from column `first` on."""
     x[p], x[top] = x[top], x[p]
     for k in range(first, n):
         A[p, k], A[top, k] = A[top, k], A[p, k]
@@ -106,7 +106,7 @@ def exchange(A: Array, x: Array, p: int, top: int, first: int, n: int) -> None:
 
 @jit
 def subtract_panel(A: Array, first: int, n: int) -> None:
-    """Take rows `first` .. `first` + PANEL - 1, times the factors in these columns, from all rows below."""
+    """Subtract rows `first` .. `first` + PANEL - 1, times the factors in these columns, from all rows below."""
     wide, begin = A.shape[1], first + PANEL
     p, whole = first * wide, n - (n - begin) % WIDTH
     for i in range(begin, n):
@@ -124,9 +124,9 @@ def subtract_panel(A: Array, first: int, n: int) -> None:
 
 
 def eliminate_panels(A: Array, x: Array, n: int) -> bool:
-    """Make A upper triangular, `PANEL` columns at a time: the rest is read and written once for all of them.
+    """Make A upper triangular, `PANEL` columns at a time, so that the rest is read and written once for all of them.
 
-    Every entry sees the operations of `eliminate`, in the same order.
+    Every entry undergoes the operations of `eliminate` in the same order.
     """
     for first in range(0, n, PANEL):
         end, top, largest = min(first + PANEL, n), first, abs(A[first, first])
@@ -155,7 +155,7 @@ def eliminate_panels(A: Array, x: Array, n: int) -> bool:
 
 
 class Panels(ByAddress):
-    """`eliminate_panels` as loops call it: loops of a few contacts need not contain it."""
+    """`eliminate_panels` as a function address, so that loops with few contacts do not contain its code."""
 
     kind: Any = types.boolean(MATRIX, VECTOR, types.int64)
     function = staticmethod(eliminate_panels)
@@ -163,7 +163,7 @@ class Panels(ByAddress):
 
 @jit
 def cholesky(W: Array, A: Array, n: int) -> None:
-    """Lower triangle A with A A^T = W, zeros above; NaN where W is not positive definite."""
+    """Lower triangle A with A A^T = W, zeros above; NaN if W is not positive definite."""
     for i in range(n):
         for k in range(i + 1):
             left = W[i, k] - dot(A[i], A[k], k)

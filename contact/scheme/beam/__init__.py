@@ -1,1 +1,1 @@
-"""The hinged beam in a circle, explicit and implicit."""
+"""Explicit and implicit schemes of the hinged beam in a circle."""

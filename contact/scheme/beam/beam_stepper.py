@@ -1,10 +1,10 @@
-"""A hinged beam in a circle, in progress: central differences with forward increment Lagrange multipliers, or Newmark.
+"""Run of a hinged beam in a circle: central differences with forward increment Lagrange multipliers, or Newmark.
 
-Explicit: M (x_{n+1} - 2 x_n + x_{n-1})/h^2 = f - f_int(x_n) + force_n, lumped M; each node that would leave the
-circle is pushed back along its radius until it lies on the (moved) rim exactly. Angular momentum about the hinge
-changes by the impulse of the moments, to round-off, whatever the step: internal forces of co-rotational elements are
-in equilibrium. Newmark, in a rigid circle: multipliers at t_{n+1}, Newton in each step. Unconditionally stable for
-linear motion when gamma >= 1/2, beta >= gamma/2; second order for gamma = 1/2 only. Samples are at the step's end.
+Explicit: M (x_{n+1} - 2 x_n + x_{n-1})/h^2 = f - f_int(x_n) + force_n, lumped M; a contact force along the radius puts
+each node that would leave the circle exactly on the (moved) rim. Angular momentum about the hinge changes by the
+impulse of the moments, to round-off, whatever the step: internal forces of co-rotational elements are in equilibrium.
+Newmark, in a rigid circle: multipliers at t_{n+1}, Newton in each step. Unconditionally stable for linear motion when
+gamma >= 1/2, beta >= gamma/2; second order for gamma = 1/2 only. Samples are at the step's end.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class BeamRun(PlainStepper):
-    """The scene, its sums and step; contacts are the nodes 1, 2, ... from the hinge outwards."""
+    """Scene, sums and step of the run; contacts are the nodes 1, 2, ... from the hinge outwards."""
 
     problem: BeamInCircle
     sums: Tally
@@ -42,7 +42,7 @@ class BeamRun(PlainStepper):
 
     @property
     def start(self) -> Stored:
-        """Energy of the straight beam as it begins to turn; a leapfrog scheme reads its own half a step before."""
+        """Energy of the straight beam at its start; leapfrog schemes evaluate their own energy half a step before."""
         x, mass, load, velocity = _start(self.problem.beam)
         return Stored(
             kinetic=0.5 * float(np.sum(mass * velocity**2)), strain=0.0, potential=-float(load[0, 2] * x[0, 2]),
@@ -56,11 +56,11 @@ class BeamRun(PlainStepper):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """The beam alone."""
+        """The beam as the only block."""
         return (("beam 1", 0, self.size),)
 
     def motion(self, velocity: Array) -> tuple[Motion, ...]:
-        """Momentum along x of nodes that move at `velocity` (nodes, 3)."""
+        """Momentum along x of nodes with these velocities (nodes, 3)."""
         mass = self.problem.beam.lumped()[:, 0]
         momentum = float(mass @ velocity[:, 0])
         return (Motion(kind="beam", number=0, mean_velocity=momentum / float(mass.sum()), momentum=momentum),)
@@ -73,7 +73,7 @@ class BeamRun(PlainStepper):
 
 
 def require_rigid(law: Law) -> None:
-    """Raise InputError for any law but that of rigid contact without friction."""
+    """Raise InputError for any law except rigid contact without friction."""
     if kind(law) != "Unilateral":
         raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")
 
@@ -87,14 +87,14 @@ class BeamStepper(BeamRun):
     ring: Propagator
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         from contact.loop.beam.beam import advance_beam
 
         return advance_beam(self.state, self.work, self.sums, out, self.dt, first, steps)
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, work arrays and sums."""
+        """Arrays that a step changes: state, work arrays and sums."""
         return self.state, self.work, self.sums
 
     def why(self) -> Flag:
@@ -128,7 +128,7 @@ class BeamStepper(BeamRun):
         return self.motion(self.state.d / self.dt)
 
     def angular_momentum(self) -> tuple[float, float]:
-        """About the hinge, at the half step, and the impulse of the contacts' moment so far [kg m^2/s, N m s]."""
+        """Angular momentum about the hinge at the half step, and impulse of the contacts' moment [kg m^2/s, N m s]."""
         from contact.loop.beam.beam import MOMENT
 
         s = self.state
@@ -196,14 +196,14 @@ class ImplicitBeamStepper(BeamRun):
     work: ImplicitWork
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         from contact.loop.beam.implicit import advance_implicit
 
         return advance_implicit(self.state, self.work, self.sums, out, self.dt, first, steps)
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, work arrays and sums."""
+        """Arrays that a step changes: state, work arrays and sums."""
         return self.state, self.work, self.sums
 
     def why(self) -> Flag:
@@ -212,7 +212,7 @@ class ImplicitBeamStepper(BeamRun):
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
-        """Energies at t_n; the discrete form leaves out the numerical energy of Newmark."""
+        """Energies at t_n; the discrete form omits the numerical energy of Newmark."""
         from contact.loop.beam.beam import strain_energy_and_forces
 
         s = self.state
@@ -227,7 +227,7 @@ class ImplicitBeamStepper(BeamRun):
         return self.motion(self.state.v)
 
     def angular_momentum(self) -> tuple[float, float]:
-        """About the hinge, and the impulse of the contacts' moment so far [kg m^2/s, N m s]."""
+        """Angular momentum about the hinge, and impulse of the contacts' moment so far [kg m^2/s, N m s]."""
         return self.spin(self.state.x, self.state.v), float(self.state.ledger[1])
 
 

@@ -1,1 +1,1 @@
-"""Schemes for bodies given by matrices: one file, one method."""
+"""Schemes for bodies given by matrices, one file for each method."""

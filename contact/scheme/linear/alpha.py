@@ -1,4 +1,4 @@
-"""Implicit schemes with the gap held at the end of the step: Newmark, HHT and contact-stabilised Newmark."""
+"""Implicit schemes with contact enforced at the end of the step: Newmark, HHT and contact-stabilised Newmark."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
 
 def newmark_limit(beta: float, gamma: float) -> float:
-    """Largest stable h omega of undamped Newmark with gamma >= 1/2: 1/sqrt(gamma/2 - beta), infinite from there on.
+    """Largest stable h omega of undamped Newmark with gamma >= 1/2.
+
+    1/sqrt(gamma/2 - beta), infinite for 2 beta >= gamma.
 
     >>> newmark_limit(0.25, 0.5), round(newmark_limit(0.25, 0.55), 3)
     (inf, 6.325)
@@ -34,7 +36,7 @@ def prepare_alpha(
     name: str, words: str, w: Weights, limit: float, problem: Problem, law: Law, dt: float | None,
     courant: float | None,
 ) -> LinearStepper:  # fmt: skip
-    """Stepper of the family; raises InputError, LimitError beyond dt omega_max = `limit`."""
+    """Stepper of the generalised-alpha family; raises InputError, LimitError beyond dt omega_max = `limit`."""
     from contact.loop.linear.alpha import advance_alpha
 
     run = setup(name, problem, law, ("Unilateral", "Penalty", "AugmentedLagrangian"), dt, courant)
@@ -47,12 +49,14 @@ def prepare_alpha(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HHT:
-    """HHT + Lagrange, penalty or augmented Lagrangian, the gap held at the end of each step; alpha = 0 is Newmark.
+    """HHT with contact enforced at the end of each step, by multipliers, penalty or augmented Lagrangian; alpha = 0.
+
+    Newmark.
 
     M a_{n+1} = (1 + alpha) F_{n+1} - alpha F_n + Q^T force, F = f - C v - K u, alpha in [-1/3, 0], with Newmark's
     formulas at beta = (1 - alpha)^2/4, gamma = 1/2 - alpha (Hilber, Hughes, Taylor, Earthq. Eng. Struct. Dyn. 5, 1977,
-    283). Order 2 in smooth motion, unconditionally stable, takes energy from the highest frequencies. The contact force
-    is not averaged, as inertia is not.
+    283). Order 2 in smooth motion, unconditionally stable, dissipates the highest frequencies. Like inertia, the
+    contact force is not averaged.
 
     >>> HHT(alpha=-0.1).alpha
     -0.1
@@ -75,15 +79,17 @@ class HHT:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Newmark:
-    """Newmark (beta > 0, gamma >= 1/2) + Lagrange, penalty or augmented Lagrangian, the gap held at each step's end.
+    """Newmark (beta > 0, gamma >= 1/2) with contact enforced at each step's end.
+
+    Multipliers, penalty, augmented Lagrangian.
 
     M a_{n+1} + C v_{n+1} + K u_{n+1} = f + Q^T force, u_{n+1} = u_n + h v_n + h^2 ((1/2 - beta) a_n + beta a_{n+1}),
     v_{n+1} = v_n + h ((1 - gamma) a_n + gamma a_{n+1}), g(u_{n+1}) >= 0 (J. Eng. Mech. Div. ASCE 85, 1959, 67).
 
-    Smooth motion: order 2 for gamma = 1/2, else 1; (1/4, 1/2) keeps the energy. Limit: dt omega_max <=
-    1/sqrt(gamma/2 - beta), none for 2 beta >= gamma. Contact: the node that meets takes an acceleration of order 1/h,
-    which alternates from step to step: with gamma = 1/2 it never fades and impacts add energy, with (1/4, .55) it fades
-    too slowly and the force does not converge, with (1/2, .55) it does. `reports.verification.schemes.rod_wall` shows
+    Smooth motion: order 2 for gamma = 1/2, else 1; (1/4, 1/2) keeps the energy. Limit: dt omega_max <= 1/sqrt(gamma/2 -
+    beta), none for 2 beta >= gamma. At an impact the contact node gets an acceleration of order 1/h, which alternates
+    from step to step. With gamma = 1/2 it never decays and impacts add energy; with (1/4, .55) it decays too slowly and
+    the force does not converge; with (1/2, .55) the force converges. `reports.verification.schemes.rod_wall` shows
     them.
 
     >>> Newmark(beta=0.5, gamma=0.55)
@@ -114,15 +120,14 @@ class Newmark:
 
 @dataclass(frozen=True, slots=True)
 class StabilisedNewmark:
-    """Contact-stabilised Newmark: implicit contact, and a predictor that is projected onto the gap (law: Unilateral).
+    """Contact-stabilised Newmark: implicit contact, with a predictor that is projected onto the gap (law: Unilateral).
 
-    Predictor u* = u_n + h v_n + s with g(u*) >= 0, s smallest in the metric of M; then
-    u_{n+1} = u* + h^2/2 M^-1 (f - C v_m - K u_m + Q^T force), v_{n+1} = v_n + h M^-1 (...), u_m = (u_n + u_{n+1})/2,
-    g(u_{n+1}) >= 0, force >= 0, complementary (Deuflhard, Krause, Ertel, Int. J. Numer. Meth. Eng. 73, 2008, 1274).
-    Unconditionally stable, order 2 in smooth motion, no penetration, no oscillation of a resting contact; energy kept
-    without contact and never gained with it (the loss is in `numerical` and `lost_in_contact`).
-    A contact without an elastic side, as of a point mass and a wall, keeps the speed it closes with, because no spring
-    takes it up: take another scheme there.
+    Predictor u* = u_n + h v_n + s with g(u*) >= 0, s smallest in the metric of M; then u_{n+1} = u* + h^2/2 M^-1 (f - C
+    v_m - K u_m + Q^T force), v_{n+1} = v_n + h M^-1 (...), u_m = (u_n + u_{n+1})/2, g(u_{n+1}) >= 0, force >= 0,
+    complementary (Deuflhard, Krause, Ertel, Int. J. Numer. Meth. Eng. 73, 2008, 1274). Unconditionally stable, order 2
+    in smooth motion, no penetration, no oscillation of a resting contact; energy kept without contact and never gained
+    with it (the loss is in `numerical` and `lost_in_contact`). A contact without an elastic side, such as a point mass
+    and a wall, keeps its closing speed, since no spring absorbs it; use another scheme there.
 
     >>> StabilisedNewmark()
     StabilisedNewmark()

@@ -15,11 +15,10 @@ from contact.scheme.protocol import Problem, Stepper
 class CentralDifference:
     """Central differences + forward increment Lagrange multipliers (law: Unilateral).
 
-    M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + C (u_{n+1} - u_{n-1})/(2 h) + K u_n = f + Q^T force_n,
-    g(u_{n+1}) >= 0, force_n >= 0, complementary
-    (Carpenter, Taylor, Katona, Int. J. Numer. Meth. Eng. 32, 1991, 103). Explicit, dt omega_max <= 2, which contact
-    does not lower; second order in smooth motion; no penetration. The nodes that meet lose the energy of their own
-    mass at each impact, and the first force is a spike that grows as 1/h.
+    M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + C (u_{n+1} - u_{n-1})/(2 h) + K u_n = f + Q^T force_n, g(u_{n+1}) >= 0, force_n
+    >= 0, complementary (Carpenter, Taylor, Katona, Int. J. Numer. Meth. Eng. 32, 1991, 103). Explicit, dt omega_max <=
+    2, also with contact; second order in smooth motion; no penetration. At each impact the contact nodes lose the
+    energy of their own mass, and the first force is a spike of order 1/h.
 
     >>> CentralDifference()
     CentralDifference()

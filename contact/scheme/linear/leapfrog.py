@@ -1,4 +1,4 @@
-"""Explicit schemes on linear problems: one leapfrog loop with four rules of contact."""
+"""Explicit schemes on linear problems: one leapfrog loop with four contact rules."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def prepare_leapfrog(
     name: str, words: str, rule: int, problem: Problem, law: Law, allowed: tuple[str, ...], dt: float | None,
     courant: float | None, restitution: float = 0.0,
 ) -> LinearStepper:  # fmt: skip
-    """Stepper with one of the rules of `loop.leapfrog`; raises InputError, LimitError beyond dt omega_max = 2.
+    """Stepper with one of the contact rules of `loop.leapfrog`; raises InputError, LimitError beyond dt omega_max = 2.
 
-    A contact spring counts in the limit, taken with every contact closed.
+    Contact springs are included in the limit, with every contact closed.
     """
     from contact.loop.linear.leapfrog import advance_leapfrog
 

@@ -1,4 +1,4 @@
-"""The massless boundary: mass of the contact coordinates moves inwards, statics with contact for these."""
+"""The massless boundary: the mass of contact coordinates moves inwards, and these follow statically with contact."""
 
 from __future__ import annotations
 
@@ -30,20 +30,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class MasslessBoundary:
-    """Mass of the contact coordinates moved inwards, leapfrog: an impact has no first spike (law: Unilateral).
+    """Leapfrog with the mass of contact coordinates moved inwards, which avoids a first force spike (law: Unilateral).
 
-    The coordinates of each contact give their mass (and dashpot) to those they are sprung to; leapfrog for these,
-    statics with contact for the massless ones (Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27, 2008, 918;
-    explicit: Chouly, Renard, Adv. Model. Simul. Eng. Sci. 5, 2018, 31). dt omega_max <= 2, taken with every contact
-    closed; order 2 in smooth motion; no penetration; total mass is kept, its centre moves by less than an element. The
-    semi-discrete problem keeps its energy through impacts; the steps lose or gain what `lost_in_contact` shows.
+    The mass (and dashpot) of each contact's coordinates moves to the coordinates to which springs connect them;
+    leapfrog for these, statics with contact for the massless ones (Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27,
+    2008, 918; explicit: Chouly, Renard, Adv. Model. Simul. Eng. Sci. 5, 2018, 31). dt omega_max <= 2, with every
+    contact closed; order 2 in smooth motion; no penetration; total mass is kept, its centre moves by less than an
+    element. The semi-discrete problem keeps its energy through impacts; the steps lose or gain the energy that
+    `lost_in_contact` shows.
 
     >>> MasslessBoundary()
     MasslessBoundary()
     """
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
-        """Check law and step; raises InputError where a contact has no elastic side, LimitError."""
+        """Check law and step; raises LimitError, and InputError if a contact has no elastic side."""
         from contact.loop.linear.leapfrog import advance_massless
 
         name = "MasslessBoundary"
@@ -69,7 +70,7 @@ class MasslessBoundary:
 
 
 def _massless_places(system: LinearSystem) -> Indices:
-    """Coordinates of the contacts that lie on springs and have no mass of their own beyond their neighbours'."""
+    """Contact coordinates that are connected to springs and have no mass beyond that of their neighbours."""
     mass, sprung = system.M.ground, diagonal(system.K) - system.K.ground > 0.0
     neighbours = _neighbour_mass(system)
     bare = []
@@ -86,7 +87,7 @@ def _massless_places(system: LinearSystem) -> Indices:
 
 
 def _neighbour_mass(system: LinearSystem) -> Array:
-    """Largest mass among the coordinates each one is sprung to."""
+    """Largest mass among the neighbours to which springs connect each coordinate."""
     found, mass = np.zeros(system.size), system.M.ground
     rows, columns, _ = pairs(system.K)
     np.maximum.at(found, rows, mass[columns])
@@ -95,14 +96,14 @@ def _neighbour_mass(system: LinearSystem) -> Array:
 
 
 def _pull(K: Band, i: int) -> tuple[Indices, Array]:
-    """Coordinates that i is sprung to, and the springs' stiffnesses."""
+    """Coordinates to which springs connect coordinate i, and the stiffnesses of these springs."""
     rows, columns, values = pairs(K)
     after, before = rows == i, columns == i
     return np.concatenate([columns[after], rows[before]]), -np.concatenate([values[after], values[before]])
 
 
 def _moved(A: Band, K: Band, bare: Indices) -> Band:
-    """Diagonal A with the entries of `bare` given to the coordinates they are sprung to, by stiffness."""
+    """Diagonal A with the entries of `bare` distributed over their springs in proportion to stiffness."""
     moved = A.ground.copy()
     for i in bare:
         others, springs = _pull(K, int(i))
@@ -117,7 +118,7 @@ def _moved(A: Band, K: Band, bare: Indices) -> Band:
 
 
 def _massless(system: LinearSystem, bare: Indices) -> Massless:
-    """Rows of K, K_cc^-1 and the displacement by contact forces."""
+    """Rows of K, K_cc^-1, and displacement per contact force."""
     from contact.loop.linear.leapfrog import Massless
 
     lists = [_pull(system.K, int(i)) for i in bare]
@@ -139,7 +140,7 @@ def _massless(system: LinearSystem, bare: Indices) -> Massless:
 def _closed_stiffness(system: LinearSystem, static: Massless) -> Band:
     """K of the coordinates with mass while every contact is closed: K_mm - K_mc K_cc^-1 K_cm + B^T S^-1 B.
 
-    B = Q_m - Q_c K_cc^-1 K_cm: how they move the gap when the massless ones follow.
+    B = Q_m - Q_c K_cc^-1 K_cm: motion of the gap per unit of each coordinate, with the massless ones following.
     """
     from scipy.sparse import csr_array
 
@@ -154,7 +155,7 @@ def _closed_stiffness(system: LinearSystem, static: Massless) -> Band:
 
 
 def _settle_start(stepper: LinearStepper, static: Massless, law: LawNumbers) -> None:
-    """Bring the massless coordinates to rest at t = 0 and one step before; D of second order."""
+    """Bring the massless coordinates into static equilibrium at t = 0 and one step before; D is of second order."""
     from contact.loop.linear.leapfrog import settle
 
     system, parts, s, h = stepper.system, stepper.parts, stepper.state, stepper.dt

@@ -1,4 +1,4 @@
-"""Schemes with an impact law on velocities: Moreau-Jean, nonsmooth generalised-alpha, the same projected."""
+"""Schemes with an impact law on velocities: Moreau-Jean, nonsmooth generalised-alpha, and its projected form."""
 
 from __future__ import annotations
 
@@ -71,14 +71,14 @@ class ImpactAlpha:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NonsmoothAlpha(ImpactAlpha):
-    """Nonsmooth generalised-alpha: order 2 between impacts, an impact law on velocities at them (law: Unilateral).
+    """Nonsmooth generalised-alpha: order 2 between impacts, with an impact law on velocities (law: Unilateral).
 
     Smooth: (1 - am) a_{n+1} + am a_n = M^-1 ((1 - af) F_{n+1} + af F_n), with Chung and Hulbert's weights for the
-    spectral radius rho_inf in [0, 1] at high frequency (J. Appl. Mech. 60, 1993, 371). Impact: M w = Q^T P,
-    v_{n+1} = ... + w, u_{n+1} = ... + h w/2; where the free step closes the gap: Q v_{n+1} + e Q v_n >= 0, P >= 0,
-    complementary; force = P/h (Chen, Acary, Virlez, Bruels, Int. J. Numer. Meth. Eng. 96, 2013, 487: the gap is fixed
-    by velocities only; `ProjectedAlpha` also projects positions). Unconditionally stable; takes energy from
-    high frequencies, more for a smaller rho_inf.
+    spectral radius rho_inf in [0, 1] at high frequency (J. Appl. Mech. 60, 1993, 371). Impact: M w = Q^T P, v_{n+1} =
+    ... + w, u_{n+1} = ... + h w/2; where the free step closes the gap: Q v_{n+1} + e Q v_n >= 0, P >= 0, complementary;
+    force = P/h (Chen, Acary, Virlez, Bruels, Int. J. Numer. Meth. Eng. 96, 2013, 487: the gap is fixed by velocities
+    only; `ProjectedAlpha` also projects positions). Unconditionally stable; dissipates high frequencies, more for a
+    smaller rho_inf.
 
     >>> NonsmoothAlpha(rho_inf=0.8).restitution
     0.0
@@ -95,7 +95,7 @@ class NonsmoothAlpha(ImpactAlpha):
 
 
 def chung_hulbert(rho_inf: float) -> Weights:
-    """Weights of second order with spectral radius rho_inf at infinite frequency.
+    """Weights of second order with spectral radius rho_inf at infinite frequency (Chung and Hulbert).
 
     >>> chung_hulbert(1.0)
     Weights(am=0.5, af=0.5, beta=0.25, gamma=0.5)
@@ -108,7 +108,7 @@ def chung_hulbert(rho_inf: float) -> Weights:
 
 
 def smooth_parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Factor, Array]:
-    """Arrays of motion without contact, its factored matrix, velocity jumps M^-1 Q^T of unit impulses (k, N)."""
+    """Arrays of motion without contact, its factored matrix, and velocity jumps M^-1 Q^T of unit impulses (k, N)."""
     implicit = 1.0 - w.af
     A = combine((1.0 - w.am, system.M), (implicit * w.gamma * h, system.C), (implicit * w.beta * h * h, system.K))
     factored = factor(A, "M + h C + h^2 K")
@@ -128,17 +128,17 @@ def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Array]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProjectedAlpha(ImpactAlpha):
-    """Nonsmooth generalised-alpha that closes a contact in position and in velocity at once (law: Unilateral).
+    """Nonsmooth generalised-alpha that enforces contact in position and velocity (law: Unilateral).
 
     Smooth motion as in `NonsmoothAlpha`, u~, v~ and (1 - am) a_{n+1} + am a_n = M^-1 ((1 - af) F_{n+1} + af F_n)
-    without contact forces; then two corrections of their own,
+    without contact forces; then two separate corrections,
 
         u_{n+1} = u~ + M^-1 Q^T nu,   0 <= gap0 + Q u_{n+1},  nu >= 0, complementary,
         v_{n+1} = v~ + M^-1 Q^T P,    where nu > 0: 0 <= Q (v_{n+1} + e v_n),  P >= 0, complementary;  force = P/h
 
-    (Bruels, Acary, Cardona, Comput. Methods Appl. Mech. Eng. 281, 2014, 131). No penetration at the end of a step,
-    which the velocity form alone leaves behind; nu does work, which the ledger counts as the scheme's own.
-    Unconditionally stable without contact; takes energy from high frequencies, more for a smaller rho_inf.
+    (Bruels, Acary, Cardona, Comput. Methods Appl. Mech. Eng. 281, 2014, 131). There is no penetration at the end of a
+    step, unlike with the velocity form alone. The work of nu counts as that of the scheme. Unconditionally stable
+    without contact; dissipates high frequencies, more for a smaller rho_inf.
 
     >>> ProjectedAlpha(rho_inf=0.9).restitution
     0.0
@@ -155,7 +155,7 @@ class ProjectedAlpha(ImpactAlpha):
 
 
 def _projected(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Corrections]:
-    """Arrays of the run; effect of unit corrections nu and P on u, v and a, and so on gaps and their rates."""
+    """Arrays of the run; effect of unit corrections nu and P on u, v and a, and on gaps and their rates."""
     from contact.loop.linear.moreau import Corrections
 
     parts, factored, jump = smooth_parts(system, w, h)

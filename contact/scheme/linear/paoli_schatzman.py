@@ -1,4 +1,4 @@
-"""Paoli and Schatzman: central differences with the gap kept at an average of two positions."""
+"""Paoli-Schatzman: central differences with the gap constraint at an average of two positions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contact.scheme.protocol import Problem
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaoliSchatzman(Rebound):
-    """Paoli-Schatzman: the gap kept at an average of next and last position, restitution e (law: Unilateral).
+    """Paoli-Schatzman: gap constraint at an average of the next and last position, restitution e (law: Unilateral).
 
     M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n;  g((u_{n+1} + e u_{n-1})/(1 + e)) >= 0, force_n >= 0,
     complementary (Paoli, Schatzman, SIAM J. Numer. Anal. 40, 2002, 702 and 734). The weights make e Newton's

@@ -14,16 +14,16 @@ from contact.scheme.protocol import Problem
 class PenaltyDifference:
     """Central differences with an explicit contact spring (law: Penalty).
 
-    M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n,  force_n = stiffness <-g(u_n)>. The spring
-    counts in the stability limit dt omega_max <= 2, taken with every contact closed. The force error does not
-    fall with the mesh, and energy grows at the limit: kept for comparison.
+    M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n, force_n = stiffness <-g(u_n)>. The stability limit dt
+    omega_max <= 2 includes the spring, with every contact closed. The force error does not decrease with the mesh size,
+    and energy grows at the limit. The scheme is provided for comparison.
 
     >>> PenaltyDifference()
     PenaltyDifference()
     """
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
-        """Check law and step, contact spring included; raises InputError, LimitError."""
+        """Check law and step, with the contact spring; raises InputError, LimitError."""
         from contact.loop.linear.leapfrog import SPRING
 
         words = f"central difference + {law.words}"

@@ -1,4 +1,4 @@
-"""A run of a linear problem in progress: state, loop and readings that all its schemes share."""
+"""Run of a linear problem: the state, loop and evaluations that all its schemes share."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class LinearStepper(PlainStepper):
-    """M u'' + C u' + K u = f + Q^T force by one scheme; `leapfrog`: energies are read at half steps."""
+    """M u'' + C u' + K u = f + Q^T force by one scheme; `leapfrog`: energies are evaluated at half steps."""
 
     system: LinearSystem
     parts: Parts
@@ -49,7 +49,7 @@ class LinearStepper(PlainStepper):
 
     @property
     def start(self) -> Stored:
-        """Energy of the given state; leapfrog schemes store that of half a step before."""
+        """Energy of the given state; leapfrog schemes store that at half a step before."""
         return self.energy_at_start
 
     @property
@@ -59,11 +59,11 @@ class LinearStepper(PlainStepper):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """Coordinates of each body, in the order they were given."""
+        """Coordinates of each body, in the given order."""
         return tuple((part.name, part.start, part.end) for part in self.system.body.parts)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         amplitudes = self.system.amplitudes(first, steps, self.dt)
         rows, loads = np.nonzero(~np.isfinite(amplitudes))
         good = steps if rows.size == 0 else max(int(rows[0]) - 1, 0)
@@ -82,7 +82,7 @@ class LinearStepper(PlainStepper):
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, sums and the arrays of the scheme."""
+        """Arrays that a step changes: state, sums and the arrays of the scheme."""
         return self.state, self.sums, self.method
 
     def why(self) -> Flag:
@@ -128,7 +128,7 @@ _KINDS = {"pointmass": "mass"}
 
 
 def product(A: Band, u: Array) -> Array:
-    """A u, as the loops compute it."""
+    """A u, in the order of operations of the loops."""
     total = A.ground * u
     rows, columns, values = pairs(A)
     pull = values * (u[columns] - u[rows])
@@ -170,7 +170,7 @@ def linear_step(problem: Linear, dt: float | None, courant: float | None) -> flo
 
 
 def require_stable(h: float, omega: float, limit: float, name: str) -> str:
-    """Return "dt omega_max = x (limit y)"; raises LimitError beyond the limit."""
+    """Text "dt omega_max = x (limit y)"; raises LimitError beyond the limit."""
     reached = h * omega
     if reached > limit * (1.0 + 1e-9):
         expected = f"<= {limit:.4g} (stability of {name}): take dt <= {rounded_down(limit * h / reached, 6)} s"
@@ -205,7 +205,7 @@ def start(system: LinearSystem) -> tuple[Array, Array, Array]:
 
 
 def energy_at_start(system: LinearSystem, discrete: float) -> Stored:
-    """Energy of the given displacements and velocities [J], whatever the scheme makes of them."""
+    """Energy of the given displacements and velocities [J], independent of the scheme."""
     body = system.body
     assert body.displacement is not None
     assert body.velocity is not None
@@ -218,10 +218,12 @@ def energy_at_start(system: LinearSystem, discrete: float) -> Stored:
 
 
 def leave_out_half_step(stepper: LinearStepper) -> float:
-    """Take the half step before t = 0 out of the books of a leapfrog scheme; its discrete energy without it [J].
+    """Remove the half step before t = 0 from the energies of a leapfrog scheme.
 
-    The scheme reads its energy at half steps, first at -h/2. Damping and varying loads do the work
-    h/2 v^T (f(0) - C v) until t = 0: it belongs to no instant of the run.
+    Returns its discrete energy without it [J].
+
+    The scheme evaluates its energy at half steps, first at -h/2. The work h/2 v^T (f(0) - C v) of damping and varying
+    loads until t = 0 is not part of the run.
     """
     system, parts, sums = stepper.system, stepper.parts, stepper.sums
     assert system.body.velocity is not None
@@ -235,7 +237,7 @@ def leave_out_half_step(stepper: LinearStepper) -> float:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Setup:
-    """Set-up common to schemes on a linear problem: the packed system, the law's numbers, step and omega_max."""
+    """Common set-up of schemes on a linear problem: the packed system, the law's numbers, step and omega_max."""
 
     name: str
     system: LinearSystem
@@ -265,7 +267,7 @@ def linear_stepper(
     run: Setup, parts: Parts, loop: Advance, method: tuple[Any, ...], words: str, *, limit: float = math.inf,
     omega: float | None = None, leapfrog: bool = False, begin: tuple[Array, Array, Array] | None = None,
 ) -> LinearStepper:  # fmt: skip
-    """Stepper at t = 0; raises LimitError where h omega, with the free omega_max or the one given, exceeds `limit`.
+    """Stepper at t = 0; raises LimitError if h omega exceeds `limit`, with omega_max without contact or as given.
 
     Leapfrog schemes start from u_1 = u_0 + h v_0 + h^2 a_0/2.
     """
@@ -288,6 +290,6 @@ def linear_stepper(
 
 
 def started(stepper: LinearStepper) -> LinearStepper:
-    """The same stepper, its state at t = 0 complete: it knows the energy it starts from."""
+    """The same stepper with its complete state at t = 0, so that it knows its initial energy."""
     discrete = leave_out_half_step(stepper) if stepper.leapfrog else stepper.stored().discrete
     return replace(stepper, energy_at_start=energy_at_start(stepper.system, discrete))

@@ -1,1 +1,1 @@
-"""The exact-modal scheme: points, rims, rubs, patches, many runs at once."""
+"""The exact-modal scheme for points, rims, rubs, patches, and batches of runs."""

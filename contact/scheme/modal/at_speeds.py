@@ -1,4 +1,4 @@
-"""Coefficients of modes over a range of speeds, by interpolation between nodes; of one speed, exact."""
+"""Coefficients of modes over a range of speeds, interpolated between nodes; exact for a single speed."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ Matrices = list[tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class AtSpeeds:
-    """Propagators at Chebyshev nodes of a range of speeds [rad/s], one where the speed is constant or has no effect.
+    """Propagators at Chebyshev nodes of a range of speeds [rad/s]; one if the speed is constant or has no effect.
 
-    `stretch` steps are taken with the coefficients of the speed in their middle. `stacked` has the arrays of the
-    coupled modes at all nodes by their name, (nodes, b, b) each.
+    `stretch` steps use the coefficients at the speed in their middle. `stacked` has the arrays of the coupled modes at
+    all nodes by name, (nodes, b, b) each.
     """
 
     nodes: Array
@@ -57,7 +57,7 @@ class AtSpeeds:
         return replace(self.parts[0], coupled=replace(found, top=self.top, **arrays))
 
     def discrete(self, omega: float, q: Array, d: Array) -> float:
-        """Discrete energy of the coupled modes at a speed [J]; q and d of all modes."""
+        """Discrete energy of the coupled modes at a speed [J], from q and d of all modes."""
         first = self.parts[0].coupled
         assert first is not None
         q, d = q[first.modes], d[first.modes]
@@ -73,11 +73,11 @@ class AtSpeeds:
         return np.asarray(found)
 
     def middle(self, stretch: int) -> float:
-        """Time in the middle of the steps of a stretch, each of which goes from t - h to t + h [s]."""
+        """Middle of a stretch of steps, each of which extends from t - h to t + h [s]."""
         return (stretch * self.stretch + 0.5 * (self.stretch - 1)) * self.parts[0].h
 
     def weights(self, omega: float) -> Array:
-        """Shares of the nodes at a speed: Lagrange's polynomials, barycentric."""
+        """Weights of the nodes at a speed: Lagrange polynomials in barycentric form."""
         away = omega - self.nodes
         if (hit := np.flatnonzero(away == 0.0)).size:
             return np.asarray(np.eye(away.size)[hit[0]])
@@ -87,14 +87,14 @@ class AtSpeeds:
 
 
 def _stacked(parts: Sequence[Propagator]) -> dict[str, Array]:
-    """Arrays of the coupled modes at all nodes, by their name."""
+    """Arrays of the coupled modes at all nodes, by name."""
     found = [part.coupled for part in parts if part.coupled is not None]
     names = [one.name for one in fields(Coupled) if one.name not in ("h", "modes", "top")]
     return {name: readonly(np.array([getattr(part, name) for part in found])) for name in names}
 
 
 def chebyshev(low: float, high: float, count: int) -> Array:
-    """Chebyshev's extreme points of a range, its ends with them.
+    """Chebyshev extreme points of a range, with its ends.
 
     >>> chebyshev(0.0, 2.0, 3).round(12).tolist()
     [0.0, 1.0, 2.0]
@@ -117,11 +117,11 @@ def at_speeds(
     bodies: BodyMatrices, omega: Array, zeta: Array, load: Array, low: float, high: float, fastest: float,
     step: Callable[[float], float],
 ) -> AtSpeeds:  # fmt: skip
-    """Coefficients of bodies between two speeds [rad/s]; `step` gives the time step by the highest frequency.
+    """Coefficients of bodies between two speeds [rad/s]; `step` gives the time step from the highest frequency.
 
-    `fastest` [rad/s^2] bounds the change of the speed: within a stretch it turns no mode by more than 1e-5 rad.
-    More nodes are taken until the coefficients between them are exact to 1e-12. Raises LimitError where that takes
-    too many: the speed changes the modes too much within one step.
+    `fastest` [rad/s^2] is the largest angular acceleration: within a stretch it changes the phase of no mode by more
+    than 1e-5 rad. Nodes are added until interpolated coefficients are exact to 1e-12. Raises LimitError if that takes
+    too many, since the speed changes the modes too much within one step.
     """
     if not bodies.coupled:
         h = step(float(omega.max(initial=0.0)))
@@ -155,7 +155,10 @@ def at_speeds(
 
 
 def _stretch(matrices: Matrices, span: float, fastest: float, h: float) -> int:
-    """Steps within which C and K may be those of the middle: a frequency that changes by r t turns by r t^2/8."""
+    """Number of steps that may use C and K of their middle.
+
+    A frequency that changes by r t changes the phase by r t^2/8.
+    """
     (C, K), others = matrices[0], matrices[-1]
     stiff = np.sqrt(np.maximum(np.abs(np.diag(K)), 1e-300))
     change = np.abs(others[0] - C).sum(axis=1).max() + (np.abs(others[1] - K).sum(axis=1) / stiff).max()
@@ -164,7 +167,7 @@ def _stretch(matrices: Matrices, span: float, fastest: float, h: float) -> int:
 
 
 def _error(exact: Propagator, found: Propagator) -> float:
-    """Largest error of the coefficients that move the modes, over the largest entry."""
+    """Largest error of the coefficients of the modes, relative to the largest entry."""
     if exact.coupled is None or found.coupled is None:
         return 0.0
     names, parts = ("alpha", "beta", "c"), (exact.coupled, found.coupled)

@@ -1,7 +1,7 @@
-"""Eight slots for rotating rims of one size: runs are loaded into slots, advanced together, and read back.
+"""Eight slots for rotating rims of one size: runs are loaded into slots, advanced together, and unloaded.
 
 The coefficients of all runs that will share the slots are known from the start, so that their rows have one table of
-harmonics; a run's own numbers fill a column when it enters a slot.
+harmonics. A run fills a column with its own numbers when it enters a slot.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ NO_EVENTS: Events = (np.zeros(0, dtype=np.int64), np.zeros(0))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """A run of a batch: `steps` steps, stored as `record` states (every, state_every)."""
+    """A run of a batch: `steps` steps; `record` states every how many steps samples and states are stored."""
 
     run: RubStepper
     steps: int
@@ -61,18 +61,18 @@ class Job:
 
     @property
     def mu(self) -> float:
-        """Friction."""
+        """Coefficient of friction."""
         return float(self.run.state.mu[0])
 
 
 def shape_of(run: RubStepper) -> Shape | None:
-    """Number of modes of a run, which all that share the slots have; None for a run that slots do not take."""
+    """Number of modes of a run, equal for all runs in the slots; None for a run that slots do not support."""
     return None if run.rim is None else run.system.omega.size
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Layout:
-    """Places, in the blocks of `BatchTerms`, of the terms that occur in any of some runs; keys show sum and wave."""
+    """Positions, in the blocks of `BatchTerms`, of all terms that occur in some runs; keys show sum and wave."""
 
     top: int  # waves
     keys: Indices
@@ -84,11 +84,11 @@ class Layout:
 
     @staticmethod
     def of(parts: Sequence[Terms]) -> Layout:
-        """That of the runs' sums."""
+        """The layout of the sums of these runs."""
         return _layout(*{id(part): part for part in parts}.values())
 
     def empty(self, one: Terms) -> BatchTerms:
-        """Terms with the values that all runs have in common, or without any as yet."""
+        """Terms with the values that all runs share, or still without values."""
         from contact.loop.batch.waves import BatchTerms
 
         if not self.alike:
@@ -98,7 +98,7 @@ class Layout:
         return BatchTerms(self.row, self.start, self.wave, aligned(0, WIDTH), alike)
 
     def load(self, slots: BatchTerms, own: Terms, k: int) -> None:
-        """Put one run's coefficients into slot k, where slots differ."""
+        """Put one run's coefficients into slot k, if slots differ."""
         if self.alike:
             return
         slots.value[:, k] = 0.0
@@ -107,7 +107,7 @@ class Layout:
 
 @remembered
 def _layout(*parts: Terms) -> Layout:
-    """That of different sums."""
+    """The layout of different sums."""
     top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
     alike = all(part.equals(one) for part in parts[1:])
     keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
@@ -128,7 +128,7 @@ def _layout(*parts: Terms) -> Layout:
 
 
 def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
-    """Rows, `many` at a time, that add the fewest waves to the first; `has` (rows, waves) shows which a row has."""
+    """Groups of `many` rows that add the fewest waves to the first; `has` (rows, waves) shows a row's waves."""
     blocks, size = [], has.sum(axis=1)
     left = np.argsort(-size, kind="stable").tolist()  # those with most waves first: others fit in
     while left:
@@ -142,7 +142,7 @@ def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Batch:
-    """BatchState, sums and stored samples of all slots; `rubs`: some run has friction."""
+    """State, sums and stored samples of all slots; `rubs`: some run has friction."""
 
     slots: BatchState
     layouts: dict[str, Layout]
@@ -154,7 +154,7 @@ class Batch:
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once
 
     def advance(self) -> dict[int, Events]:
-        """Step until a slot is at its end, has failed, or the room for events is used up; events of slots with any."""
+        """Step until a slot ends, fails, or has no space for events; returns the events of slots that have some."""
         from contact.jit.bundle import bundled
         from contact.loop.batch.batch import advance_batch
 
@@ -166,13 +166,13 @@ class Batch:
         return self._events()
 
     def _events(self) -> dict[int, Events]:
-        """Kinds and times of the events of each slot that had some in the last call."""
+        """Kinds and times of the events in the last call, for each slot that had some."""
         out, n = self.events, int(self.sums.filled[2])
         slot, kind, when = out.event_contact[:n], out.event_kind[:n], out.event_time[:n]
         return {k: (kind[slot == k], when[slot == k]) for k in set(slot.tolist())}
 
     def load(self, k: int, job: Job, most: int = NEVER) -> None:
-        """Put a run at its start into slot k, for `most` steps at first."""
+        """Put a run at its start into slot k, at first for `most` steps."""
         slot, run, system, slots = job.slot, job.run, job.slot.system, self.slots
         for name in OF_MODES:
             getattr(slots, name)[:, k] = getattr(run.state, name)
@@ -194,7 +194,7 @@ class Batch:
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
 
     def _load_rim(self, k: int, rim: RimRows) -> None:
-        """Load the arrays that give the deflection of the rim in slot k."""
+        """Load the arrays for the deflection of the rim into slot k."""
         slots, (_, size, m), d = self.slots, rim.rows.shape, rim.soft.shape[1]
         own, place = min(k, len(slots.rim.rows) - 1), _waves(size, slots.rim.z.size)
         slots.soft[:, k], slots.rim.rows[own] = 0.0, 0.0
@@ -217,11 +217,11 @@ class Batch:
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
 
     def go_on(self, k: int, job: Job, steps: int) -> None:
-        """Let slot k take a number of further steps, at most to the end of its run."""
+        """Let slot k take more steps, at most to the end of its run."""
         self.slots.end[k] = min(job.steps, int(self.slots.step[k]) + steps)
 
     def read(self, k: int, job: Job) -> None:
-        """Write the state and the sums of slot k into its run."""
+        """Copy the state and the sums of slot k into its run."""
         run, slots = job.run, self.slots
         run.flight.taken[:], run.limits[:] = self.flights.taken[k], slots.limits[:, k]
         for name in SUMS:
@@ -230,7 +230,7 @@ class Batch:
         give_back(run, job.slot, slots.q[:, k], slots.d[:, k], slots.memory[:, k])
 
     def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
-        """End the run of slot k, as `read`; returns its samples, views until the next load, with `events`."""
+        """End the run of slot k, as `read`; returns its samples (views until the next load) with `events`."""
         self.read(k, job)
         run, slots, kept = job.run, self.slots, self.kept
         n, states = (int(value) for value in kept.filled[:, k])
@@ -245,7 +245,7 @@ class Batch:
 
 
 def batch(jobs: Sequence[Job]) -> Batch:
-    """Empty slots for runs of one number of modes."""
+    """Empty slots for runs with this number of modes."""
     from contact.loop.batch.waves import BatchState
 
     m = jobs[0].run.system.omega.size
@@ -271,7 +271,7 @@ def batch(jobs: Sequence[Job]) -> Batch:
 
 
 def _rims(jobs: Sequence[Job]) -> RimWaves:
-    """Room for the rims of the slots, one where all runs have the same."""
+    """Arrays for the rims of the slots; a single one if all runs have the same rim."""
     from contact.loop.rub.deflection import RimWaves
 
     rims = list({id(job.slot.rim): job.slot.rim for job in jobs}.values())
@@ -287,7 +287,7 @@ def _rims(jobs: Sequence[Job]) -> RimWaves:
 
 
 def _waves(size: int, largest: int) -> Indices:
-    """Places of N waves, 1, cos .. cos N, sin .. sin N, among more.
+    """Positions of N waves, 1, cos .. cos N, sin .. sin N, in a longer list of waves.
 
     >>> _waves(5, 9).tolist()
     [0, 1, 2, 5, 6]
@@ -297,7 +297,7 @@ def _waves(size: int, largest: int) -> Indices:
 
 
 def _alike(states: Sequence[RubState]) -> Array:
-    """Coefficients of the modes (4, m) that all runs share; none where they differ."""
+    """Coefficients of the modes (4, m) if all runs share them; None if they differ."""
     parts = [[getattr(state, name) for name in SHARED] for state in states]
     if all(np.array_equal(a, b) for part in parts[1:] for a, b in zip(part, parts[0], strict=True)):
         return np.array(parts[0])

@@ -1,4 +1,4 @@
-"""Arrays over modes and sums of waves as the compiled loops take them: in whole blocks of eight."""
+"""Arrays over modes and sums of waves in the form of the compiled loops: whole blocks of eight."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def whole(size: int) -> int:
 
 
 def widened(state: State, size: int, names: Sequence[str] = OF_MODES) -> State:
-    """The same with its arrays over the modes of this size, whole blocks, zero beyond them."""
+    """The same tuple with its arrays over modes padded with zeros to this size, whole blocks."""
     found = dict(zip(names, aligned(len(names), size), strict=True))
     for name, values in found.items():
         values[: state.q.size] = getattr(state, name)
@@ -35,12 +35,12 @@ def widened(state: State, size: int, names: Sequence[str] = OF_MODES) -> State:
 
 
 def narrowed(state: State, modes: int, names: Sequence[str] = OF_MODES) -> State:
-    """Views of the modes alone."""
+    """Views of the modes without padding."""
     return state._replace(**{name: getattr(state, name)[:modes] for name in names})  # type: ignore[no-any-return]
 
 
 def rows_of_waves(harmonic: Indices, cos: Array, sin: Array, harmonics: int) -> Array:
-    """Table (B, w, 2 harmonics) for `row_blocks` of rows (B, k) that are sums of waves; w is k in whole blocks.
+    """Table (B, w, 2 harmonics) for `row_blocks`, from rows (B, k) that are sums of waves; w is k in whole blocks.
 
     `cos` and `sin` (B, P, k), of `harmonic` (P,).
     """
@@ -52,9 +52,9 @@ def rows_of_waves(harmonic: Indices, cos: Array, sin: Array, harmonics: int) -> 
 
 
 def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
-    """Rows that are sums of waves (B, 8 blocks, waves), by blocks of eight, for `loop.modal.rows.RowBlocks`.
+    """Blocks of eight for `loop.modal.rows.RowBlocks`, from rows that are sums of waves (B, 8 blocks, waves).
 
-    A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
+    A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are numbered as
     cos 0, cos 1, ..., sin 0, sin 1, ...
 
     >>> table = np.zeros((1, 8, 8))
@@ -77,9 +77,9 @@ def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
 
 
 def matrix_blocks(matrices: Array) -> tuple[tuple[Indices, Indices, Array, Indices], Array]:
-    """Matrices of one pattern (V, rows, columns) by blocks of eight rows, for `RowBlocks`, and all V values.
+    """Blocks of eight rows for `RowBlocks`, from matrices of one pattern (V, rows, columns), and all V values.
 
-    The values of the first are those of the blocks; values are (V, entries, 8). Columns are whole blocks.
+    The blocks have the values of the first matrix; values are (V, entries, 8). Columns are whole blocks.
 
     >>> (start, wave, value, _), values = matrix_blocks(np.array([np.diag([2.0, 3.0] + 6 * [0.0])]))
     >>> start.tolist(), wave.tolist(), value[:, :2].tolist(), values.shape
@@ -99,7 +99,7 @@ def matrix_blocks(matrices: Array) -> tuple[tuple[Indices, Indices, Array, Indic
 
 
 def _alike(used: NDArray[np.bool_]) -> Indices:
-    """Find blocks of (rows, blocks, waves) that begin four with nearly the same waves, which get the same in `used`."""
+    """Find blocks (rows, blocks, waves) that begin four with nearly equal waves, and unite these in `used`."""
     rows, blocks, waves = used.shape
     found = np.zeros((rows, blocks), dtype=np.int64)
     whole_four = blocks - blocks % FOUR

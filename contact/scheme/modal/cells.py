@@ -1,4 +1,4 @@
-"""Over which angle the matrix of many contacts may be interpolated, and the rows of one be power series.
+"""Sizes of cells of angle for interpolation of the contact matrix, and for power series of a single tip's rows.
 
 See `contact.loop.rub.matrix` and `contact.loop.rub.series`.
 """
@@ -27,11 +27,13 @@ MOST = 1 << 20  # numbers at the nodes: more do not stay in the cache
 
 
 def cell(rub: Rub, system: RubSystem, parts: Propagator, share: float, nodes: int) -> tuple[float, Array]:
-    """Width of a cell in which W differs by less than `EXACT` [rad], and W between waves; 0 where it is too small.
+    """Width [rad] of a cell in which interpolation of W has an error below `EXACT`, and W between waves.
 
-    W(phi) is a sum of waves of the angle turned. Between Chebyshev's points of a cell of width D, a wave p of size A
-    misses at most A (p D/2)^n / (2^(n - 1) n!) (n nodes; Trefethen, Approximation Theory and Approximation Practice,
-    2013, ch. 8). `share` as of `unchanging`.
+    0 if it is too small.
+
+    W(phi) is a sum of waves of the angle turned. With Chebyshev points in a cell of width D, the interpolation error of
+    a wave p of amplitude A is at most A (p D/2)^n / (2^(n - 1) n!) (n nodes; Trefethen, Approximation Theory and
+    Approximation Practice, 2013, ch. 8). `share` as in `unchanging`.
     """
     R, none = len(system.still), np.zeros((0, 1, 0, 1))
     if R * R * nodes > MOST or len(np.unique(rub.speed.hz)) > 1:
@@ -48,9 +50,9 @@ def cell(rub: Rub, system: RubSystem, parts: Propagator, share: float, nodes: in
 
 
 def cells_of_rows(rub: Rub, rim: RimTable, casing: RowBlocks, h: float, terms: int) -> float:
-    """Cells in a radian in which rows of a single tip are power series; 0 where sums of waves take less time.
+    """Cells per radian in which rows of a single tip are power series; 0 if sums of waves take less time.
 
-    The remainder of a wave n of size A is at most A (n D/2)^terms / terms! in a cell of width D (Taylor).
+    The remainder of a wave n of amplitude A is at most A (n D/2)^terms / terms! in a cell of width D (Taylor).
     """
     vectors = casing.start.size - 1
     size = np.hypot(rim.cos, rim.sin).max(axis=(0, 2))
@@ -86,7 +88,7 @@ def _form(system: RubSystem, parts: Propagator, share: float, turn: float) -> Ar
 
 
 def _waves(form: Array) -> tuple[Array, Array]:
-    """Waves p of the angle turned in the form of waves at any two tips, and a bound of their sizes."""
+    """Waves p of the angle turned in the product of waves at any two tips, and bounds of their amplitudes."""
     N = form.shape[1] // 2
     full = np.zeros((2, 2, len(form), N + 1, len(form), N + 1))
     for i, rows in enumerate((slice(0, N + 1), slice(N + 1, None))):

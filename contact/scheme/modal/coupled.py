@@ -5,18 +5,18 @@ exp([0 I 0; -K -C I; 0 0 0] h). Eliminating v,
 
  D <- alpha D - beta q + c f;  q <- q + D,  alpha = b d b^-1 a - b g,  c = J + b b - b d b^-1 J,  beta = c K.
 
-One mode gives the coefficients of `propagator`; damping above the critical one, zero and negative stiffness are
-included, for c comes from the integral of the propagator and not from K^-1. Singular where b is: where a mode turns by
-pi in a step.
+One mode gives the coefficients of `propagator`; damping above critical and zero or negative stiffness are included,
+since c is an integral of the propagator, without K^-1. The coefficients are singular with b, when the phase of a mode
+advances by pi in a step.
 
 Discrete energy E = D^T N D/2 + q_(n-1)^T K_s q_n/2, N = (c^-1 + c^-T)/2, K = K_s + K_a (symmetric, skew):
 with s = D_n + D_(n+1),
 
  E_(n+1) - E_n = s^T f/2 - s^T P D_n/2 - s^T K_a q_n/2,  P = c^-T - c^-1 alpha.
 
-A gyroscopic force does no work: the P_0 of the skew part of C and the symmetric part of K alone, zero for a perfect
-pair and of the order of h^2 else, is what E errs by, and its part counts as the scheme's own. P - P_0 is damping's. A
-P_0 below 1e-8 of N is left with damping.
+A gyroscopic force does no work. P_0, from only the skew part of C and the symmetric part of K, is therefore an error of
+E; it is zero for a perfect pair and of order h^2 otherwise, and its work counts as that of the scheme. P - P_0 belongs
+to damping. A P_0 below 1e-8 of N is not separated from damping.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ PARTS = ("alpha", "beta", "c", "lost", "false", "odd", "inertia", "stiff", "mean
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Coupled:
-    """Coefficients of b coupled modes over a step h, (b, b) each; `modes` their numbers, `top` the largest |Im s|.
+    """Coefficients of b coupled modes over a step h, (b, b) each; `modes` their indices, `top` the largest |Im s|.
 
     `lost` P - P_0, `false` P_0, `odd` K_a, `inertia` N and `stiff` K_s as in the module. The velocity at t_n of the
     motion through q_(n-1) and q_n under a constant force f is mean q_n - fly q_(n-1) + lift f.
@@ -73,14 +73,14 @@ class Coupled:
 
 
 def couplings(C: Array, K: Array) -> list[Indices]:
-    """Modes that C and K (m, m) couple, as connected components, in ascending order; single modes as well.
+    """Modes that C and K (m, m) couple, as connected components in ascending order, including single modes.
 
-    An entry beside the diagonal is taken for zero below 1e-10 of the largest entry of its matrix beside the diagonal
-    (of C with it), the noise of an eigen solver, or where it moves no pole by more than 1e-10 of its frequency:
-    |K_ij| <= 1e-10 sqrt|K_ii K_jj|, |C_ij| <= 1e-10 |K_ii K_jj|^(1/4). Modes of a mesh have their frequencies from an
-    iteration that ends near there. An entry moves poles most where both modes have one frequency w: by K_ij/(2 w) and
-    C_ij/2. In (omega q, q') the matrix of undamped modes is skew, so that all entries left out together move no pole
-    by more than the norm of what they are there, m 1e-10 of the highest frequency of m modes at most.
+    An off-diagonal entry counts as zero if it is below 1e-10 of the matrix's largest off-diagonal entry (for C also the
+    diagonal), the noise of an eigenvalue solver. It also counts as zero if it moves no pole by more than 1e-10 of its
+    frequency: |K_ij| <= 1e-10 sqrt|K_ii K_jj|, |C_ij| <= 1e-10 |K_ii K_jj|^(1/4). Frequencies from a mesh have errors
+    of this size, from an iteration. An entry moves poles most if both modes have the same frequency w: by K_ij/(2 w)
+    and C_ij/2. In (omega q, q') the matrix of undamped modes is skew, so that all omitted entries together move no pole
+    by more than their norm in these coordinates, at most m 1e-10 of the highest frequency of m modes.
 
     >>> couplings(np.array([[0.0, 0.0, 2.0], [0.0, 0.1, 0.0], [-2.0, 0.0, 0.0]]), np.diag([1.0, 2.0, 3.0]))
     [array([0, 2]), array([1])]
@@ -108,10 +108,10 @@ def _joined(C: Array, K: Array) -> Array:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Form:
-    """Modes of a scene at some speeds: `omega` and `zeta` (m,) of those that are single, `blocks` of coupled ones.
+    """Modes of a scene at some speeds: `omega` and `zeta` (m,) of single modes, `blocks` of coupled ones.
 
-    `modes` are the coupled ones in ascending order. A mode that nothing couples is single where it has one stiffness
-    at all speeds and is damped below the critical damping.
+    `modes` are the coupled ones in ascending order. An uncoupled mode is single if its stiffness is the same at all
+    speeds and its damping is below critical.
     """
 
     omega: Array
@@ -121,7 +121,9 @@ class Form:
 
 
 def form(matrices: Sequence[tuple[Array, Array]], omega: Array, zeta: Array) -> Form:
-    """Single and coupled modes of C, K (m, m) at one or several speeds; `omega`, `zeta` of the bodies at rest.
+    """Single and coupled modes of C, K (m, m) at one or several speeds.
+
+    `omega`, `zeta` are those of the bodies at rest.
 
     >>> C, K = np.diag([0.2, 0.0, 9.0]), np.diag([4.0, 9.0, 16.0])
     >>> found = form([(C, K)], np.array([2.0, 3.0, 4.0]), np.zeros(3))
@@ -143,7 +145,7 @@ def form(matrices: Sequence[tuple[Array, Array]], omega: Array, zeta: Array) -> 
 
 
 def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float) -> Coupled:
-    """Coefficients of the modes `modes` of C and K (m, m), which fall apart into `blocks`, for a step h [s].
+    """Coefficients for a step h [s] of the modes `modes` of C and K (m, m), which separate into `blocks`.
 
     >>> C, K = np.array([[0.0, -3.0], [3.0, 0.0]]), np.diag([16.0, 25.0])
     >>> part = coupled(C, K, np.arange(2), [np.arange(2)], 0.1)
@@ -168,7 +170,7 @@ def poles(C: Array, K: Array) -> Array:
 
 
 def propagated(C: Array, K: Array, h: float) -> tuple[Array, Array, Array, Array, Array]:
-    """Blocks a, b, g, d, J of the module, (b, b) each; times are counted in steps, so that all are near 1."""
+    """Blocks a, b, g, d, J of the module, (b, b) each; time is counted in steps, so that all are of order 1."""
     from scipy.linalg import expm
 
     m = len(K)
@@ -192,12 +194,12 @@ def _coefficients(C: Array, K: Array, h: float) -> dict[str, Array]:
 
 
 def _without(matrix: Array, noise: float) -> Array:
-    """The matrix without entries of this size."""
+    """The matrix without entries of negligible size."""
     return np.asarray(np.where(np.abs(matrix) > noise, matrix, 0.0))
 
 
 def _one(C: Array, K: Array, h: float) -> dict[str, Array]:
-    """Coefficients of one block, with all of P in `lost`."""
+    """Coefficients of one block, with the whole of P in `lost`."""
     a, b, g, d, J = propagated(C, K, h)
     carried = np.asarray(np.linalg.solve(b.T, d.T).T, dtype=np.float64)  # d b^-1
     c = h * h * (J + b @ b - b @ carried @ J)

@@ -5,10 +5,10 @@ D* = al D - be q + c f;  g* = g_0(t+h) + Q(t+h)(q + D*);  H_d = Q(t+h) diag(c) W
  averaged: (H_d/4 + S) force = -(g*/4 + g_n/2 + g_{n-1}/4)   (second order; rho = H_d/S <= 1)
 then D = D* + c W force, q += D. g_n is the gap of q alone, without S force.
 
-A rod of 50 modes loses 1 % of its energy per impact with the forward law; with the averaged law the error is
-4e-4 at rho = .64 and 3e-5 at rho = .04, of either sign, and after a shock the massless end rings on S: read
-impulses and windowed forces. Limits, checked here: omega_max h <= 2.5 (a step resonance sits at pi; put higher
-modes into S), rho <= 1 for the averaged law, n_max Omega h <= .3.
+A rod of 50 modes loses 1 % of its energy per impact with the forward law. With the averaged law the error is 4e-4 at
+rho = .64 and 3e-5 at rho = .04, of either sign. After a shock the massless end vibrates on S, so use impulses and
+windowed forces. Limits that are checked: omega_max h <= 2.5 (there is a step resonance at pi; put higher modes into S),
+rho <= 1 for the averaged law, n_max Omega h <= .3.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactModal:
-    """Exact-modal propagator; for modal bodies, or two rods by their first `modes` modes.
+    """Exact-modal scheme for modal bodies, or for two rods by their first `modes` modes.
 
     `law` "forward", "averaged" (refused when rho = H_d/S > 1), "auto" (averaged up to rho = .1, else forward; the
-    result names it) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
-    `omega_h_limit` is the largest omega_max h accepted by the first two, below pi. `skip`: of one tip on a rim, skip
-    over time in which no contact is possible, from one stored step to the next (`contact.scheme.modal.free_flight`).
+    result names it) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points. `omega_h_limit`
+    is the largest omega_max h accepted by the first two, below pi. `skip`: with one tip on a rim, skip time in which no
+    contact is possible, from one stored step to the next (`contact.scheme.modal.free_flight`).
 
     >>> ExactModal(law="averaged").modes
     50
@@ -74,7 +74,7 @@ class ExactModal:
         require_positive(modes=self.modes)
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
-        """Bring the scene to modal form, check the limits; raises InputError, LimitError.
+        """Convert the scene to modal form and check the limits; raises InputError, LimitError.
 
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
@@ -86,7 +86,7 @@ class ExactModal:
         return _prepared(problem, self, law, dt, courant)
 
     def one_contact(self, system: ModalSystem, law: Law, dt: float | None, courant: float | None) -> Stepper:
-        """Stepper of one contact in modal form."""
+        """Stepper for one contact in modal form."""
         mu = law.mu
         if mu > 0.0:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
@@ -108,7 +108,7 @@ class ExactModal:
         return modal_stepper(system, parts, averaged=averaged, law=law, label=label)
 
     def patch(self, problem: Patch, law: Law, dt: float | None, courant: float | None) -> Stepper:
-        """Stepper of several contacts of one body."""
+        """Stepper for several contacts of one body."""
         mu, gives_way = law.mu, law.response is not None
         if self.law == "energy" or (self.law == "averaged" and not gives_way):
             raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
@@ -129,7 +129,10 @@ class ExactModal:
     def rub(
         self, rub: Rub, law: Law, dt: float | None, courant: float | None, rim: RotatingRim | None = None
     ) -> Stepper:
-        """Stepper of tips before a turning rim; `rim` is the same scene where several runs may share their steps."""
+        """Stepper for tips at a rotating rim.
+
+        `rim` is the same scene in the form in which several runs may share steps.
+        """
         if self.law == "energy":
             raise InputError("law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'")
         mu = law.mu
@@ -166,7 +169,7 @@ class ExactModal:
         )  # fmt: skip
 
     def _averaged(self, H: float, S: float, rho: float) -> bool:
-        """Whether the averaged law is to be taken; raises LimitError where it is asked for and not stable."""
+        """Whether to use the averaged law; raises LimitError if it is requested and unstable."""
         averaged = self.law == "averaged" or (self.law == "auto" and rho <= AUTO_RHO)
         if averaged and rho > 1.0:
             raise LimitError(
@@ -192,7 +195,7 @@ def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
 
 
 def _delassus(system: ModalSystem, parts: Propagator) -> Numbers:
-    """Return H_d, S and rho = H_d/S of a fixed contact point (rho = inf when S is 0)."""
+    """H_d, S and rho = H_d/S of a fixed contact point (rho = inf if S is 0)."""
     H, S = float(parts.c @ system.Q**2), system.S_nn(0.0)
     if H + S <= 0.0:
         raise LimitError(f"law: found H_d + S = {H + S:.4g} m/N, expected > 0: no force opens the gap")

@@ -1,4 +1,4 @@
-"""Data for skipping contact-free time of a rub: maps over many steps, amplitudes by wave, least clearances."""
+"""Data for skipping time without contact in a rub: maps over many steps, amplitudes by wave, least clearances."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ POINTS = 8  # where the clearance is examined in each cell
 
 
 def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -> FreeFlight:
-    """Data for skipping; no powers unless `skip`, or where the gap is not one of free modes and one angle.
+    """Data for skipping; without powers if not `skip`, or if the gap does not depend on free modes and one angle alone.
 
-    It is that of one tip without whirl, closing, gravity, loads and stiffening by speed, at constant speed, of modes
-    that are not coupled. A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q,
-    al D - be q). The powers are formed in extended precision from the very coefficients that the steps use, so that a
-    run with skips and a run without differ by the round-off of the steps alone.
+    Skipping needs one tip at constant speed without whirl, closing, gravity, loads and stiffening by speed, and
+    uncoupled modes. A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q, al D - be q).
+    The powers are formed in extended precision from the coefficients that the steps use, so that runs with and without
+    skips differ only by round-off.
     """
     from contact.loop.rub.free_flight import FreeFlight
 
@@ -43,7 +43,7 @@ def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -
 
 
 def no_flight(parts: Propagator) -> FreeFlight:
-    """Data of a run that skips nothing."""
+    """Data for a run without skips."""
     from contact.loop.rub.free_flight import FreeFlight
 
     none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
@@ -62,7 +62,7 @@ def _is_free(rub: Rub, system: RubSystem, parts: Propagator) -> bool:
 
 
 def _floor(rub: Rub, clearance: float) -> Array:
-    """Least clearance in each cell of the angle; of a measured profile its least everywhere."""
+    """Least clearance in each cell of the angle; for a measured profile its overall minimum."""
     least = clearance - float(rub.closing.by[0])
     if rub.profile.theta is not None:
         return readonly(np.full(CELLS, least + rub.profile.lowest))
@@ -76,7 +76,7 @@ def _clearance(least: float, *terms: tuple[int, float, float]) -> Trig:
 
 @remembered
 def _normal(rim: RimTable, blade_rows: Array, own: Indices, line: Indices, directions: int, m: int) -> Terms:
-    """Normal row of the only tip as sums of waves, a mode each: those of the casing, then its blade's."""
+    """Normal row of the only tip as sums of waves, one for each mode of the casing, then of its blade."""
     block, casing = int(line[0]) * directions, rim.cos.shape[2]
     cos, sin = np.zeros((2, m, rim.n_max + 1))
     cos[:casing], sin[:casing] = rim.cos[block].T, rim.sin[block].T
@@ -105,7 +105,7 @@ def powers(al: Array, be: Array) -> Array:
 def least_clearance(clearance: Trig) -> Array:
     """A lower bound of the clearance in each cell of the contact angle, (CELLS,).
 
-    Between two points h apart a function lies above the lower one by no less than -h^2 max|f''|/8.
+    Between two points h apart a function is at least the smaller of their values minus h^2 max|f''|/8.
 
     >>> from contact.model.trig import fourier
     >>> floor = least_clearance(fourier([(0, 1.0, 0.0), (2, 0.25, 0.0)]))

@@ -1,4 +1,4 @@
-"""Contacts with a force-depth law in an exact-modal run: arguments of loops, stored energy, a suitable step."""
+"""Contacts with a force-depth law in an exact-modal run: arguments of loops, stored energy, suitable step."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ TRIED = 1e-6  # depth [m] and rate [m/s] at which a function is tried before the
 
 
 def yielding_of(law: Law, now: Array, before: Array) -> Yielding | None:
-    """Work space of a law's response, None of a rigid one; gaps (K,) at t_0 and a step before.
+    """Work arrays of a law's response, None for rigid contact; gaps (K,) at t_0 and a step before.
 
-    Raises InputError for a function that cannot be used.
+    Raises InputError for an invalid function.
     """
     if law.response is None:
         return None
@@ -41,7 +41,7 @@ def yielding_of(law: Law, now: Array, before: Array) -> Yielding | None:
 
 
 def require_usable(response: Response) -> None:
-    """Try a response in Python; raises InputError unless it returns two numbers, finite and of a slope not below 0."""
+    """Try a response in Python; raises InputError unless it returns two finite numbers with slope >= 0."""
     try:
         force, slope = response(TRIED, TRIED)
     except Exception as error:
@@ -53,7 +53,7 @@ def require_usable(response: Response) -> None:
 
 
 def stored_by(law: Law, y: Yielding | None) -> float:
-    """Energy in the contacts now [J]."""
+    """Energy stored in the contacts now [J]."""
     if y is None or law.response is None:
         return 0.0
     return sum(law.response.energy(float(depth)) for depth in y.past[:, 0])
@@ -65,9 +65,9 @@ def memory_of(y: Yielding | None) -> tuple[Any, ...]:
 
 
 def too_long(y: Yielding | None, H: float, dt: float) -> tuple[Flag, ...]:
-    """Flag if the step is too long for the largest stiffness of the contact; H [m/N] of the modes in one step.
+    """Flag if the step is too long for the contact's largest stiffness; H [m/N] is the motion of the modes in a step.
 
-    Within a step the modes move by H force; a mass m on a spring k has H k = (omega dt)^2.
+    For a mass m on a spring k, H k = (omega dt)^2.
     """
     if y is None or not H * y.steepest[0] > 1.0:
         return ()

@@ -1,4 +1,4 @@
-"""Coefficients of coupled modes as a rub's loop takes them: rows by blocks of eight, at one or several speeds."""
+"""Coefficients of coupled modes for a rub's loop: rows by blocks of eight, at one or several speeds."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def modal_blocks(speeds: AtSpeeds, modes: int, casing: int) -> tuple[ModalBlocks | None, tuple[Array, ...]]:
-    """Blocks with the values at the first node, of a pattern that serves all, and the values at each node.
+    """Blocks with the values at the first node, in a pattern for all nodes, and the values at each node.
 
-    None where no modes are coupled. `modes` in all, the first `casing` of them the casing's; values are
-    (nodes, entries, 8) for each part of the blocks.
+    None without coupled modes. `modes` is the number of all modes, of which the first `casing` are the casing's. Values
+    are (nodes, entries, 8) for each part of the blocks.
     """
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.state import ModalBlocks
@@ -52,6 +52,6 @@ def _matrices(part: Coupled, modes: int, casing: int) -> tuple[Array, ...]:
 
 
 def fill_blocks(blocks: ModalBlocks, weights: Array, values: tuple[Array, ...]) -> None:
-    """Fill blocks with values interpolated between nodes, by the weights of the nodes."""
+    """Fill blocks with values interpolated between nodes, with these weights of the nodes."""
     for part, at_nodes in zip(blocks, values, strict=True):
         part.value[...] = np.tensordot(weights, at_nodes, axes=1)

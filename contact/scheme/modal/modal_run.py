@@ -1,4 +1,4 @@
-"""A modal run in progress, common to all laws on one exact propagation. A law adds its loop and its outputs."""
+"""A modal run: the part that all laws share for the same exact propagation. A law adds its loop and its outputs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ModalRun(PlainStepper):
-    """Modes of `system` under one law: its compiled loop, and how to read energy, velocity and a failure."""
+    """Modes of `system` under one law: its compiled loop, and functions for energy, velocity and failures."""
 
     system: ModalSystem
     dt: float
@@ -50,23 +50,23 @@ class ModalRun(PlainStepper):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """Name, first and one past the last mode of each body."""
+        """Name, first mode and one past the last mode of each body."""
         first = self.system.first.tolist()
         return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         failed = self.loop(self.sums, out, first, steps)
         self.steps[0] = first + steps if failed < 0 else failed
         return failed
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, sums and the memory of a force-depth law."""
+        """Arrays that a step changes: state, sums and data of a force-depth law."""
         return self.state, self.sums, self.steps, self.gives_way
 
     def notes(self) -> Notes:
-        """Whether the step is too long for the law."""
+        """Flag if the step is too long for the law."""
         return Notes(flags=self.slow())
 
     def why(self) -> Flag:
@@ -78,7 +78,7 @@ class ModalRun(PlainStepper):
         return self.energy()
 
     def motions(self) -> tuple[Motion, ...]:
-        """Mean velocity and momentum of each body from its mode of frequency zero, NaN unless it has one."""
+        """Mean velocity and momentum of each body from its mode of frequency zero; NaN without one."""
         found, system = [], self.system
         for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
             modes = slice(int(system.first[b]), int(system.first[b + 1]))

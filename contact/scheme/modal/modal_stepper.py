@@ -1,4 +1,4 @@
-"""The forward, averaged and energy laws on the exact propagation: state, loop and readings; see `exact_modal`."""
+"""The forward, averaged and energy laws on the exact propagation: state, loop and evaluations; see `exact_modal`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ POINTS = 8  # where the clearance is examined in each cell
 
 
 def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, law: Law, label: str) -> ModalRun:
-    """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
+    """Stepper at t = 0, with only the compiled loop that this scene needs."""
     q = np.zeros(system.omega.size)
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
@@ -51,7 +51,7 @@ def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, law
 
 
 def _stored(system: ModalSystem, parts: Propagator, state: ModalState, at_rest: float) -> Stored:
-    """Energy at t_n; lam^2 S/2 and what is stored in the contact count as residual."""
+    """Energy at t_n; lam^2 S/2 and energy stored in the contact count as residual."""
     force = float(state.memory[2])
     if force == 0.0 and not (state.q.any() or state.d.any() or parts.load.any()):  # as most runs start
         return Stored(kinetic=0.0, strain=0.0, potential=system.potential, residual=at_rest, discrete=system.potential)
@@ -92,11 +92,11 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
 
 
 def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
-    """Stepper of the discrete gradient law: energy kept to round-off at any step, at a fixed undamped contact point.
+    """Stepper of the discrete gradient law: energy exact to round-off at any step, at a fixed undamped contact point.
 
     Over one step the force is constant and the modes move exactly under it; lam = -(phi(g_1) - phi(g_0))/(g_1 - g_0),
     phi = <-g>^2/(2 S) the energy in the residual compliance (Gonzalez, J. Nonlinear Sci. 6, 1996, 449): a scalar
-    quadratic. Exact energy is not exact phase: some (modes, dt) drift in phase after several impacts. In the step of
+    quadratic. The phase is not exact: for some (modes, dt) it drifts after several impacts. In the step of
     closing or opening complementarity is satisfied on average only, which `Result.residual` shows.
     Raises InputError for damping, or S = 0.
     """

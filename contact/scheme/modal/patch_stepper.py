@@ -1,4 +1,4 @@
-"""Several contacts of a modal body, in progress: a rub whose rows do not change, with forward law, stick and slip.
+"""Run of several contacts of a modal body: a rub with constant rows, with forward law, stick and slip.
 
 D* = al D - be q + c f;  gaps g0 + Q (q + D) + S lam and slips T D + S (lam - lam_old) - slide h of the step obey
 Signorini's and Coulomb's law together (`solver.coulomb`), or Signorini's alone (`solver.active_set`).
@@ -43,7 +43,7 @@ WAVES = 8  # of which a steady row has the first: a block
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class PatchStepper(ExactRun):
-    """State of a run with several contacts; `state.counts` shows the solver's iterations."""
+    """State of a run with several contacts; `state.counts` contains the solver's iterations."""
 
     problem: Patch
     state: RubState  # views of `wide`
@@ -66,11 +66,11 @@ class PatchStepper(ExactRun):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """The body."""
+        """The body as the only block."""
         return (("body 1", 0, self.size),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         from contact.loop.rub.rub import advance_rub
 
         failed = advance_rub(
@@ -82,13 +82,13 @@ class PatchStepper(ExactRun):
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, work arrays and sums."""
+        """Arrays that a step changes: state, work arrays and sums."""
         coupled = () if self.coupled is None else self.coupled
         return self.wide, self.work, self.solver, self.steady, self.sums, coupled, memory_of(self.y)
 
     @property
     def overlap(self) -> float:
-        """Largest overlap [m] at t = 0 of bodies that a load presses into each other, beside their modes."""
+        """Largest overlap [m] at t = 0 of bodies that a load presses together, beyond their modal motion."""
         opening = self.problem.opening + self.problem.rows()[:: self.problem.dimensions] @ np.asarray(
             self.problem.displacement
         )
@@ -96,7 +96,7 @@ class PatchStepper(ExactRun):
 
     @property
     def limits(self) -> Array:
-        """Limits of the gaps [m], as those of `motion_limits`."""
+        """Limits of the gaps [m], as in `motion_limits`."""
         return self.state.limits
 
     def why(self) -> Flag:
@@ -115,13 +115,13 @@ class PatchStepper(ExactRun):
         return Flag(fault, "unconverged", failed=True)
 
     def notes(self) -> Notes:
-        """Notes on the residual motion of friction at the limit of double precision."""
+        """Flag for friction forces that are inexact at the limit of double precision."""
         long = too_long(self.y, self.stiffest, self.dt)
         return Notes(flags=(*inexact(float(self.solver.room.left[0])), *long))
 
     @property
     def dimensions(self) -> int:
-        """Directions of each contact that take part."""
+        """Directions of each contact that are solved for."""
         return self.state.lam.size // self.state.mu.size
 
     @property
@@ -140,12 +140,12 @@ class PatchStepper(ExactRun):
         return self.parts.stored(s.q, s.d, s.contact, residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
-        """A modal body among several rigid motions has no one mean velocity."""
+        """NaN, since a modal body among several rigid motions has no single mean velocity."""
         return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
 
 
 def patch_stepper(problem: Patch, speeds: AtSpeeds, law: Law, label: str, *, averaged: bool) -> PatchStepper:
-    """Stepper at t = 0; without friction only the normal rows take part. `averaged`: for laws with a response."""
+    """Stepper at t = 0; without friction only the normal rows are used. `averaged`: for laws with a response."""
     from contact.loop.rub.state import solver_of, work_space
 
     parts, mu = speeds.parts[0], law.mu
@@ -197,7 +197,7 @@ def _state(problem: Patch, parts: Propagator, rows: Array, mu: float) -> RubStat
 
 
 def _rows(rows: Array, S: Array, W: Array, opening: Array, glide: Array) -> RubRows:
-    """Rows that do not change: each a sum of one wave, cos 0."""
+    """Constant rows, each a sum of one wave, cos 0."""
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.rows import RubRows
 
@@ -241,7 +241,10 @@ def _laws() -> RubLaws:
 
 
 def _delassus(rows: Array, S: Array, parts: Propagator, mean: int) -> Array:
-    """Rows c rows^T + S; a quarter of the first in normal rows where the law of `mean` contacts is of three gaps."""
+    """Rows c rows^T + S.
+
+    Normal rows of `mean` contacts get a quarter of the first term, as their law averages three gaps.
+    """
     H = parts.yields(rows) @ rows.T
     if mean:
         H[:: len(rows) // mean] *= 0.25
@@ -249,7 +252,7 @@ def _delassus(rows: Array, S: Array, parts: Propagator, mean: int) -> Array:
 
 
 def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -> Steady:
-    """Solver data of contacts that do not need Newton's method on the forces, and data for their events."""
+    """Solver data for contacts that do not need Newton's method on the forces, and data for their events."""
     from contact.loop.rub.steady import Steady
     from contact.loop.tally import Sticking
     from contact.solver.unilateral.active_set import active_space
@@ -270,7 +273,7 @@ def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -
 
 
 def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
-    """Largest motion of the gaps [m] by start and load: of modes that vibrate, and of rigid ones over STEPS steps."""
+    """Largest motion of the gaps [m] due to start and load: of vibrating modes, and of rigid ones over STEPS steps."""
     elastic, time = parts.omega > 0.0, STEPS * parts.h
     omega = np.where(elastic, parts.omega, 1.0)
     speed, load = (np.abs(np.asarray(part)) for part in (problem.velocity, problem.load))
@@ -280,7 +283,7 @@ def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
 
 
 def _roots(scaled: Array, S: Array) -> Array:
-    """Rows A with A A^T = scaled scaled^T + S, for the active set, of no more columns than contacts."""
+    """Rows A with A A^T = scaled scaled^T + S for the active set, with no more columns than contacts."""
     from contact.solver.unilateral.active_set import delassus_rows
 
     if S.any():

@@ -26,9 +26,9 @@ SYMMETRIC = 1e-12  # relative
 class Propagator:
     """Coefficients (m,) each for a step h; `fade` = e^{-a h}, `turn` = w_d h.
 
-    `stiff` is omega^2, 1 for rigid modes; `stay` = cos(w_d h) - a/w_d sin(w_d h), `drift` = sin(w_d h)/w_d.
-    `rigid`: there are rigid modes. `coupled` modes have coefficients of their own; theirs in `al`, `be` and `c` are
-    zero, as is their `omega`.
+    `stiff` is omega^2, 1 for rigid modes; `stay` = cos(w_d h) - a/w_d sin(w_d h), `drift` = sin(w_d h)/w_d. `rigid`:
+    whether there are rigid modes. `coupled` modes have separate coefficients; their entries in `al`, `be`, `c` and
+    `omega` are zero.
     """
 
     h: float
@@ -53,7 +53,7 @@ class Propagator:
 
     @property
     def weight(self) -> Array:
-        """(1 - al)/(2 c), for the work of damping; zero where modes are coupled."""
+        """(1 - al)/(2 c), for the work of damping; zero for coupled modes."""
         return np.divide(1.0 - self.al, 2.0 * self.c, out=np.zeros(self.c.size), where=self.c > 0.0)
 
     def yields(self, rows: Array) -> Array:
@@ -64,7 +64,7 @@ class Propagator:
         return found
 
     def roots(self, rows: Array) -> Array | None:
-        """Rows (R, m) times a root L of c = L L^T; None where c is not symmetric."""
+        """Rows (R, m) times a root L of c = L L^T; None if c is not symmetric."""
         found = rows * np.sqrt(self.c)
         if self.coupled is not None:
             c, own = self.coupled.c, self.coupled.modes
@@ -74,7 +74,7 @@ class Propagator:
         return np.asarray(found)
 
     def push(self, force: Array) -> Array:
-        """Return c f: the response of a step to forces on the modes."""
+        """Response c f of a step to forces on the modes."""
         found = self.c * force
         if self.coupled is not None:
             found[self.coupled.modes] = self.coupled.c @ force[self.coupled.modes]
@@ -147,7 +147,7 @@ class ExactRun(PlainStepper):
 
 
 def window(top: float, dt: float) -> float:
-    """Period of the highest mode `top` [rad/s] [s], or the step where there is none or it is longer."""
+    """Period [s] of the highest mode `top` [rad/s]; the step if that is longer or there is no such mode."""
     return max(2.0 * math.pi / top, dt) if top > 0.0 else dt
 
 
@@ -176,7 +176,7 @@ def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
 
 
 def with_coupled(omega: Array, zeta: Array, load: Array, h: float, part: Coupled) -> Propagator:
-    """Coefficients where some of the modes are coupled; their `omega` and `zeta` are not used."""
+    """Coefficients if some of the modes are coupled; `omega` and `zeta` of these are not used."""
     own = np.zeros(omega.size, dtype=bool)
     own[part.modes] = True
     found = propagator(np.where(own, 0.0, omega), np.where(own, 0.0, zeta), load, h)

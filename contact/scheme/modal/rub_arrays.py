@@ -1,4 +1,4 @@
-"""Arrays of a rub as its compiled loop takes them: state at t = 0, laws of time and angle, rows by blocks of waves."""
+"""Arrays of a rub for its compiled loop: state at t = 0, laws of time and angle, rows by blocks of waves."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NO_CELL = 0.0, readonly(np.zeros((0, 1, 0, 1)))
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LoopArrays:
-    """Arrays of the compiled loop beside the state."""
+    """Arrays of the compiled loop besides the state."""
 
     laws: RubLaws
     rows: RubRows
@@ -46,9 +46,9 @@ class LoopArrays:
     def of(
         rub: Rub, system: RubSystem, parts: Propagator, state: RubState, share: float, *, vary: bool, plain: bool
     ) -> LoopArrays:
-        """Those of a rub; `share` as of `unchanging`, `vary`: the speed changes the coefficients of the modes.
+        """The arrays of a rub; `share` as in `unchanging`; `vary`: the speed changes the coefficients of the modes.
 
-        `plain`: the surface is rigid and each mode moves by itself.
+        `plain`: the surface is rigid and the modes are uncoupled.
         """
         from contact.loop.rub.state import NODES, solver_of, work_space
 
@@ -86,7 +86,10 @@ def rub_state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensi
 
 
 def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
-    """stiffness_by_speed of all blades' modes, plain and times the squared speed of each basis; empty without any."""
+    """stiffness_by_speed of all blades' modes, and the same times the squared speed of each basis.
+
+    Empty without stiffening.
+    """
     if not rub.stiffening:
         return np.zeros((0, 0)), np.zeros((0, 0))
     begin = int(system.first[1])
@@ -133,7 +136,7 @@ def _jumps(rotor: Rotor | None, h: float) -> Array:
 
 
 def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: float, form: Array) -> RubRows:
-    """Rows of the casing, tips and residual compliance; W, or `cell` and `form` from which it is found."""
+    """Rows of the casing, tips and residual compliance; W, or `cell` and `form` from which it is computed."""
     from contact.loop.rub.rows import RubRows
     from contact.loop.rub.state import TERMS
 
@@ -176,7 +179,7 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: flo
 
 
 def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
-    """Arrays from which the deflection of a rim is computed; rows have `width` entries."""
+    """Arrays for the deflection of a rim; rows have `width` entries."""
     from contact.loop.rub.deflection import RimWaves
 
     rim = rim_rows(rub.casing, dimensions, rub.flexible)
@@ -194,7 +197,7 @@ def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
 
 
 def joined(system: RubSystem) -> int:
-    """Number of modes in the rows of the casing: of a single tip, its blade's with them."""
+    """Number of modes in the rows of the casing, including those of its blade for a single tip."""
     return system.omega.size if system.contacts == 1 else int(system.first[1])
 
 
@@ -202,7 +205,7 @@ def joined(system: RubSystem) -> int:
 def _casing(
     rim: RimTable, blade_rows: Array, own: Indices, line: Indices, directions: int, width: int, count: int
 ) -> RowBlocks:
-    """Rows of the casing's modes; for a single tip, with those of its blade, which do not turn."""
+    """Rows of the casing's modes; for a single tip, also those of its blade, which do not rotate."""
     m = rim.cos.shape[2]
     cos, sin = np.zeros((2, *rim.cos.shape[:2], width))
     cos[..., :m], sin[..., :m] = rim.cos, rim.sin
@@ -222,7 +225,7 @@ def _blocks(harmonic: Indices, cos: Array, sin: Array, count: int) -> RowBlocks:
 
 @remembered
 def _seen(rim: RimTable, width: int, count: int) -> RowBlocks:
-    """Waves of each row of the casing by its modes, which `_casing` has by waves."""
+    """Waves of each row of the casing by mode, from the waves that `_casing` has."""
     from contact.loop.modal.rows import RowBlocks
 
     (rows, harmonics, m), even = rim.cos.shape, width + width % 2
@@ -240,13 +243,13 @@ def _no_blocks() -> RowBlocks:
 
 
 def fixed_delassus(system: RubSystem, parts: Propagator) -> Array:
-    """Motion of the blades, except a blade that the casing's rows contain."""
+    """Motion of the blades due to unit forces, without a blade that the casing's rows contain."""
     found = blade_delassus(system, parts)
     return 0.0 * found if system.contacts == 1 else found
 
 
 def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:
-    """Harmonics, and cos and sin as in `rows_of_waves`, of the rows of S; all its waves filled up to `harmonics`."""
+    """Harmonics, and cos and sin as in `rows_of_waves`, of the rows of S between waves, padded to `harmonics`."""
     blocks, N = len(S), S.shape[1] // 2
     rows = np.zeros((blocks, 2 * N + 1, blocks, 2, harmonics))
     rows[..., 0, : N + 1], rows[..., 1, 1 : N + 1] = S[..., : N + 1], S[..., N + 1 :]
@@ -257,7 +260,10 @@ def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:
 
 @remembered
 def _between_tips(S: Array, still: Array, angle: Array, line: Indices) -> tuple[Indices, Array, Array]:
-    """The same of the d rows of S of each tip, as one, polynomials of its angle: sampled, exact to round-off."""
+    """The d rows of S of each tip as one, polynomials of its angle in the form of `_between_waves`.
+
+    Sampled, exact to round-off.
+    """
     blocks, N, contacts = len(S), S.shape[1] // 2, angle.size
     K, points = len(still), 4 * N + 4
     phi = np.arange(points) * (2.0 * math.pi / points)
@@ -282,7 +288,7 @@ def _between_tips(S: Array, still: Array, angle: Array, line: Indices) -> tuple[
 
 
 def _products(S: Array) -> Indices:
-    """Waves of the angle turned that S can make: sums and differences of those that it couples."""
+    """Waves of the angle turned that occur in S: sums and differences of the waves that it couples."""
     N = S.shape[1] // 2
     first, second = (np.where(i > N, i - N, i) for i in np.nonzero(S.any(axis=(0, 2))))
     return np.unique(np.concatenate([first + second, np.abs(first - second)]))

@@ -35,11 +35,11 @@ def _of_blades(blade_rows: Array, own: Indices, parts: Propagator) -> Array:
 
 
 def unchanging(rub: Rub, system: RubSystem, parts: Propagator, share: float) -> Array:
-    """Matrix of the contacts in one step where it never changes, (K d, K d); empty else.
+    """Contact matrix of one step if it never changes, (K d, K d); else empty.
 
-    At constant speed tips on a rim stay apart by the same angles. Of a round casing, whose modes come in pairs, the
-    matrix depends on these differences alone. Whether it does is checked at several angles, to 1e-13 of its largest
-    entry. `share` of what the modes yield counts in the gaps: 1, or 1/4 in the averaged law.
+    At constant speed the angles between tips are constant. For a round casing with modes in pairs the matrix depends
+    only on these differences. This is checked at several angles, to 1e-13 of its largest entry. `share` is the fraction
+    of the modal response in the gaps: 1, or 1/4 with the averaged law.
     """
     none = np.zeros((0, 0))
     if system.contacts == 1 or system.turns or len(np.unique(rub.speed.hz)) > 1:
@@ -81,9 +81,9 @@ def _unchanging(
 
 
 def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:
-    """Return H_d, S and rho = |H_d|/S where rho is largest over tips and angles, for each tip alone, sliding.
+    """H_d, S and rho = |H_d|/S at the tip and angle with the largest rho, for each tip alone, sliding.
 
-    Raises LimitError where sliding friction turns H_d + S negative: that tip digs in and no force opens it.
+    Raises LimitError if sliding friction makes H_d + S negative: then the tip digs in and no force opens the contact.
     """
     fastest = rub.speed.hz[int(np.abs(rub.speed.hz).argmax())]
     pull = math.copysign(mu, fastest) if fastest else 0.0

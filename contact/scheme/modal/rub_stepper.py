@@ -1,4 +1,4 @@
-"""A rub in progress: its arrays for the compiled loop, its limits, and how to read it; see `loop.rub`."""
+"""Run of a rub: its arrays for the compiled loop, its limits and its evaluations; see `loop.rub`."""
 
 from __future__ import annotations
 
@@ -75,9 +75,9 @@ class RubStepper(ExactRun):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """Name, first and one past the last mode of each body, then the forces on the tips.
+        """Name, first mode and one past the last mode of each body, then the forces on the tips.
 
-        Modes of a rotor, which are the last ones of the casing, are those of "rotor" too.
+        The modes of a rotor are the last ones of the casing, and also the block "rotor".
         """
         first = self.system.first.tolist()
         rotor: tuple[Block, ...] = ()
@@ -88,7 +88,7 @@ class RubStepper(ExactRun):
 
     @property
     def arrays(self) -> LoopArrays:
-        """Laws, rows and work space of the loop."""
+        """Laws, rows and work arrays of the loop."""
         if not self.made:
             self.made.append(
                 LoopArrays.of(
@@ -104,7 +104,7 @@ class RubStepper(ExactRun):
         return self.made[0]
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         if self.worn is None:
             failed = self._some(None, out, first, steps)
         else:
@@ -138,7 +138,10 @@ class RubStepper(ExactRun):
         return failed
 
     def _turn(self, stretch: int) -> None:
-        """Give the loop the coefficients of a stretch of steps; the change of the modes' energy is the drive's work."""
+        """Set the coefficients for the next steps.
+
+        The resulting change of the modes' energy counts as work of the drive.
+        """
         assert self.coupled is not None
         if stretch == self.stretch[0]:
             return
@@ -159,13 +162,13 @@ class RubStepper(ExactRun):
             self.arrays.rows.fixed[:] = fixed_delassus(self.system, speeds.at(after))
 
     def _casing_speed(self) -> float:
-        """Speed of the casing against the tips in the last step, of a rotor whose speed is unknown [rad/s]."""
+        """Speed of the casing against the tips in the last step, for a rotor whose speed is not prescribed [rad/s]."""
         assert self.rub.spin is not None
         ahead = float(self.state.d[self.system.first[1] - 1]) / (self.dt * math.sqrt(self.rub.spin.inertia))
         return float(self.rub.speed.hz[0]) * 2.0 * math.pi - ahead
 
     def _spin(self) -> SpinBudget | None:
-        """The energy and the momentum of a rotor whose speed follows from its torques; None of another."""
+        """Energy and momentum of a rotor whose speed follows from its torques; None for others."""
         if self.rub.spin is None:
             return None
         end, laws = -self._casing_speed(), self.arrays.laws
@@ -177,13 +180,13 @@ class RubStepper(ExactRun):
         )
 
     def omega(self, stretch: int) -> float:
-        """Speed in the middle of a stretch of steps, or at its begin where it is unknown beforehand [rad/s]."""
+        """Speed [rad/s] in the middle of steps with the same coefficients; at their start if not prescribed."""
         if self.rub.spin is not None:
             return float(self.spun[0])
         return self.rub.speed.omega(self.speeds.middle(stretch))
 
     def now(self) -> Propagator:
-        """Coefficients that the loop has."""
+        """Current coefficients of the loop."""
         return self.speeds.at(self.omega(int(self.stretch[0]))) if self.speeds.vary else self.parts
 
     def wear(self) -> tuple[Wear, ...]:
@@ -192,7 +195,7 @@ class RubStepper(ExactRun):
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State, work arrays, sums and the coating."""
+        """Arrays that a step changes: state, work arrays, sums and the coating."""
         coating = () if self.worn is None else (self.worn[0].memory, self.worn[1])
         coupled = () if self.coupled is None else self.coupled
         a = self.arrays
@@ -203,7 +206,7 @@ class RubStepper(ExactRun):
 
     @property
     def limits(self) -> Array:
-        """Those of `motion_limits`."""
+        """Limits of `motion_limits`."""
         return self.state.limits
 
     @property
@@ -226,7 +229,7 @@ class RubStepper(ExactRun):
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
-        """Energy now; energy stored in S, in a coating or in a surface with a law counts as residual."""
+        """Energy now; energy stored in S, in a coating or in a compliant surface counts as residual."""
         s = self.state
         residual = 0.0
         if s.lam.any():
@@ -237,13 +240,13 @@ class RubStepper(ExactRun):
         return self.now().stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
-        """Supported bodies have no rigid motion."""
+        """None, since supported bodies have no rigid motion."""
         nan = math.nan
         kinds = ("casing", *("blade",) * len(self.rub.blades))
         return tuple(Motion(kind=k, number=b, mean_velocity=nan, momentum=nan) for b, k in enumerate(kinds))
 
     def notes(self) -> Notes:
-        """Heat and drive of friction, and events of the run beyond its theory."""
+        """Heat and drive of friction, and flags for events outside the theory."""
         deflection, tangential = float(self.limits[LARGEST]), float(self.state.peaks[0])
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         solver = self.made[0].solver if self.made else None
@@ -255,7 +258,7 @@ class RubStepper(ExactRun):
         )  # fmt: skip
 
     def _outside(self) -> tuple[Flag, ...]:
-        """A flag where a rotor left the speeds at which the coefficients of its modes are known."""
+        """A flag if a rotor left the range of speeds for which the coefficients of its modes are known."""
         low, high = self.speeds.nodes.min(), self.speeds.nodes.max()
         if self.spun[1] <= OUTSIDE * (high - low):
             return ()
@@ -270,7 +273,10 @@ class RubStepper(ExactRun):
 def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dimensions: int, averaged: bool,
                 label: str, stiffest: float = 0.0, skip: bool = False,
                 rim: RotatingRim | None = None) -> RubStepper:  # fmt: skip
-    """Stepper at t = 0; without friction only the normal rows take part. Raises as `rub_tracks` and `yielding_of`."""
+    """Stepper at t = 0; without friction only the normal rows are used.
+
+    Raises the errors of `rub_tracks` and `yielding_of`.
+    """
     first = rub.speed.omega(speeds.middle(0))
     parts = speeds.at(first)
     m, y = system.omega.size, yielding_of(law, system.clearance, system.clearance)
@@ -320,6 +326,6 @@ def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[Flag, ...]:
 
 
 def _play(rub: Rub) -> float:
-    """Length that the gap is measured by: the larger of clearance, interference and whirl there is [m]."""
+    """Reference length of the gap: the larger of clearance, interference and whirl [m]."""
     amounts = [abs(rub.clearance + t.clearance) for t in rub.tips] + [abs(w.amplitude) for w in rub.whirl]
     return max(max(amounts), float(np.abs(rub.closing.by).max()), abs(rub.profile.lowest), 1e-9)

@@ -1,4 +1,4 @@
-"""Arrays that one of eight slots needs from a run with one tip: its rows as sums of waves, and its start."""
+"""Arrays of a run with one tip for one of eight slots: its rows as sums of waves, and its start."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Slot:
 
 
 def slot_of(run: RubStepper) -> Slot:
-    """The slot of a run that has not begun."""
+    """The slot of a run at its start."""
     assert run.rim is not None
     system, s = rim_system(run.rim), run.state
     normal, tangent = system.sums()
@@ -64,7 +64,7 @@ def _reach(table: RowTable, casing: int) -> Array:
 
 
 def give_back(run: RubStepper, slot: Slot, q: Array, d: Array, memory: Array) -> None:
-    """Write the end of a slot into its run: motion, the force of the last step and its work."""
+    """Copy the end of a slot into its run: motion, the force of the last step and its work."""
     s, (force, pull) = run.state, memory[2:4]
     s.q[:], s.d[:] = q, d
     s.heat[0], s.drive[0] = memory[8:10]

@@ -1,4 +1,4 @@
-"""The coating of a run: who wears which track of bars, their making, maps of wear over time, the reading at the end."""
+"""The coating of a run: tracks of bars and their tips, manufacture, maps of wear over time, results at the end."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ MOST_AROUND = 1_000_000  # bars of a track: the maps of more fill the memory
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Track:
-    """Bars of a run: `coating` is changed by the compiled loop, `memory` (K, 3) is that of all tips, `tips` its own."""
+    """Bars of a run: the compiled loop changes `coating`.
+
+    `memory` (K, 3) is that of all tips, `tips` those of the track.
+    """
 
     law: Abradable
     coating: Coating
@@ -39,9 +42,9 @@ class Track:
     def of(
         law: Abradable, radius: float, profile: Callable[[float], float], tips: Sequence[int], memory: Array
     ) -> Track:
-        """A coating as it leaves the machine, on a rim whose radius deviates by `profile` of the angle [m].
+        """The machined coating on a rim whose radius deviates by `profile` of the angle [m].
 
-        Raises InputError when the tip is longer than a quarter of the rim, or so short that there are too many bars.
+        Raises InputError if the tip is longer than a quarter of the rim, or so short that there are too many bars.
         """
         from contact.solver.abradable.tips import Coating
 
@@ -63,7 +66,7 @@ class Track:
         return Track(law=law, coating=coating, made=made, area=area, tips=tuple(tips), memory=memory)
 
     def memorised(self, what: int) -> float:
-        """Sum over its tips: 0 energy dissipated, 1 elastic energy now [J]."""
+        """Sum over its tips: 0 is dissipated energy, 1 elastic energy now [J]."""
         return float(self.memory[list(self.tips), what].sum())
 
     def wear(self, times: Array, depths: Array) -> Wear:
@@ -80,9 +83,9 @@ class Track:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Tracks:
-    """All tracks of a run, and maps of their worn depths at steps so far.
+    """All tracks of a run, and maps of their worn depths so far.
 
-    `pace`: number of maps and steps between them; `times` and `depths` of the maps, the tracks one behind the other.
+    `pace`: number of maps and steps between them; `times` and `depths` of the maps, the tracks one after the other.
     """
 
     tracks: tuple[Track, ...]
@@ -100,16 +103,16 @@ class Tracks:
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State that a run changes."""
+        """Arrays that a run changes."""
         return self.pace, self.times, self.depths, *((track.coating.worn, track.memory) for track in self.tracks)
 
     @property
     def elastic(self) -> float:
-        """Energy that the bars under the tips would give back now [J]."""
+        """Elastic energy of the bars under the tips now [J]."""
         return sum(track.memorised(1) for track in self.tracks)
 
     def watch(self, h: float, first: int, steps: int, loop: Callable[[int, int], int]) -> int:
-        """Run the loop, keeping a map at regular steps; -1, or the step that failed."""
+        """Run the loop and store a map at regular intervals; returns -1, or the step that failed."""
         start, end = first, first + steps
         while start < end:
             every = int(self.pace[1])
@@ -123,7 +126,7 @@ class Tracks:
         return -1 if steps else loop(first, 0)
 
     def _keep(self, time: float) -> None:
-        """Store a map; of too many every second one is dropped, and they come half as often."""
+        """Store a map; if there are too many, drop every second one and double the interval."""
         count = int(self.pace[0])
         self.times[count], self.depths[count] = time, self.worn
         count += 1
@@ -146,11 +149,11 @@ def _angles(cells: int) -> Array:
 
 
 def track_tips(rub: Rub, length: float) -> list[list[int]]:
-    """Tips by the track they wear: one track for each rim line and number, which a tip names.
+    """Tips by the track they wear: one track for each rim line and track number.
 
-    Else its number is its place among its blade's tips on this line.
+    Without a track number, the index of the tip among its blade's tips on this line is used.
 
-    Raises InputError where tips of one track are nearer to one another than the `length` of a tip [m].
+    Raises InputError if tips of one track are closer than the `length` of a tip [m].
     """
     found: dict[tuple[int, int], list[int]] = {}
     places: Counter[tuple[int, int]] = Counter()
@@ -164,7 +167,10 @@ def track_tips(rub: Rub, length: float) -> list[list[int]]:
 
 
 def rub_tracks(rub: Rub, law: Abradable) -> tuple[Tracks, Coats]:
-    """The tracks of a rub's tips, and the arrays that the loop changes. Raises as `track_tips` and `Track.of`."""
+    """The tracks of a rub's tips, and the arrays that the loop changes.
+
+    Raises the errors of `track_tips` and `Track.of`.
+    """
     memory = np.zeros((len(rub.tips), 3))
     tracks = [
         Track.of(law, rub.casing.line_radius(rub.tips[tips[0]].line), rub.profile, tips, memory)
@@ -197,7 +203,7 @@ def _coats(tracks: list[Track], worn: Array, start: Indices, memory: Array, law:
 
 
 def _require_apart(rub: Rub, number: int, tips: list[int], length: float) -> None:
-    """Two tips that press one bar at once have no law."""
+    """Refuse two tips that may press one bar at once, for which there is no law."""
     radius = rub.casing.line_radius(rub.tips[tips[0]].line)
     around = sorted((rub.tips[j].angle_deg % 360.0, j) for j in tips)
     for (low, a), (high, b) in zip(around, [*around[1:], (around[0][0] + 360.0, around[0][1])], strict=True):

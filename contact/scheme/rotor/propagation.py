@@ -1,10 +1,11 @@
-"""Exact steps of a linear rotor: the propagator of (q, v, turning force, constant force) and the work of its forces.
+"""Exact steps of a linear rotor: the propagator of (q, v, rotating force, constant force) and the work of its forces.
 
  q' = v,  v' = -K(Omega) q - C(Omega) v + plane^T (c, s) + load,  c' = -Omega s,  s' = Omega c,  1' = 0
 
-is z' = A z at constant speed, so that z(t + h) = e^(A h) z(t) is exact for any step, also under the turning force. The
-work of a force over the step is z^T W z, W = int_0^h e^(A^T s) Q e^(A s) ds, of its power z^T Q z: the ledger closes to
-round-off. W is doubled from a short interval, W(2 s) = W(s) + P(s)^T W(s) P(s), which a Gauss rule gives.
+is z' = A z at constant speed, so that z(t + h) = e^(A h) z(t) is exact for any step, also under the rotating force. A
+force with power z^T Q z does the work z^T W z over the step, W = int_0^h e^(A^T s) Q e^(A s) ds, so that the energies
+balance to round-off. W is computed by a Gauss rule over a short interval, then doubled, W(2 s) = W(s) + P(s)^T W(s)
+P(s).
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ POINTS = 6  # of the Gauss rule: error 0.1^12
 
 
 def stored_stiffness(rotor: Rotor) -> Array:
-    """Symmetric stiffness at rest, whose energy is stored, (m, m) [1/s^2]."""
+    """Symmetric stiffness at rest, which determines the stored energy, (m, m) [1/s^2]."""
     K = rotor.matrices(0.0)[1]
     return np.asarray(0.5 * (K + K.T))
 
 
 def generator(rotor: Rotor, omega: float) -> tuple[Array, Array]:
-    """Return A (d, d) and Q (3, d, d) at a speed [rad/s]: powers of damping, of what turns the rotor, of unbalance.
+    """A (d, d) and Q (3, d, d) at a speed [rad/s]: powers of damping, of the drive of the rotor, of the unbalance.
 
-    Forces that follow neither the stored stiffness nor the symmetric damping and do work come from what turns the
-    rotor: internal damping and cross-coupling.
+    Forces that belong neither to the stored stiffness nor to the symmetric damping take their work from the drive:
+    internal damping and cross-coupling.
     """
     C, K = rotor.matrices(omega)
     m = len(C)
@@ -46,7 +47,7 @@ def generator(rotor: Rotor, omega: float) -> tuple[Array, Array]:
 
 
 def step_of(rotor: Rotor, omega: float, h: float) -> tuple[Array, Array]:
-    """P (d, d) and W (3, d, d) of a step h [s] at a speed [rad/s]."""
+    """P (d, d) and W (3, d, d) for a step h [s] at a speed [rad/s]."""
     from scipy.linalg import expm
 
     A, Q = generator(rotor, omega)

@@ -1,4 +1,4 @@
-"""A rotor in progress: exact steps at each speed, of second order where the speed varies."""
+"""Run of a rotor: exact steps at constant speed, of second order if the speed varies."""
 
 from __future__ import annotations
 
@@ -53,18 +53,18 @@ class RotorStepper(PlainStepper):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """One block, that of the rotor: name, first and last coordinate."""
+        """The single block, the rotor: name, first and last coordinate."""
         return (("rotor", 0, self.size),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
+        """Advance by whole steps; returns -1, or the step that failed."""
         from contact.loop.rotor import advance_rotor
 
         return advance_rotor(self.state, self.laws, self.sums, out, self.dt, first, steps)
 
     @property
     def memory(self) -> tuple[Any, ...]:
-        """State and sums."""
+        """Arrays that a step changes: state and sums."""
         return self.state, self.sums
 
     @property
@@ -93,12 +93,12 @@ class RotorStepper(PlainStepper):
         )
 
     def motions(self) -> tuple[Motion, ...]:
-        """A rotor on bearings has no rigid motion."""
+        """None, since a rotor on bearings has no rigid motion."""
         return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
 
 
 def rotor_stepper(rotor: Rotor, law: Law, h: float) -> RotorStepper:
-    """Stepper at t = 0. Raises InputError for a law of contact, which a rotor alone has not."""
+    """Stepper at t = 0. Raises InputError for a contact law, since a rotor alone has no contact."""
     from contact.loop.rotor import RotorLaws, RotorState
 
     if law.mu > 0.0 or law.stiffness > 0.0 or law.response is not None or law.coating is not None:
@@ -143,7 +143,7 @@ def rotor_stepper(rotor: Rotor, law: Law, h: float) -> RotorStepper:
 
 
 def _nodes(rotor: Rotor, low: float, high: float, h: float) -> Array:
-    """Speeds [rad/s] between which steps are interpolated; one where the speed is constant."""
+    """Speeds [rad/s] between which steps are interpolated; a single one if the speed is constant."""
     if high == low:
         return np.array([low])
     m = rotor.body.omega.size
@@ -155,7 +155,7 @@ def _nodes(rotor: Rotor, low: float, high: float, h: float) -> Array:
 
 
 def _release(rotor: Rotor, h: float) -> tuple[int, float]:
-    """The step in which the release falls, and the time from its beginning; -1 where there is none."""
+    """The step that contains the release, and the time since its start; -1 without a release."""
     if rotor.unbalance.release is None:
         return -1, 0.0
     time = rotor.unbalance.release.time

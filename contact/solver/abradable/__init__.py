@@ -1,1 +1,1 @@
-"""One step against a coating that flows."""
+"""Contact problem of one step with a coating that yields."""

@@ -1,9 +1,9 @@
 """A tip on a coating of bars: force at a depth, rest position of the tip, and yielding.
 
-m bars lie under the tip, each with its surface at the depth cut + w, w what is worn. Pressed by d a bar carries
-f = k (d - cut - w) >= 0 and flows where that exceeds Y + H w, so that w' = (k (d - cut) - Y)/(k + H); at the bare
-casing flow stops. With D the compliance of the step, d + D sum f(d) = -gap has one root: d -> sum f grows. Several
-tips at once: `solver.yielding`.
+m bars are under the tip, each with its surface at the depth cut + w, with worn depth w. A bar pressed to depth d has
+the force f = k (d - cut - w) >= 0 and yields if that exceeds Y + H w, so that w' = (k (d - cut) - Y)/(k + H); at the
+bare casing yielding stops. With the compliance D of the step, d + D sum f(d) = -gap has one root, since sum f grows
+with d. `solver.yielding` solves for several tips.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ ROUND_OFF = 1e-14
 class Coating(NamedTuple):
     """Bars around the rim: worn depths (cells,) [m], empty without a coating; cut where the radius was below `round`.
 
-    `thickness`, `mean` clearance [m]; `stiffness`, `hardening` [N/m] and `yield_force` [N] of one bar; `under` bars lie
-    under the tip. `memory`: energy dissipated [J], elastic energy now [J], depth of the tip [m].
+    `thickness`, `mean` clearance [m]; `stiffness`, `hardening` [N/m] and `yield_force` [N] of one bar; `under` is the
+    number of bars under the tip. `memory`: energy dissipated [J], elastic energy now [J], depth of the tip [m].
     """
 
     worn: Array
@@ -38,20 +38,20 @@ class Coating(NamedTuple):
 
 @jit
 def first_bar(c: Coating, turns: float) -> int:
-    """Number of the first bar under a tip in the middle of `turns`, an angle in turns."""
+    """Index of the first bar under a tip whose middle is at `turns`, an angle in turns."""
     cells = c.worn.size
     return math.floor((turns - math.floor(turns)) * cells - 0.5 * (c.under - 1)) % cells
 
 
 @jit
 def machined(c: Coating, clearance: float) -> float:
-    """Depth of the cut [m] where the rim at rest is `clearance` away: up to the circle, where it was narrower."""
+    """Machined depth [m] where the rim at rest is `clearance` away: up to the circle, where the rim was narrower."""
     return max(c.round - (clearance - c.mean), 0.0)
 
 
 @jit
 def surface(c: Coating, first: int, cut: float) -> float:
-    """Depth of the shallowest bar under the tip [m]: where it touches first."""
+    """Depth of the shallowest bar under the tip [m], where contact begins."""
     low: float = c.worn[first]
     for j in range(1, c.under):
         low = min(low, c.worn[(first + j) % c.worn.size])
@@ -60,7 +60,7 @@ def surface(c: Coating, first: int, cut: float) -> float:
 
 @jit
 def worn_by(c: Coating, i: int, cut: float, depth: float) -> float:
-    """Worn depth of bar i once the tip has pressed to `depth`."""
+    """Worn depth of bar i after the tip has pressed to `depth`."""
     flown = (c.stiffness * (depth - cut) - c.yield_force) / (c.stiffness + c.hardening)
     most: float = max(c.worn[i], min(flown, c.thickness - cut))
     return most
@@ -68,7 +68,7 @@ def worn_by(c: Coating, i: int, cut: float, depth: float) -> float:
 
 @jit
 def borne(c: Coating, first: int, cut: float, depth: float) -> tuple[float, float]:
-    """Force of the bars under a tip that presses to `depth`, and its slope; nothing flows yet."""
+    """Force of the bars under a tip at `depth`, and its slope; without yielding."""
     force, slope = 0.0, 0.0
     k, yielding = c.stiffness, c.stiffness * c.hardening / (c.stiffness + c.hardening)
     for j in range(c.under):
@@ -83,7 +83,7 @@ def borne(c: Coating, first: int, cut: float, depth: float) -> tuple[float, floa
 
 @jit
 def settled(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
-    """Depth d of a tip whose free `gap` is below the bars' surface: d + D force(d) = -gap; nothing flows yet."""
+    """Depth d of a tip whose free `gap` is below the bars' surface: d + D force(d) = -gap; without yielding."""
     low, high, depth = surface(c, first, cut), -gap, -gap
     for _ in range(MOST_ALONE):
         force, slope = borne(c, first, cut, depth)
@@ -114,7 +114,7 @@ def wear(c: Coating, first: int, cut: float, depth: float) -> None:
 
 
 class Coats(NamedTuple):
-    """Tracks of bars, the bars of track k at worn[start[k]:start[k + 1]]; K tips, tip j on track[j].
+    """Tracks of bars; the bars of track k are worn[start[k]:start[k + 1]]; K tips, tip j on track[j].
 
     Per track: `round`, `mean`, `stiffness`, `yield_force`, `hardening`; the others as in `Coating`, `memory` (K, 3).
     `first` bar under each tip now and the `cut` there.

@@ -1,1 +1,4 @@
-"""One step with Coulomb friction: Newton, sweeps, pivoting, starts where all slide."""
+"""Contact problem of one step with Coulomb friction.
+
+Newton, sweeps, pivoting, starting points with all contacts sliding.
+"""

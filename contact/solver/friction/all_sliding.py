@@ -1,12 +1,12 @@
-"""A start for the friction problem. Along one line each, all states of the contacts are found: `in_line`.
+"""A starting point for the friction problem with all contacts sliding.
 
-In a plane every contact is taken to slide: directions of slip held, normal forces solved for.
+Contacts with one tangential line each are solved completely by `in_line`. In a plane every contact is assumed to slide:
+slip directions are fixed, and normal forces solved for.
 
-With force_T = -mu force_N d, d = u_T/|u_T| as it was, what remains is complementarity of the normals,
-0 <= (W_NN - W_NT mu d) force_N + b_N, in a third of the unknowns; then d follows and it is solved again. Where a rim
-turns fast, d hardly moves and two or three rounds end at round-off. Where the bodies slip as slowly as friction can
-turn them round, d is continued in small steps instead: `continue_direction`. Where something sticks, the start is
-left alone.
+With force_T = -mu force_N d and the previous direction d = u_T/|u_T|, complementarity of the normals remains, 0 <=
+(W_NN - W_NT mu d) force_N + b_N, with a third of the unknowns. Then d is updated and the problem solved again. On a
+fast rim d hardly changes, and two or three rounds end at round-off. If the slip is so slow that friction can reverse
+it, d is continued in small steps instead: `continue_direction`. If a contact sticks, the starting point is not changed.
 """
 
 from __future__ import annotations
@@ -35,7 +35,10 @@ GOLDEN = 0.6180339887498949
 
 
 def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> bool:
-    """Improve `force`; False, `force` as it was, where no states settle, or in a plane where one does not slide."""
+    """Improve `force`.
+
+    Returns False and leaves `force` unchanged if no states are found, or a contact in a plane sticks.
+    """
     if dim == 2:
         return forces_in_line(W, b, mu, count, force, room)
     size = count * dim
@@ -60,7 +63,7 @@ def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force
 
 
 class AllSliding(ByAddress):
-    """`all_sliding_start` as loops call it: a start for several tips, which loops of one tip need not contain."""
+    """`all_sliding_start` as a function address, so that loops of one tip do not contain its code."""
 
     kind: Any = types.boolean(
         MATRIX, VECTOR, VECTOR, types.int64, types.int64, VECTOR, Bundle(friction_room(1, 1)).kind
@@ -70,7 +73,7 @@ class AllSliding(ByAddress):
 
 @jit
 def slide(W: Array, mu: Array, dim: int, count: int, room: Room) -> bool:
-    """Forces TRIAL of contacts that slide along d = `pairs`; False where no set of closed ones settles."""
+    """Forces TRIAL of contacts that slide along d = `pairs`; returns False if no set of closed ones is consistent."""
     trial, x, A, d = room.vectors[TRIAL], room.vectors[NORMAL], room.matrices[JACOBIAN], room.pairs
     for i in range(count):
         x[i] = trial[i * dim]
@@ -89,10 +92,12 @@ def slide(W: Array, mu: Array, dim: int, count: int, room: Room) -> bool:
 
 @jit
 def continue_direction(W: Array, b: Array, mu: Array, count: int, force: Array, room: Room) -> bool:
-    """Directions in a plane where following the slip would turn them round; whether the last ones are near it.
+    """Slip directions in a plane if following the slip would reverse them.
 
-    d aims at u_T + g d, g = -d . W_TT force_T what friction itself takes away of the slip: tips that move together and
-    yield alike in all directions are there in one round. Aitken's factor from the last two errors shortens the steps.
+    Returns whether the last ones are close to it.
+
+    d moves towards u_T + g d, where g = -d . W_TT force_T is the slip that friction removes. Tips that move together
+    with isotropic compliance converge in one round. Aitken's factor from the last two errors shortens the steps.
     """
     size = 3 * count
     trial, u, own, d = room.vectors[TRIAL], room.vectors[U], room.vectors[OWN], room.pairs
@@ -130,7 +135,7 @@ def continue_direction(W: Array, b: Array, mu: Array, count: int, force: Array, 
 
 @jit
 def dragged(W: Array, force: Array, size: int, out: Array) -> None:
-    """Motion that the tangential forces alone make."""
+    """Motion due to the tangential forces alone."""
     for i in range(size):
         total = 0.0
         for k in range(0, size, 3):
@@ -146,7 +151,7 @@ def between(a: float, c: float, d1: float, d2: float) -> float:
 
 @jit
 def follow(u: Array, dim: int, count: int, d: Array, first: bool) -> float:
-    """Directions of slip into `d`; returns how far the worst turned, 2 where one stands still or turns round."""
+    """Slip directions into `d`; returns the largest change of direction, 2 if a contact is at rest or reverses."""
     worst = 1.0 if first else 0.0
     for k in range(count):
         length, along, change = 0.0, 0.0, 0.0
@@ -169,11 +174,11 @@ def follow(u: Array, dim: int, count: int, d: Array, first: bool) -> float:
 
 @jit
 def press(A: Array, n: int, room: Room) -> bool:
-    """0 <= NORMAL, 0 <= A NORMAL + GAP, complementary, NORMAL and CLOSED to begin from; False where no path ends.
+    """Solve 0 <= NORMAL, 0 <= A NORMAL + GAP, complementary, from NORMAL and CLOSED; returns False if no path ends.
 
-    To GAP is added what makes the beginning right, tau times that: as tau goes from 1 to 0 one contact after the other
-    opens or closes (parametric pivoting: Cottle, Pang & Stone, The Linear Complementarity Problem, 4.5), none in most
-    steps. Where the path turns back, tau grows again.
+    GAP gets tau times a correction that makes the starting point a solution. As tau decreases from 1 to 0, contacts
+    open or close one by one (parametric pivoting: Cottle, Pang & Stone, The Linear Complementarity Problem, 4.5); in
+    most steps none does. If the path turns back, tau increases again.
     """
     x, gap, left, closed = room.vectors[NORMAL], room.vectors[GAP], room.vectors[LEFT], room.whole[CLOSED]
     added, rate, pull = room.vectors[ADDED], room.vectors[RATE], room.vectors[FALL]
@@ -210,7 +215,7 @@ def press(A: Array, n: int, room: Room) -> bool:
 
 @jit
 def with_closed(A: Array, gap: Array, n: int, x: Array, left: Array, room: Room) -> bool:
-    """Forces x that keep the closed contacts closed, and the gaps `left`; False where no force does."""
+    """Forces x that keep the closed contacts closed, and the gaps `left`; returns False if there are none."""
     short, closed, at, part = room.vectors[SHORT], room.whole[CLOSED], room.whole[AT], room.matrices[INNER]
     size = 0
     for i in range(n):

@@ -3,11 +3,11 @@
     u = W force + b,   0 <= u_N, force_N >= 0, u_N force_N = 0,
     |force_T| <= mu force_N,  force_T = -mu force_N u_T/|u_T| where u_T != 0,
 
-W (d c, d c) the Delassus matrix of c contacts in d = 2 or 3 dimensions, normal component first; u the gap and the
-slip of one step. `friction_newton` solves nearly all. Where contacts are coupled so closely that W is conditioned to
-1e6 and more, its path may end at a kink: then Lemke's pivoting on polyhedral cones (`polyhedral_cone`), which has no
-such trap, gives another start. The facets close in on the direction of slip that the last ones found; where pivoting
-ends on a ray or Newton at a kink again, another covering vector takes another path.
+W (d c, d c) the Delassus matrix of c contacts in d = 2 or 3 dimensions, normal component first; u the gap and the slip
+of one step. `friction_newton` solves nearly all. If contacts are so strongly coupled that the condition of W exceeds
+1e6, Newton's path may end at a kink. Then Lemke's pivoting on polyhedral cones (`polyhedral_cone`), which cannot stop
+there, gives another starting point. The facets are refined about the slip direction found last. If pivoting ends on a
+ray, or Newton at a kink again, another covering vector leads to another path.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ SLIPS = 1e-9  # of the largest motion: less is sticking
 
 
 def directions(dim: int, turn: float, spread: float) -> Array:
-    """Unit vectors (m, d - 1) around the ground: in a plane, five of them `spread` apart about the angle `turn`."""
+    """Unit tangential vectors (m, d - 1); in a plane, five of them `spread` apart about the angle `turn`."""
     if dim == 2:
         return np.array([[1.0], [-1.0]])
     near = turn + (np.arange(5) - 2) * spread
@@ -47,17 +47,19 @@ def directions(dim: int, turn: float, spread: float) -> Array:
 
 
 def polyhedral_cone(W: Array, b: Array, mu: Array, dim: int, turn: Array, spread: float, draw: int) -> Array | None:
-    """Forces with facets, the first of contact k at turn[k], by Lemke's pivoting; None when no pivot is left.
+    """Forces with polyhedral cones, the first facet of contact k at turn[k], by Lemke's pivoting.
 
-    With force_T = D beta, D (d - 1, m) unit directions around the ground, beta >= 0, and sigma the slip speed,
+    None if no pivot remains.
+
+    With force_T = D beta, D (d - 1, m) unit directions in the tangential plane, beta >= 0, and sigma the slip speed,
 
         0 <= [W_NN  W_NT D  0; D^T W_TN  D^T W_TT D  1; mu  -1^T  0] z + (b_N, D^T b_T, 0)  _|_ z >= 0,
         z = (force_N, beta, sigma)
 
-    (Stewart & Trinkle, Int. J. Numer. Meth. Eng. 39, 1996, 2673). Its matrix is copositive, so that Lemke's path from
-    far away ends at an answer (Cottle, Pang & Stone, The Linear Complementarity Problem, 4.4): a start for Newton's
-    method where that fails. In two dimensions m = 2 is exact. Every pivot is computed from the original columns, not
-    from the last tableau: with W conditioned to 1e8 a tableau forgets what it was.
+    (Stewart & Trinkle, Int. J. Numer. Meth. Eng. 39, 1996, 2673). Its matrix is copositive, so that Lemke's path ends
+    at a solution (Cottle, Pang & Stone, The Linear Complementarity Problem, 4.4): a starting point for Newton's method
+    if that fails. In two dimensions m = 2 is exact. Every pivot is computed from the original columns, not from the
+    last tableau: with a condition of 1e8, a tableau loses all digits.
     """
     k = mu.size
     D = [directions(dim, float(angle), spread) for angle in turn]
@@ -81,15 +83,18 @@ def polyhedral_cone(W: Array, b: Array, mu: Array, dim: int, turn: Array, spread
 
 
 def covering(n: int, draw: int) -> Array:
-    """Covering vector of Lemke's method: ones, or entries spread over 1 .. 2; where one path ends, another goes on."""
+    """Covering vector of Lemke's method: ones, or entries spread over 1 .. 2.
+
+    If one path fails, another vector is used.
+    """
     spread: Array = 1.0 + (GOLDEN * np.arange(1.0, n + 1.0) * draw) % 1.0
     return spread
 
 
 def lemke(M: Array, q: Array, d: Array) -> Array | None:
-    """Return z with 0 <= M z + q _|_ z >= 0; None on a ray or after too many pivots.
+    """Find z with 0 <= M z + q _|_ z >= 0; None on a ray or after too many pivots.
 
-    Variables 0 .. n-1 are w, n .. 2n-1 are z, 2n is the covering one, w = M z + q + d z0.
+    Variables 0 .. n-1 are w, n .. 2n-1 are z, 2n is the covering variable, w = M z + q + d z0.
     """
     n = q.size
     row = int(np.argmin(q / d))
@@ -123,7 +128,7 @@ def lemke(M: Array, q: Array, d: Array) -> Array | None:
 
 
 def exchanged(inverse: Array, column: Array, row: int) -> Array:
-    """Inverse of a basis whose entry `row` is exchanged for a variable; `column` is `inverse` times its column."""
+    """Inverse of a basis after a variable enters at `row`; `column` is `inverse` times its column."""
     entered = inverse[row] / column[row]
     found = inverse - np.outer(column, entered)
     found[row] = entered
@@ -133,7 +138,7 @@ def exchanged(inverse: Array, column: Array, row: int) -> Array:
 class Friction(NamedTuple):
     """`force` and `motion` (contacts, dimensions), normal first; iterations; |F| over the largest force.
 
-    `left`: the largest error of a contact as a motion, over its own free motion.
+    `left`: the largest error of a contact's motion, over its own free motion.
     """
 
     force: Array
@@ -151,15 +156,11 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     W : (d c, d c), not necessarily symmetric, positive definite blocks on its diagonal
     b : (c, d), gap and slip of the free step, d = 2 or 3
     mu : (c,) or one number, friction coefficients >= 0
-    start : (c, d), forces to start from, such as those of the last step
+    start : (c, d), starting forces, such as those of the last step
 
-    Raises
-    ------
-    InputError
-        Shapes that do not fit, mu < 0, values that are not finite, contacts without compliance.
-    NumericsError
-        No solution to `TOLERANCE` from any start: with friction there need not be one. Or one whose motions are off by
-        more than `LEFT` of a contact's free motion, because forces in double precision can do no better.
+    Raises ------ InputError Shapes that do not fit, mu < 0, values that are not finite, contacts without compliance.
+    NumericsError No solution to `TOLERANCE` is found; with friction none need exist. Or the motion of a contact has an
+    error above `LEFT` of its free motion, because double precision of the forces allows no better.
 
     A block pushed down with 1 and sideways with 2 slips under mu = 1 and sticks under mu = 3:
 
@@ -193,13 +194,13 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
 
 
 def solver_room(contacts: int, dim: int) -> Room:
-    """Room of `friction_forces` for problems of up to this many contacts in `dim` directions."""
+    """Work arrays of `friction_forces` for problems of up to this many contacts with `dim` directions."""
     return friction_room(contacts, dim, pivoted)
 
 
 @jit
 def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
-    """Improve `force` until it obeys the law to TOLERANCE of the largest force; returns (iterations, residual)."""
+    """Improve `force` until it satisfies the law to TOLERANCE of the largest force; returns (iterations, residual)."""
     iterations, residual = newton(W, b, mu, dim, count, force, room)
     if residual <= TOLERANCE:
         return iterations, residual
@@ -210,9 +211,9 @@ def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: 
 
 
 def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Array, float]:
-    """Forces by pivoting and Newton's method from there, and their residual; `force` where none are better.
+    """Forces by pivoting, then Newton's method, and their residual; `force` unchanged if that is not better.
 
-    Facets take the problem scaled to unit normal compliance in every contact.
+    Facets refer to the problem scaled to unit normal compliance in every contact.
     """
     k, space = mu.size, friction_room(mu.size, dim)
     if not np.isfinite(b).all():
@@ -240,7 +241,7 @@ def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Arra
 
 
 def against_slip(u: Array, dim: int, turn: Array) -> Array:
-    """Turn the facets of each contact that slips against its slip u_T."""
+    """Rotate the facets of each sliding contact against its slip u_T."""
     if dim != 3:
         return turn
     across, along = u[1::3], u[2::3]

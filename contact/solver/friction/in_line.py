@@ -1,13 +1,13 @@
-"""Contacts with friction along one line each: which are open, slip or stick, found by a path of single changes.
+"""Contacts with friction along one line each: a path of single changes finds which are open, slip or stick.
 
 Each contact is in a state in which the law is linear: open (no force), slipping to one side (force_T = -mu d force_N,
-u_N = 0) or sticking (u_N = u_T = 0). With all states known, the forces follow from one linear system. They are right if
-every contact's conditions are: u_N >= 0 where it is open; force_N >= 0 and d u_T >= 0 where it slips; mu force_N -+
-force_T >= 0 where it sticks.
+u_N = 0) or sticking (u_N = u_T = 0). With all states known, the forces follow from one linear system. They are a
+solution if every contact satisfies its conditions: u_N >= 0 if it is open; force_N >= 0 and d u_T >= 0 if it slips; mu
+force_N -+ force_T >= 0 if it sticks.
 
-To b is added what makes the start right, tau times that. As tau goes from 1 to 0, one condition after the other reaches
-zero and its contact changes its state (parametric pivoting: Cottle, Pang & Stone, The Linear Complementarity Problem,
-4.5). In most steps none does. Where the path turns back, tau grows again.
+b gets tau times a correction that makes the starting point a solution. As tau decreases from 1 to 0, conditions reach
+zero one by one, and each time a contact changes its state (parametric pivoting: Cottle, Pang & Stone, The Linear
+Complementarity Problem, 4.5). In most steps none does. If the path turns back, tau increases again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ GOLDEN = 0.6180339887498949
 
 @jit
 def forces_in_line(W: Array, b: Array, mu: Array, count: int, force: Array, room: Room) -> bool:
-    """Forces by the path from `force`, else from open contacts; False, `force` as it was, where both end."""
+    """Forces by the path from `force`, else from open contacts; returns False with `force` unchanged if both fail."""
     start = room.vectors[START]
     assign(start, force, 2 * count)
     if follow_path(W, b, mu, count, start, force, room):
@@ -41,7 +41,7 @@ def forces_in_line(W: Array, b: Array, mu: Array, count: int, force: Array, room
 
 @jit
 def follow_path(W: Array, b: Array, mu: Array, count: int, start: Array, force: Array, room: Room) -> bool:
-    """Fill `force` where the path from `start` leads to tau = 0."""
+    """Fill `force` if the path from `start` leads to tau = 0."""
     found, u, added, state = room.vectors[TRIAL], room.vectors[U], room.vectors[ADDED], room.whole[CLOSED]
     rate, fall, side = room.vectors[RATE], room.vectors[FALL], room.pairs
     affine(W, start, b, u, 2 * count)
@@ -77,7 +77,7 @@ def follow_path(W: Array, b: Array, mu: Array, count: int, start: Array, force: 
 
 @jit
 def begin(mu: Array, count: int, force: Array, u: Array, added: Array, state: Indices, side: Array) -> None:
-    """States of the contacts in `force`, and a correction of the motion with which `force` is exact."""
+    """States of the contacts in `force`, and a correction of the motion for which `force` is exact."""
     for k in range(count):
         i = 2 * k
         spread = 1.0 + (GOLDEN * (k + 1)) % 1.0  # tips alike do not change at once
@@ -97,7 +97,7 @@ def begin(mu: Array, count: int, force: Array, u: Array, added: Array, state: In
 
 @jit
 def condition(mu: Array, force: Array, u: Array, state: Indices, side: Array, number: int) -> float:
-    """Quantities that must not be negative: two of each contact; the second of an open one is unused."""
+    """Quantities that must not be negative, two for each contact; the second one of an open contact is unused."""
     k, second = number // 2, number % 2 == 1
     i = 2 * k
     if state[k] == OPEN:
@@ -109,7 +109,10 @@ def condition(mu: Array, force: Array, u: Array, state: Indices, side: Array, nu
 
 @jit
 def change(state: Indices, side: Array, number: int, slip: float) -> int:
-    """Next state of the contact whose condition reached zero, and the condition that is zero there; same `slip`."""
+    """Next state of the contact whose condition reached zero, and the condition that is zero in that state.
+
+    `slip` is unchanged.
+    """
     k, second = number // 2, number % 2
     if state[k] == OPEN:
         state[k], side[k, 0] = SLIPS, 1.0 if slip >= 0.0 else -1.0
@@ -126,7 +129,7 @@ def change(state: Indices, side: Array, number: int, slip: float) -> int:
 
 @jit
 def in_states(W: Array, b: Array, mu: Array, count: int, force: Array, u: Array, room: Room) -> bool:
-    """Forces that keep the contacts in their states, and u = W force + b; False where none do."""
+    """Forces that keep the contacts in their states, and u = W force + b; returns False if there are none."""
     short, pull, part = room.vectors[SHORT], room.vectors[PULL], room.matrices[INNER]
     state, at, side = room.whole[CLOSED], room.whole[AT], room.pairs
     size = 0

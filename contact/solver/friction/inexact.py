@@ -1,4 +1,4 @@
-"""Note on friction forces that double precision leaves inexact; a separate module, since the solver compiles."""
+"""Flag for friction forces that double precision leaves inexact; a separate module, since the solver compiles."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from contact.io.trust import LEFT, MUCH_LEFT, Flag
 
 
 def inexact(left: float) -> tuple[Flag, ...]:
-    """Flag of forces that leave so much of a contact's free motion; none up to LEFT."""
+    """Flag if forces leave an error above LEFT of a contact's free motion."""
     if left <= LEFT:
         return ()
     words = (

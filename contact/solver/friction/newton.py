@@ -6,12 +6,12 @@ Eng. 92, 1991, 353)
     F_N = force_N - s_N^+,  s_N = force_N - rho_N u_N,
     F_T = force_T - s_T min(1, mu s_N^+/|s_T|),  s_T = force_T - rho_T u_T.
 
-Newton's matrix is regularised by a hair, so that redundant contacts (singular W) have a solution too; a step that does
-not reduce |F| is halved, and where that fails projected Gauss-Seidel sweeps find a better start.
+Newton's matrix is slightly regularised, so that redundant contacts (singular W) also have a solution. A step that does
+not reduce |F| is halved; if that fails, projected Gauss-Seidel sweeps find a better starting point.
 
-F small beside the largest force can be a motion as large as the contact's own free one, where contacts yield by powers
-of ten more than others or are coupled so closely that forces nearly cancel: steps without the hair polish that away,
-down to what double precision carries, and `Room.left` tells what is left.
+An F that is small compared with the largest force can still mean a motion as large as a contact's free motion. This
+happens if compliances differ by powers of ten, or if contacts are so strongly coupled that forces nearly cancel. Steps
+without regularisation remove this error up to double precision, and `Room.left` is the remaining error.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ EXACT, HALF_A_UNIT = 1e-12, 2.0**-53  # error as motion that asks how exact its 
 def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
     """Improve `force` until F is below TOLERANCE of the largest force; returns (iterations, residual).
 
-    Steps that reduce |F| while there are such; then bursts of sweeps, each followed by UNDAMPED undamped steps, because
-    beyond a kink |F| may have to rise before it falls. `count` contacts, the first of the arrays.
+    Steps are taken while they reduce |F|. Then follow groups of sweeps, each with UNDAMPED undamped steps, because
+    beyond a kink |F| may have to rise before it decreases. `count`: number of contacts, the first in the arrays.
     """
     size = count * dim
     rho, u, miss, step = room.pairs, room.vectors[U], room.vectors[MISS], room.vectors[STEP]
@@ -84,7 +84,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
 
 @jit
 def polish(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> None:
-    """Newton steps without regularisation while they halve the error as motion; the rest is noted in `room.left`."""
+    """Newton steps without regularisation while they halve the error of motion; `room.left` is the rest."""
     size, rho, u, miss = count * dim, room.pairs, room.vectors[U], room.vectors[MISS]
     step, trial, trial_miss = room.vectors[STEP], room.vectors[TRIAL], room.vectors[TRIAL_MISS]
     J, inside, closed = room.matrices[JACOBIAN], room.matrices[INNER], room.whole[CLOSED]
@@ -124,9 +124,9 @@ def motion_miss(b: Array, rho: Array, dim: int, count: int, miss: Array) -> floa
 
 @jit
 def sums_rounding(W: Array, b: Array, dim: int, count: int, force: Array) -> float:
-    """Largest round-off of a contact's motion W force + b, that of the largest product, over its own free motion.
+    """Largest round-off of a contact's motion W force + b, from the largest product, over its own free motion.
 
-    Forces that nearly cancel leave it in every motion, whatever F says: by luck F is far smaller.
+    Forces that nearly cancel leave this error in every motion, even if F happens to be much smaller.
     """
     worst = 0.0
     for k in range(count):
@@ -141,7 +141,7 @@ def sums_rounding(W: Array, b: Array, dim: int, count: int, force: Array) -> flo
 
 @jit
 def free_motion(b: Array, dim: int, count: int, k: int) -> float:
-    """|b| of contact k, or where it has none the largest."""
+    """Free motion |b| of contact k; the largest one if it is 0."""
     own = 0.0
     for i in range(k * dim, (k + 1) * dim):
         own = max(own, abs(b[i]))
@@ -180,7 +180,7 @@ def release(rho: Array, dim: int, count: int, u: Array, force: Array) -> None:
 def steps_in(W: Array, dim: int, count: int, rho: Array) -> None:
     """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block).
 
-    Where nothing gives way along the tangent the slip is given, and every step finds the friction: that of the normal.
+    Without tangential compliance the slip is given, and the step length of the normal serves for the tangent.
     """
     for k in range(count):
         i = k * dim
@@ -196,9 +196,9 @@ def steps_in(W: Array, dim: int, count: int, rho: Array) -> None:
 
 @jit
 def force_scale(b: Array, rho: Array, dim: int, count: int, force: Array) -> float:
-    """The largest force there is, or that a free step's gap alone would ask for; friction follows the latter.
+    """The largest force, or the force that the gap of a free step alone would need.
 
-    A rim that turns in front of a blade slips by far more in a step than any tangential force could hold back.
+    The slip of a rotating rim in a step is no scale: it is far more than any tangential force could prevent.
     """
     scale = 0.0
     for k in range(count):
@@ -235,9 +235,9 @@ def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, count: int
 @jit
 def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Array, u: Array, J: Array,
               closed: Indices) -> int:  # fmt: skip
-    """Rows of dF/dforce (a member of the generalised derivative) for what presses, one below the other, into J.
+    """Rows of dF/dforce (a member of the generalised derivative) for pressing contacts, one below the other, into J.
 
-    Returns how many; `closed` says which. The others' rows are those of the unit matrix.
+    Returns their number; `closed` marks them. The other rows are those of the unit matrix.
     """
     n, size = 0, count * dim
     for k in range(count):
@@ -281,7 +281,7 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Arra
 @jit
 def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, room: Room, step: Array,
                 size: int, hair: float) -> None:  # fmt: skip
-    """Solve J step = miss, J slightly regularised, open contacts first; NaN where J is singular."""
+    """Solve J step = miss with J slightly regularised, open contacts first; NaN if J is singular."""
     right = room.vectors[RIGHT]
     assign(step, miss, size)
     for a in range(n):

@@ -1,7 +1,8 @@
 """One contact, frictionless or with Coulomb friction along one line, in closed form: the case of nearly every step.
 
-u = W force + b with b_N < 0. It sticks where W force = -b lies inside the cone; else it slips, u_N = 0,
-force_T = -mu s force_N and force_N = -b_N/(W_NN - mu s W_NT), s the sign of u_T. W_NN > mu |W_NT| leaves one answer.
+u = W force + b with b_N < 0. It sticks if the force with W force = -b lies inside the cone. Else it slips with u_N = 0,
+force_T = -mu s force_N and force_N = -b_N/(W_NN - mu s W_NT), s the sign of u_T. The solution is unique if W_NN > mu
+|W_NT|.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ JAMMED = -1.0
 
 @jit_inside
 def scalar_force(H: float, gap: float) -> float:
-    """Force of one closed contact, -gap/H; JAMMED where H <= 0. Call only when gap < 0.
+    """Force of one closed contact, -gap/H; JAMMED if H <= 0. Call it only if gap < 0.
 
     H is the Delassus number Q c W: the gap that a unit force opens within a step. Friction makes it nonsymmetric
     (W = Q - mu s T) and, for a digging blade, negative: then no force opens the gap, and the step has no solution.
@@ -27,7 +28,7 @@ def scalar_force(H: float, gap: float) -> float:
 
 @jit
 def drag_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float, mu: float) -> float:
-    """-force_T/force_N of a contact that would close: inside the cone it sticks; NaN where neither way does.
+    """-force_T/force_N of a closing contact: inside the cone it sticks; NaN if neither stick nor slip is consistent.
 
     u_N = nn force_N + nt force_T + gap, u_T = tn force_N + tt force_T + slip.
     """
@@ -46,7 +47,7 @@ def drag_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: flo
 @jit
 def one_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
                 mu: float) -> tuple[bool, float, float]:  # fmt: skip
-    """Forces of `drag_ratio`'s contact, open or closed; False where they may not be the only answer.
+    """Forces of the contact of `drag_ratio`, open or closed; returns False if the solution may not be unique.
 
     Without friction all but `nn` and `gap` are zero.
     """
@@ -57,9 +58,9 @@ def one_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: fl
 @jit
 def only_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
                  mu: float) -> tuple[bool, float, float]:  # fmt: skip
-    """Forces of `drag_ratio`'s contact, open or closed; False where none obey the laws.
+    """Forces of the contact of `drag_ratio`, open or closed; returns False if there is no solution.
 
-    Of several answers the first: it sticks before it slips.
+    If there are several solutions, sticking is preferred to slipping.
     """
     if gap >= 0.0:
         return True, 0.0, 0.0
@@ -71,7 +72,7 @@ def only_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: f
 @jit
 def force_and_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
                     mu: float) -> tuple[bool, float, float]:  # fmt: skip
-    """Normal force of `one_contact`, and the drag over it."""
+    """Normal force of `one_contact`, and the ratio of drag to it."""
     if not nn > mu * abs(nt):
         return False, 0.0, 0.0
     if gap >= 0.0:

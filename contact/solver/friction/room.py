@@ -1,4 +1,4 @@
-"""Work space of the friction solvers, made once for a run; Gauss-Seidel sweeps, where Newton's own path ends."""
+"""Work arrays of the friction solvers, made once for a run; Gauss-Seidel sweeps for points where Newton's path ends."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ ROUGHLY = 1e-3  # how closely each contact is solved: a start is wanted
 
 
 class Otherwise(protocol):  # type: ignore[misc]
-    """Fallback of compiled loops where Newton's method fails; it runs through Python, because it is rarely needed.
+    """Fallback of compiled loops if Newton's method fails; it runs through Python, because it is rarely needed.
 
-    So many Gauss-Seidel sweeps, or pivoting where their number is 0. The problem stands in W, b, mu and force, which is
-    improved; returns its residual, after sweeps 0. Compiled copies in every loop took half of the time to compile it.
+    It makes the given number of Gauss-Seidel sweeps, or pivots if that is 0. The problem is in W, b, mu and force,
+    which is improved; returns the residual, after sweeps 0. Compiled copies in every loop would double its compile
+    time.
     """
 
     kind = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
@@ -60,12 +61,12 @@ class Otherwise(protocol):  # type: ignore[misc]
         self.call = self.kind(improve)
 
     def __call__(self, count: int, dim: int, sweeps: int) -> float:
-        """Run it where numba does not compile."""
+        """Run it in Python if numba does not compile."""
         residual: float = self.call(count, dim, sweeps)
         return residual
 
     def pass_on(self) -> None:
-        """Raise an interruption of Python inside a loop, Ctrl-C above all, now that the loop has ended."""
+        """Raise a Python interruption from inside a loop, such as Ctrl-C, after the loop has ended."""
         if self.interrupted:
             raise self.interrupted.pop()
 
@@ -74,7 +75,7 @@ class Otherwise(protocol):  # type: ignore[misc]
         return ctypes.cast(self.call, ctypes.c_void_p).value
 
     def signature(self) -> Any:
-        """Residual of (contacts, dimensions, sweeps)."""
+        """Signature: residual from (contacts, dimensions, sweeps)."""
         return numba.float64(numba.int64, numba.int64, numba.int64)
 
 
@@ -91,7 +92,7 @@ class Room(NamedTuple):
 
 
 def staggered(size: int) -> int:
-    """A number of columns, or a few more, so that entries of a column lie in different parts of the cache.
+    """A number of columns, increased slightly so that entries of a column lie in different parts of the cache.
 
     >>> staggered(5), staggered(128), staggered(130)
     (5, 136, 136)
@@ -100,7 +101,7 @@ def staggered(size: int) -> int:
 
 
 def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Room:
-    """Room for problems of up to this many contacts in `dim` directions; without pivoting where it is not given."""
+    """Work arrays for up to this many contacts with `dim` directions; without pivoting if it is not given."""
     size = contacts * dim
     vectors, matrices = np.zeros((15, size)), np.zeros((3, size, staggered(size)))
     return Room(
@@ -113,7 +114,7 @@ def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Ro
 
 @jit_entry
 def sweep(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, sweeps: int) -> None:
-    """Nonlinear Gauss-Seidel sweeps: each contact solved with the others' forces held."""
+    """Nonlinear Gauss-Seidel sweeps: each contact is solved with fixed forces of the others."""
     size = count * dim
     for visit in range(sweeps * count):
         k = visit % count
@@ -128,7 +129,7 @@ def sweep(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, swe
 
 @jit
 def without(W: Array, b: Array, row: int, i: int, dim: int, force: Array, size: int) -> float:
-    """Motion of one direction without the contact's own force, which begins at i."""
+    """Motion along one direction without the contact's own force, whose entries begin at i."""
     q = b[row] + dot(W[row], force, size)
     for m in range(i, i + dim):
         q -= W[row, m] * force[m]
@@ -172,7 +173,7 @@ def one_contact(W: Array, i: int, dim: int, q0: float, q1: float, q2: float, mu:
 @jit
 def slip_excess(W: Array, i: int, dim: int, q0: float, q1: float, q2: float, mu: float, alpha: float,
                 force: Array) -> float:  # fmt: skip
-    """Set the force of a contact that slips by alpha times its tangential force; returns |force_T| - mu force_N."""
+    """Set the force of a slipping contact, alpha = slip over tangential force; returns |force_T| - mu force_N."""
     a, c, m = W[i + 1, i + 1] + alpha, 1.0, 0.0
     w2, v2, mt = 0.0, 0.0, 0.0
     if dim == 3:

@@ -1,1 +1,1 @@
-"""One step without friction: complementarity, active sets."""
+"""Contact problem of one step without friction: complementarity, active sets."""

@@ -1,11 +1,11 @@
-"""The one-step problem of many frictionless contacts: a dual active set on the motion, not on the forces.
+"""Contact problem of one step for many frictionless contacts: a dual active set on the motion, not on the forces.
 
     force >= 0,  gap = A A^T force + b >= 0,  force . gap = 0      (A: contacts x coordinates)
 
-is the projection min |y|^2/2 subject to A y + b >= 0, y = A^T force. The method of Goldfarb & Idnani (Math.
-Programming 27, 1983, 1) starts from y = 0 and takes in the most violated contact, dropping those whose force
-would turn negative; the QR factors of the active rows are updated by rotations. Contacts may outnumber
-coordinates many times: redundant rows are recognised by their dependence, cost nothing and break nothing.
+is the projection min |y|^2/2 subject to A y + b >= 0, y = A^T force. The method of Goldfarb & Idnani (Math. Programming
+27, 1983, 1) starts from y = 0 and takes in the most violated contact, dropping those whose force would turn negative;
+the QR factors of the active rows are updated by rotations. There may be many more contacts than coordinates; redundant
+rows are recognised by their linear dependence.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SOLVED, NO_MOTION, TOO_LONG = 0, 1, 2
 
 
 class Contacts(NamedTuple):
-    """`force`, `gap` (contacts,), the motion `y` (coordinates,), and how often a contact was taken in or out."""
+    """`force`, `gap` (contacts,), motion `y` (coordinates,), and the number of changes of the active set."""
 
     force: Array
     gap: Array
@@ -48,7 +48,7 @@ def unilateral(A: Array, b: Array) -> Contacts:
     InputError
         Shapes that do not fit, or values that are not finite.
     NumericsError
-        When no motion opens all gaps at once (bodies wedged between rigid walls).
+        If no motion opens all gaps at once (bodies wedged between rigid walls).
 
     >>> found = unilateral(np.array([[1.0], [1.0], [2.0]]), np.array([-1.0, -1.0, 3.0]))
     >>> found.y.tolist(), float(found.force.sum()), found.gap.tolist()
@@ -82,7 +82,7 @@ def delassus_rows(W: Array) -> Array:
 
 
 class ActiveSpace(NamedTuple):
-    """Work space for up to n contacts in m coordinates; `y` the motion that `project` finds."""
+    """Work arrays for up to n contacts in m coordinates; `y` is the motion that `project` finds."""
 
     J: Array  # (m, m), rows orthonormal; active rows^T = J^T R
     R: Array  # (m, m)
@@ -96,7 +96,7 @@ class ActiveSpace(NamedTuple):
 
 
 def active_space(contacts: int, size: int) -> ActiveSpace:
-    """Work space for problems of up to this size."""
+    """Work arrays for problems of up to this size."""
     return ActiveSpace(
         J=np.zeros((size, size)), R=np.zeros((size, size)), active=np.zeros(size, dtype=np.int64), lam=np.zeros(size),
         d=np.zeros(size), r=np.zeros(size), y=np.zeros(size), lengths=np.zeros(contacts),
@@ -108,7 +108,7 @@ def active_space(contacts: int, size: int) -> ActiveSpace:
 def project(A: Array, b: Array, contacts: int, size: int, force: Array, w: ActiveSpace) -> tuple[int, int]:
     """Fill `force` and the motion `w.y`; returns (SOLVED | NO_MOTION | TOO_LONG, changes).
 
-    Rows and columns of A and entries of b and `force` beyond `contacts` and `size` are left alone.
+    Rows and columns of A and entries of b and `force` beyond `contacts` and `size` do not change.
     """
     J, R, active, lam, d, r, y = w.J, w.R, w.active, w.lam, w.d, w.r, w.y
     begin(A, contacts, size, force, w)
@@ -164,7 +164,7 @@ def project(A: Array, b: Array, contacts: int, size: int, force: Array, w: Activ
 
 @jit
 def begin(A: Array, contacts: int, size: int, force: Array, w: ActiveSpace) -> None:
-    """No contact active, nothing moved."""
+    """Start without active contacts and without motion."""
     for i in range(size):
         w.y[i] = 0.0
         for j in range(size):
@@ -178,7 +178,7 @@ def begin(A: Array, contacts: int, size: int, force: Array, w: ActiveSpace) -> N
 
 @jit
 def most_violated(A: Array, b: Array, contacts: int, size: int, w: ActiveSpace) -> int:
-    """The contact, not settled, with the most negative gap beyond round-off per length of its row; -1 if none."""
+    """The unsettled contact with the most negative gap relative to its row, beyond round-off; -1 if there is none."""
     moved = math.sqrt(dot(w.y, w.y, size))
     worst, found = 0.0, -1
     for i in range(contacts):
@@ -190,7 +190,7 @@ def most_violated(A: Array, b: Array, contacts: int, size: int, w: ActiveSpace) 
 
 @jit
 def back_substitute(R: Array, count: int, d: Array, r: Array) -> None:
-    """R r = d for the first `count` entries."""
+    """Solve R r = d for the first `count` entries."""
     for k in range(count - 1, -1, -1):
         total = d[k]
         for j in range(k + 1, count):
@@ -208,7 +208,7 @@ def rotate(J: Array, i: int, k: int, c: float, s: float, size: int) -> None:
 
 @jit
 def enter(J: Array, R: Array, count: int, size: int, d: Array) -> None:
-    """Add a row with components d = J row to the factors: rotate d[count:] into one number."""
+    """Add a row with components d = J row to the factors: rotations reduce d[count:] to one number."""
     for i in range(size - 1, count, -1):
         length = math.hypot(d[i - 1], d[i])
         if d[i] == 0.0:
@@ -236,7 +236,7 @@ def leave(J: Array, R: Array, count: int, gone: int, size: int) -> None:
 
 @jit
 def polish(A: Array, b: Array, count: int, size: int, w: ActiveSpace) -> None:
-    """One correction of y and the forces: the active gaps back to zero, then forces from y anew."""
+    """Correct y and the forces once: active gaps back to zero, then forces from y."""
     J, R, active, lam, right, y = w.J, w.R, w.active, w.lam, w.d, w.y
     for k in range(count):  # R^T right = -gaps: the correction in the span of the active rows
         total = -(dot(A[active[k]], y, size) + b[active[k]])

@@ -1,9 +1,9 @@
-"""The one-step problem of several contacts: 0 <= W lam + g, lam >= 0, complementary.
+"""Contact problem of one step for several contacts: 0 <= W lam + g, lam >= 0, complementary.
 
-Principal pivoting: the set of closed contacts is corrected as a whole at first, then one contact at a time by
-the least index, which ends for every positive definite W (Murty, Opsearch 11, 1974, 123). Rows that repeat others
-(singular W) get force zero; where one of these is the nearer one, and so left open, W gets a hair of compliance. One
-contact is a division.
+Principal pivoting: the set of closed contacts is corrected as a whole at first, then one contact at a time by the least
+index, which ends for every positive definite W (Murty, Opsearch 11, 1974, 123). Redundant rows (singular W) get force
+zero. If one of them is closer and would be left open, W gets a slight compliance. A single contact needs only a
+division.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ HAIR = 1e-12  # of the largest diagonal entry, added to it where rows repeat
 
 @jit
 def closed_forces(W: Array, soft: float, g: Array, closed: Array, A: Array, lam: Array) -> None:
-    """(W + soft I) lam = -g on the closed contacts, zero on the others."""
+    """Solve (W + soft I) lam = -g on the closed contacts, zero on the others."""
     n = g.size
     for i in range(n):
         lam[i] = -g[i] if closed[i] > 0.0 else 0.0
@@ -51,7 +51,7 @@ def closed_forces(W: Array, soft: float, g: Array, closed: Array, A: Array, lam:
 
 
 def unilateral_forces(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array) -> bool:
-    """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; False when the contacts cycle."""
+    """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; returns False if the set of contacts cycles."""
     n = g.size
     size, open_all = 0.0, True
     for i in range(n):
@@ -87,7 +87,7 @@ def least_gap(W: Array, soft: float, g: Array, lam: Array) -> float:
 
 @jit
 def settle(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array, size: float) -> bool:
-    """Correct the set of closed contacts until no force pulls and no open gap is negative; False when it cycles."""
+    """Correct the set of closed contacts until no force and no open gap is negative; returns False if it cycles."""
     n = g.size
     for pivot in range(PIVOTS):
         closed_forces(W, soft, g, closed, A, lam)
@@ -115,14 +115,17 @@ SEVERAL: Any = types.boolean(MATRIX, types.float64, VECTOR, VECTOR, VECTOR, MATR
 
 
 class Several(ByAddress):
-    """`unilateral_forces` as loops call it, which need not contain it: most runs have one contact, a division."""
+    """`unilateral_forces` as a function address, so that the loops of runs with one contact do not contain its code."""
 
     kind = SEVERAL
     function = staticmethod(unilateral_forces)
 
 
 class LawNumbers(NamedTuple):
-    """Rigid: stiffness 0. Penalty: stiffness [N/m]. Augmented: also updates > 0 and a tolerance [m]."""
+    """Parameters of a law. Rigid: stiffness 0. Penalty: stiffness [N/m]. Augmented.
+
+    Also updates > 0 and a tolerance [m].
+    """
 
     stiffness: float
     updates: int
@@ -132,7 +135,7 @@ class LawNumbers(NamedTuple):
 
 @jit
 def forces(W: Array, law: LawNumbers, soft: float, g: Array, lam: Array, closed: Array, A: Array) -> bool:
-    """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; False when there are none."""
+    """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; returns False without a solution."""
     if g.size > 1:
         return bool(law.several(W, soft, g, lam, closed, A))
     if g.size == 1:
@@ -142,7 +145,7 @@ def forces(W: Array, law: LawNumbers, soft: float, g: Array, lam: Array, closed:
 
 @jit
 def contact_forces(W: Array, law: LawNumbers, g: Array, lam: Array, closed: Array, A: Array, shifted: Array) -> bool:
-    """Forces of the law for free gaps g; `lam` holds the last forces on entry. False when the problem has no answer.
+    """Forces of the law for free gaps g; `lam` has the last forces on entry. Returns False without a solution.
 
     Augmented Lagrangian: lam <- <lam - r (g + W lam)> solved for the new lam, until no gap is below -tolerance.
     """

@@ -1,10 +1,10 @@
-"""The one-step problem of many frictionless contacts, each with a compliance of its own: Newton's method on the motion.
+"""Contact problem of one step for many frictionless compliant contacts: Newton's method on the motion.
 
     force_i = <-(A_i y + b_i)>/S_i,  y = A^T force      (A: contacts x coordinates, S_i > 0)
 
-is the minimum of |y|^2/2 + sum <-(A_i y + b_i)>^2/(2 S_i), which is strictly convex and quadratic by pieces. Newton's
+is the minimum of |y|^2/2 + sum <-(A_i y + b_i)>^2/(2 S_i), which is strictly convex and piecewise quadratic. Newton's
 method with an exact line search ends after finitely many steps (Sun, J. Optim. Theory Appl. 95, 1997, 1). One step
-costs k m^2 operations for k contacts and m coordinates, where active sets of forces cost k^3 together.
+costs k m^2 operations for k contacts and m coordinates, while active sets of forces cost k^3 in all.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ LINE = 100  # steps of a line search, which passes the opening or closing of at 
 
 
 class SpringSpace(NamedTuple):
-    """Work space for k contacts in m coordinates; `y` is kept from one step to the next."""
+    """Work arrays for k contacts in m coordinates; `y` is kept from one step to the next."""
 
     y: Array  # (m,)
     p: Array  # (m,), direction
@@ -35,14 +35,14 @@ class SpringSpace(NamedTuple):
 
 
 def spring_space(contacts: int, size: int) -> SpringSpace:
-    """Work space for problems of this size."""
+    """Work arrays for problems of this size."""
     return SpringSpace(np.zeros(size), np.zeros(size), np.zeros((size, size)), np.zeros(contacts), np.zeros(contacts))
 
 
 def springs_of(A: Array, S: Array) -> Array:
-    """Compliances (k,) of contacts that this method solves, none where another does.
+    """Compliances (k,) of contacts that this method solves; empty if another method does.
 
-    It takes more contacts than coordinates, a diagonal S, and none stiffer than STIFFEST allows.
+    It needs more contacts than coordinates, a diagonal S, and no contact stiffer than STIFFEST allows.
     """
     own = np.diag(S) if S.size else np.zeros(len(A))
     alone = S.size > 0 and not np.any(S - np.diag(own))
@@ -52,9 +52,9 @@ def springs_of(A: Array, S: Array) -> Array:
 
 @jit
 def spring_forces(A: Array, S: Array, b: Array, force: Array, w: SpringSpace) -> tuple[bool, int]:
-    """Fill `force` for the free gaps `b`; returns whether the method ended, and its steps.
+    """Fill `force` for the free gaps `b`; returns whether the method converged, and its steps.
 
-    A full step that closes and opens no contact is the minimum.
+    A full step that changes no contact ends at the minimum.
     """
     k, m = S.size, w.y.size
     for i in range(k):
@@ -113,7 +113,7 @@ def direction(A: Array, S: Array, w: SpringSpace) -> None:
 
 @jit
 def along(S: Array, w: SpringSpace) -> float:
-    """Step to the minimum along p: the root of a slope that rises, linear by pieces, found by Newton from the left."""
+    """Step to the minimum along p: the root of an increasing piecewise linear slope, by Newton from the left."""
     m = w.y.size
     square, start = dot(w.p, w.p, m), dot(w.y, w.p, m)
     low, high, t = 0.0, math.inf, 1.0

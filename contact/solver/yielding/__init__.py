@@ -1,1 +1,1 @@
-"""Compliant contacts: force-depth laws, and the step of a contact with one."""
+"""Compliant contacts: force-depth laws, and the contact problem of one step with them."""

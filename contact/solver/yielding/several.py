@@ -1,11 +1,11 @@
-"""The one-step problem of compliant contacts, on a coating or with a force-depth law: depths and forces together.
+"""Contact problem of one step for compliant contacts, on a coating or with a force-depth law: depths and forces.
 
-    u = W force + b,   contact j gives way to d_j = -u_Nj where force_Nj = F_j(d_j) > 0,
+    u = W force + b,   contact j has the depth d_j = -u_Nj if force_Nj = F_j(d_j) > 0,
 
-F_j what the coating's bars bear (`solver.abradable`) or the law's force; tangential forces obey Coulomb's law as on
-rigid contacts. Newton's method: each contact alone, with the other forces as they are, has one depth; the slope of F_j
-there is a spring of 1/F'_j in series with W, which leaves rigid contacts with friction (`friction_forces`). One contact
-is done after one step, several after a few; where these do not close in, they are halved.
+with F_j the force of the coating's bars (`solver.abradable`) or of the law. Tangential forces obey Coulomb's law as in
+rigid contacts. Newton's method: each contact alone, with the other forces fixed, has one depth; the slope of F_j there
+is a spring of 1/F'_j in series with W, which leaves rigid contacts with friction (`friction_forces`). One contact needs
+one step, several need a few; steps that do not converge are halved.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CLOSER, LONGER, SHORTEST = 0.9, 1.3, 1.0 / 32.0  # what a step should leave; how
 
 @jit
 def alone(c: Coats | None, y: Yielding | None, k: int, D: float, gap: float) -> tuple[float, float, float]:
-    """Depth of contact k alone, the force there and its slope > 0; of an open one the slope where it would touch."""
+    """Depth of contact k alone, its force and slope > 0; for an open contact the slope at first touch."""
     if c is not None:
         tip, first, cut = coating_of(c, k), c.first[k], c.cut[k]
         low = surface(tip, first, cut)
@@ -50,9 +50,11 @@ def alone(c: Coats | None, y: Yielding | None, k: int, D: float, gap: float) -> 
 @jit
 def yielding_forces(c: Coats | None, y: Yielding | None, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
                     count: int, force: Array, depth: Array, start: AllSliding, room: Room) -> bool:  # fmt: skip
-    """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) so that both laws hold; False where they do not.
+    """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) that satisfy both laws.
 
-    Nothing flows yet.
+    Returns False if that fails.
+
+    Bars do not yield yet.
     """
     size = count * dim
     soft, short, trial, u = room.matrices[SOFT], room.vectors[BEHIND], room.vectors[GUESS], room.vectors[MOTION]
@@ -92,7 +94,7 @@ def yielding_forces(c: Coats | None, y: Yielding | None, tips: Indices, W: Array
 
 @jit
 def own_compliance(W: Array, i: int, dim: int, force: Array) -> float:
-    """Gap that a tip's own force opens, with the share of friction in it that there is now."""
+    """Gap that a tip's own force opens, with the current effect of friction."""
     D: float = W[i, i]
     if force[i] > 0.0:
         for j in range(i + 1, i + dim):

@@ -1,9 +1,9 @@
-"""A contact with a force-depth law in one step: its depth, and the spring that the law is there.
+"""A contact with a force-depth law in one step: its depth, and the equivalent spring of the law there.
 
     depth + D force = -gap,   force = F(depth, rate),   rate = rate_0 + rate_1 depth,
 
-D > 0 the compliance of the step and `gap` the gap without this force. A law whose force rises with the depth has one
-depth; of another law the first one found.
+D > 0 the compliance of the step and `gap` the gap without this force. A law whose force increases with depth has one
+solution; for another law the first one found is used.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Function = Callable[[float, float, Array], tuple[float, float]]
 
 
 class ByDepth(ByAddress):
-    """A force-depth law as loops call it."""
+    """A force-depth law as a function address for loops."""
 
     kind: Any = PAIR(types.float64, types.float64, VECTOR)
 
@@ -38,7 +38,7 @@ class ByDepth(ByAddress):
         self.function = function
 
     def __call__(self, depth: float, rate: float, values: Array) -> tuple[float, float]:
-        """Run it where numba does not compile."""
+        """Run it in Python if numba does not compile."""
         force, slope = self.function(depth, rate, values)
         return force, slope
 
@@ -60,7 +60,7 @@ class Yielding(NamedTuple):
 
 
 def yielding(law: ByDepth, values: Array, now: Array, before: Array) -> Yielding:
-    """Work space for contacts that have these gaps at t_0 and a step before, (K,) each."""
+    """Work arrays for contacts with these gaps at t_0 and a step before, (K,) each."""
     past = -np.stack([now, before], axis=1)
     return Yielding(
         law=law, values=values, rate=np.zeros((now.size, 2)), past=past, depth=np.zeros(now.size), steepest=np.zeros(1)
@@ -76,14 +76,14 @@ def paced(y: Yielding, k: int, h: float) -> None:
 
 @jit
 def passed(y: Yielding, k: int, depth: float) -> None:
-    """Keep the depth of contact k after a step, below 0 where it is open."""
+    """Keep the depth of contact k after a step; negative if it is open."""
     y.past[k, 1] = y.past[k, 0]
     y.past[k, 0] = depth
 
 
 @jit
 def bears(y: Yielding, k: int, depth: float) -> tuple[float, float]:
-    """Force of contact k at a depth, and how it changes with the depth within this step."""
+    """Force of contact k at a depth, and its derivative with respect to the depth within this step."""
     by_depth = y.rate[k, 1]
     rate = y.rate[k, 0] + by_depth * depth
     force, slope = y.law(depth, rate, y.values)
@@ -96,7 +96,7 @@ def bears(y: Yielding, k: int, depth: float) -> tuple[float, float]:
 
 @jit
 def pressed(y: Yielding, k: int, D: float, gap: float) -> float:
-    """Depth of contact k alone, whose free `gap` is negative; 0 where its rate alone bears more than that asks for."""
+    """Depth of contact k alone, whose free `gap` is negative; 0 if its rate alone already gives enough force."""
     at_once, _ = y.law(0.0, y.rate[k, 0], y.values)
     if D * at_once >= -gap:
         return 0.0
@@ -128,7 +128,7 @@ def press(y: Yielding, k: int, D: float, gap: float) -> tuple[float, float]:
 
 @jit
 def note_slope(y: Yielding, k: int, depth: float) -> None:
-    """Keep the steepest slope of the law at a depth at rest."""
+    """Record the largest slope of the law at a depth at rest."""
     if depth > 0.0:
         _, slope = y.law(depth, 0.0, y.values)
         y.steepest[0] = max(y.steepest[0], slope)
