@@ -25,7 +25,7 @@ from contact.scheme.modal.rub_stepper import RubStepper
 from contact.scheme.protocol import Scheme, Stepper
 
 CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
-WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
+WORK = 100_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
 LEDGER = 20_000  # steps between two checks of the energy
 
 Progress = Callable[[float], None]

@@ -190,11 +190,11 @@ def samples(record: Record, steps: int, contacts: int, size: int, at: Indices = 
     every = record.every
     if record.at is not None:
         every, rows, states = 0, at.size, at.size
-    events = 2 * steps * contacts  # a contact opens or closes, and begins or ends to stick
+    events = 2 * steps * contacts  # a contact opens or closes, and begins or ends to stick; filled as far as read
     return Samples(
         every=every, state_every=record.state_every, at=at, rows=channels, time=np.zeros(rows),
         force=np.zeros((rows, contacts)), gap=np.zeros((rows, contacts)), impulse=np.zeros((rows, contacts)),
         state_time=np.zeros(states), state=np.zeros((states, len(channels) or size)),
-        event_contact=np.zeros(events, dtype=np.int64), event_kind=np.zeros(events, dtype=np.int64),
-        event_time=np.zeros(events),
+        event_contact=np.empty(events, dtype=np.int64), event_kind=np.empty(events, dtype=np.int64),
+        event_time=np.empty(events),
     )  # fmt: skip

@@ -13,7 +13,7 @@ from numba import types
 
 from contact.base.arrays import Array
 from contact.jit.compiled import MATRIX, VECTOR, ByAddress, jit
-from contact.jit.vector import WIDTH, load, put, same, total
+from contact.jit.vector import WIDTH, entry, load, put, same, total
 
 PANEL = 4  # columns that `solve_in_place` takes at a time
 LARGE = 40  # unknowns from which on it does: fewer stay in the nearest cache
@@ -38,6 +38,30 @@ def dot(a: Array, b: Array, n: int) -> float:
     for i in range(whole, n):
         result += a[i] * b[i]
     return result
+
+
+@jit
+def dot_from(a: Array, first: int, b: Array, n: int) -> float:
+    """Sum of products of `b` with as many entries of `a`, flat, from `first`."""
+    whole, result = n - n % WIDTH, 0.0
+    if whole > 0:
+        part = same(0.0)
+        for i in range(0, whole, WIDTH):
+            part = part + load(a, first + i) * load(b, i)
+        result = total(part)
+    for i in range(whole, n):
+        result += entry(a, first + i) * b[i]
+    return result
+
+
+@jit
+def add_from(out: Array, ratio: float, a: Array, first: int, n: int) -> None:
+    """Add `ratio` times the entries of `a`, flat, from `first`."""
+    whole, part = n - n % WIDTH, same(ratio)
+    for i in range(0, whole, WIDTH):
+        put(out, i, load(out, i) + part * load(a, first + i))
+    for i in range(whole, n):
+        out[i] += ratio * entry(a, first + i)
 
 
 @jit

@@ -16,7 +16,7 @@ from contact.loop.modal.rows import RowBlocks, fill_one, fill_some
 from contact.loop.rub.motion import felt, press_waves
 from contact.loop.rub.rows import BEFORE, NOW, RubRows, waves_at
 from contact.loop.rub.state import RubState, Work
-from contact.solver.dense import dot
+from contact.solver.dense import add_from, dot, dot_from
 
 
 @jit_inside
@@ -39,6 +39,13 @@ def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
             fill_S(rows, w.turn, j * blocks, w.S[1 - now, j])
         w.S_at[j] = step
         fill_S(rows, w.waves[now, rows.place[j]], j * blocks, w.S[now, j])
+
+
+@jit_inside
+def row_of_few(w: Work, side: int, j: int, first: int) -> int:
+    """Where entry `first` of the S of tip j stands, at t_n or before."""
+    at: int = (side * w.S.shape[1] + j) * w.S.shape[2] + first
+    return at
 
 
 @jit_inside
@@ -81,15 +88,13 @@ def yields(rows: RubRows, w: Work, j: int, i: int, k: int, dim: int) -> float:
 @jit
 def strains(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """S lam in every direction of every tip, and its rotating part."""
-    few, R = rows.turns and rows.few, w.strain.size
+    R = w.strain.size
     for k in range(R):
-        turning = 0.0
-        if few:
-            for n in range(count):  # S is symmetric
-                j = w.chosen[n]
-                for i in range(dim):
-                    turning += w.S[w.side[0], j, i * R + k] * s.lam[j * dim + i]
-        w.strain[k], w.turning[k] = dot(rows.still[k], s.lam, R) if count > 0 else 0.0, turning
+        w.strain[k], w.turning[k] = dot(rows.still[k], s.lam, R) if count > 0 else 0.0, 0.0
+    if rows.turns and rows.few:
+        for n in range(count):  # S is symmetric
+            for i in range(dim):
+                add_from(w.turning, s.lam[w.chosen[n] * dim + i], w.S, row_of_few(w, w.side[0], w.chosen[n], i * R), R)
     if count > 0 and rows.turns and not rows.few:
         for j in range(s.mu.size):
             if w.fresh[w.side[0], rows.place[j]] == 1:
@@ -111,10 +116,7 @@ def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) ->
         for n in range(count):
             j = w.chosen[n]
             for i in range(dim):
-                total = 0.0
-                for k in range(R):
-                    total += w.S[1 - w.side[0], j, i * R + k] * s.lam[k]
-                w.before[j * dim + i] = total
+                w.before[j * dim + i] = dot_from(w.S, row_of_few(w, 1 - w.side[0], j, i * R), s.lam, R)
         return
     press_waves(s, rows, w, count, dim, BEFORE)
     strain_waves(rows, w)

@@ -13,7 +13,7 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.rows import fill_some
-from contact.loop.rub.compliance import fill_soft
+from contact.loop.rub.compliance import fill_soft, row_of_few
 from contact.loop.rub.rows import NOW, RubRows, look_at, waves_at
 from contact.loop.rub.state import NODES, TOGETHER, ModalBlocks, RubState, Work
 
@@ -78,24 +78,24 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
     """Compute W of the chosen tips."""
     size = count * dim
     casing_yields(w, rows.width, dim)
-    for a in range(size):
-        casing = w.column[a] * w.casing.shape[1]
-        for k in range(size):
-            w.W[a, k] = entry(w.casing, casing + entry(w.across, k))
+    few, R, side = rows.turns and rows.few, s.lam.size, w.side[0]
     for n in range(count):
-        for m in range(count):
-            if rows.turns and rows.own[w.chosen[n], 0] != rows.own[w.chosen[m], 0]:
-                continue  # `still` is that of the blades alone
-            for i in range(dim):
-                a, row, part = n * dim + i, w.chosen[n] * dim + i, share if i == 0 else 1.0
-                for k in range(dim):
-                    other = w.chosen[m] * dim + k
-                    w.W[a, m * dim + k] += part * rows.fixed[row, other] + rows.still[row, other]
-    if rows.turns and rows.few:
-        for n in range(count):
-            for i in range(dim):
-                for k in range(size):
-                    w.W[n * dim + i, k] += w.S[w.side[0], w.chosen[n], i * s.lam.size + w.row[k]]
+        j = w.chosen[n]
+        for i in range(dim):
+            a, row, part = n * dim + i, j * dim + i, share if i == 0 else 1.0
+            casing, own, turning = w.column[a] * w.casing.shape[1], row * R, row_of_few(w, side, j, i * R)
+            for k in range(size):
+                yields, other = entry(w.casing, casing + entry(w.across, k)), entry(w.row, k)
+                if few:
+                    yields += entry(w.S, turning + other)
+                if not rows.turns:  # else `still` is that of the blades alone
+                    yields += part * entry(rows.fixed, own + other) + entry(rows.still, own + other)
+                w.W[a, k] = yields
+            for m in range(count if rows.turns else 0):
+                if rows.own[w.chosen[m], 0] == rows.own[j, 0]:
+                    for k in range(dim):
+                        other = own + w.chosen[m] * dim + k
+                        w.W[a, m * dim + k] += part * entry(rows.fixed, other) + entry(rows.still, other)
 
 
 @jit

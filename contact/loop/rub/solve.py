@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, load, put, same
+from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.rows import fill_some, product, weighted
-from contact.loop.rub.compliance import copy, soft_at, strain_waves
+from contact.loop.rub.compliance import copy, row_of_few, soft_at, strain_waves
 from contact.loop.rub.matrix import add_part, assemble, fill_factors, interpolate, known, law
 from contact.loop.rub.motion import felt, place_row, press_waves, push_waves, see_spare
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, waves_at
@@ -210,7 +210,8 @@ def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, c
             for n in range(count):
                 first = w.chosen[n] * dim
                 for i in range(dim):
-                    gap += w.S[w.side[0], w.chosen[n], i * s.lam.size + R] * s.lam[first + i]
+                    at = row_of_few(w, w.side[0], w.chosen[n], i * s.lam.size + R)
+                    gap += entry(w.S, at) * s.lam[first + i]
         if rows.turns and not rows.few:
             place_now(rows, w, j)
             gap += soft_at(rows, w, -1, j, 0, dim)

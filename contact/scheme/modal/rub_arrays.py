@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import RubState, Solver, Work
 
 FEW = 32  # directions of all tips, up to which S between them is a table by the angle
+SEVERAL = 12  # tips: so many are seen by waves where W is interpolated; of fewer, rows of their own take less time
 NO_CELL = 0.0, readonly(np.zeros((0, 1, 0, 1)))
 
 
@@ -53,8 +54,9 @@ class LoopArrays:
         from contact.loop.rub.state import NODES, solver_of, work_space
 
         W = np.zeros((0, 0)) if vary or rub.spin is not None else unchanging(rub, system, parts, share)
-        many = not W.size and len(system.still) > FEW and not vary and rub.spin is None
-        rows = rub_rows(rub, system, parts, W, *(cell(rub, system, parts, share, NODES) if many else NO_CELL))
+        fixed = not W.size and not vary and rub.spin is None
+        several = fixed and (system.contacts >= SEVERAL or len(system.still) > FEW)
+        rows = rub_rows(rub, system, parts, W, *(cell(rub, system, parts, share, NODES) if several else NO_CELL))
         alone = plain and state.mu.size == 1 and state.lam.size < 3
         solver = None if alone else solver_of(state)
         return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows, newton=not alone), solver)
@@ -147,7 +149,8 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: flo
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = aligned(len(size), whole(m))
     reach[:, : rub.flexible] = size[:, : rub.flexible]  # the motion of a rotor is known at each tip
-    few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
+    few = len(system.still) <= FEW and cell == 0.0
+    count = whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
     harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     if system.turns:
         if few:
