@@ -1,7 +1,7 @@
 """Runs of one scene at many constant speeds, and the verdict of each: unstable, resonance, safe or not decided.
 
-The verdict is the growth of the run (`contact.stability.of_run`). A run that is too short for it is repeated longer.
-The last stretch of one that grows is repeated with half the step (`contact.half_step`).
+The verdict is the growth of the run (`contact.stability.of_run`). A run that is too short to decide is repeated longer.
+The last part of a growing run is repeated with half the step (`contact.half_step`).
 """
 
 from __future__ import annotations
@@ -48,14 +48,14 @@ OTHER_RATE = {
 class SpeedRun:
     """The scene at one constant speed: `speed_hz` [turns/s], its verdict, and the motion.
 
-    `closed` growth of closed contact [1/s]; `growth` of the run with its interval of 95 %, nan where it has none;
-    `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` None
-    where nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason where it
-    does not decide. `check` states what half the step gives: "converged", "numerical", "irregular", "depends on the
-    step", or "" of motions that do not grow. `state` is the end state of the motion, `steady` by how much the largest
-    deflection of a window differs in the last stretch, relatively; `contact` the fraction of the time in which the
-    contact that touches most was closed. `limit_m` is the largest deflection that the linear model allows the rim, of
-    a run that passed a limit and was stopped; nan of the others. `allowed_m` is that deflection for every run.
+    `closed`: growth of closed contact [1/s]; `growth` of the run with its 95 % interval, nan without one; `amplitude_m`
+    the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` is None if nothing
+    moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason if it does not decide.
+    `check` is the result with half the step: "converged", "numerical", "irregular", "depends on the step", or "" for
+    motions that do not grow. `state` is the end state of the motion, `steady` the relative variation of the largest
+    deflection between windows of the last part; `contact` the fraction of the time in which the contact that touches
+    most was closed. `limit_m` is the largest rim deflection that the linear model allows, for a run that passed it and
+    was stopped; nan for others. `allowed_m` is that deflection for every run.
     """
 
     speed_hz: float
@@ -80,17 +80,17 @@ class SpeedRun:
 
     @property
     def stopped(self) -> bool:
-        """Whether the run passed a limit of the motion: its deflection is then that of no linear model."""
+        """Whether the run passed a limit of the motion; its deflection is then outside the linear model."""
         return math.isfinite(self.limit_m)
 
     @property
     def shown_m(self) -> float:
-        """Deflection of the rim [m], no more than the limit at which a run was stopped."""
+        """Deflection of the rim [m], at most the limit at which a run was stopped."""
         return min(self.amplitude_m, self.limit_m) if self.stopped else self.amplitude_m
 
     @property
     def deflection(self) -> str:
-        """Deflection of the rim in mm; "> limit" of a run that was stopped there; "" where there is none.
+        """Deflection of the rim in mm; "> limit" for a run that was stopped there; "" without a rim.
 
         >>> run = SpeedRun(speed_hz=20.0, verdict="unstable", closed=3.0, growth=9.0, low=8.0, high=10.0,
         ...                amplitude_m=5.45e-2, half_wall_s=0.2, n=4, wave="with", body="casing")
@@ -103,7 +103,7 @@ class SpeedRun:
 
     @property
     def note(self) -> str:
-        """Why the verdict differs from the growth of closed contact, or is none; empty where they agree.
+        """Reason why the verdict differs from the growth of closed contact, or is missing; empty if they agree.
 
         >>> run = SpeedRun(speed_hz=20.0, verdict="safe", closed=3.0, growth=0.1, low=-0.2, high=0.4, amplitude_m=2e-5,
         ...                half_wall_s=math.inf, n=4, wave="with", body="casing", state="bounded", steady=0.04,
@@ -131,7 +131,9 @@ class SpeedRun:
 
 
 def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
-    """Run a scene at speeds [turns/s] above 0, and judge each run; `poles` (speeds,) are the growths of closed contact.
+    """Run a scene at speeds [turns/s] above 0, and judge each run.
+
+    `poles` (speeds,) are the growth rates of closed contact.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -146,10 +148,10 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
 
 
 def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
-    """Run scenes, each at a speed [turns/s] above 0 of its own, and judge each run by itself.
+    """Run scenes, each at its own speed [turns/s] above 0, and judge each run separately.
 
-    A motion that does not grow is a resonance where it is beyond what the rim is allowed. A run that is too short to
-    decide is not repeated.
+    A motion that does not grow is a resonance if it exceeds the allowed deflection of the rim. A run that is too short
+    to decide is not repeated.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -168,7 +170,7 @@ def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tu
 
 
 def _ran(scene: Scene, speed_hz: Array, poles: Array, what: str = "runs") -> list[SpeedRun]:
-    """The scene at each speed; every motion that does not grow is a resonance until all are known."""
+    """The scene at each speed; every motion that does not grow counts as a resonance until all runs are known."""
     return _judged([at_speed(scene, hz) for hz in speed_hz.tolist()], speed_hz, poles, what)
 
 
@@ -194,7 +196,7 @@ def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, what: str) -
 
 
 def _allowed(what: object) -> float:
-    """Largest deflection that a rim is allowed, or of a rotor the disk in its casing, or any node without one [m]."""
+    """Largest allowed deflection [m]: of a rim, of a rotor's disk in its casing, or of any node of a rotor alone."""
     if isinstance(what, Rotor):
         return what.limit
     rub: Rub = rub_of(what)
@@ -202,7 +204,7 @@ def _allowed(what: object) -> float:
 
 
 def _of_rotor(what: object, outcome: Outcome) -> Outcome:
-    """The outcome of a rotor's run with the growth of the rotor's motion; any other as it is."""
+    """The outcome of a rotor's run with the growth of the rotor's motion; other outcomes unchanged."""
     rotor = isinstance(what, Rotor) or (isinstance(what, Rub) and what.rotor is not None)
     if not rotor or isinstance(outcome, InputError):
         return outcome
@@ -218,7 +220,7 @@ def _of_rotor(what: object, outcome: Outcome) -> Outcome:
 
 
 def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """Runs of which those that are too short were repeated, each time longer."""
+    """The runs, with those that are too short repeated, each time longer."""
     found = {run.speed_hz: run for run in runs}
     for times in LONGER:
         short = [run for run in found.values() if run.why == SHORT]
@@ -231,13 +233,13 @@ def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
 
 
 def _record(steps: int) -> Record:
-    """The states that `contact.run` stores of such a scene: the table and a run beside it then agree."""
+    """The record that `contact.run` uses for such a scene, so that the table agrees with single runs."""
     stride = prime_stride(steps, STATES)
     return Record(every=stride, state_every=stride)
 
 
 def at_speed(scene: Scene, speed_hz: float) -> Scene:
-    """The same scene at one constant speed [turns/s], with a smaller step where the scene's is too long for it.
+    """The same scene at one constant speed [turns/s], with a smaller step if the scene's is too long for it.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -259,7 +261,7 @@ def at_speed(scene: Scene, speed_hz: float) -> Scene:
 
 
 def _rotor_at(scene: Scene, speed_hz: float) -> Scene:
-    """A rotor's scene at one constant speed, with states that show its whirl."""
+    """A rotor's scene at one constant speed, which stores enough states for its whirl."""
     what = scene.what
     turned: Rotor | Rub
     if isinstance(what, Rotor):
@@ -275,7 +277,7 @@ def _rotor_at(scene: Scene, speed_hz: float) -> Scene:
 
 
 def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:
-    """A rim or a rub at another, constant speed."""
+    """A rim or a rub at another constant speed."""
     if isinstance(what, RotatingRim):
         return replace(what, speed_hz=speed_hz)
     if isinstance(what, Rub):
@@ -328,7 +330,7 @@ def _wave(travel: float) -> str:
 
 
 def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
-    """Verdict of a run, and why it has none; `passed` whether the rim moved beyond half its wall."""
+    """Verdict of a run, and the reason if there is none; `passed`: whether the rim moved beyond half its wall."""
     check = "" if growth is None else growth.check
     if check == "numerical":
         return "not decided", NUMERICAL
@@ -340,9 +342,10 @@ def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]
 
 
 def _decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
-    """Runs whose motion does not grow: a resonance where it is large, else safe.
+    """Runs whose motion does not grow: a resonance if it is large, else safe.
 
-    Large is beyond `RESONANT` times the median amplitude, or beyond what the rim is allowed [m], half of its wall.
+    Large means above `RESONANT` times the median amplitude, or above the allowed deflection of the rim [m], half of its
+    wall.
     """
     calm = [run.amplitude_m for run in runs if run.verdict in ("resonance", "safe")]
     most = RESONANT * float(np.median(calm)) if calm else math.inf

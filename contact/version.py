@@ -14,5 +14,5 @@ def versions() -> dict[str, str]:
 
 @cache
 def _installed() -> dict[str, str]:
-    """Version, read once: reading the packages' metadata took a third of the time of a short run."""
+    """Version, cached, since reading package metadata took a third of the time of a short run."""
     return {"python": platform.python_version(), **{name: version(name) for name in ("casingfem", "numpy", "numba")}}

@@ -1,4 +1,4 @@
-"""Does a motion in contact grow? Poles of closed contact, coincidences, Floquet, maps over speed; growth of a run."""
+"""Growth of motions in contact: poles of closed contact, coincidences, Floquet, maps over speed, growth of a run."""
 
 import lazy_loader
 

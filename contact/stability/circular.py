@@ -1,7 +1,7 @@
-"""A rotor and a casing in circular motion: receptances at the contact, and complex coordinates of isotropic bodies.
+"""A rotor and a casing in circular motion: receptances at the contact, complex coordinates of isotropic bodies.
 
-A force f e^(i w t) in the plane x + i y turns with the contact point. A rotor that is the same in all directions moves
-on a circle of the same frequency. Of other bodies the circle is the mean over the directions.
+A force f e^(i w t) in the plane x + i y rotates with the contact point. An isotropic rotor moves on a circle with the
+same frequency. For other bodies the circle is the mean over the directions.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FORWARD = np.array([1.0, -1.0j])  # x and y of a force that turns from x to y
 
 
 class Seen(NamedTuple):
-    """What a normal force of 1 N and a tangential one of `mu` N move at the point that turns with them [m].
+    """Motion due to a normal force of 1 N and a tangential one of `mu` N, at the rotating contact point [m].
 
     `whirl` (w,) complex: normal and tangential motion of the wave of one nodal diameter; `local` (w,): normal motion
     of all other waves and of the residual compliance.
@@ -47,7 +47,7 @@ class Circular:
 
 
 def rotor_receptance(rotor: Rotor, whirl: Array, speed: float) -> Complex:
-    """Circle of the disk per force that turns at `whirl` (w,) [rad/s], at a speed of the rotor [rad/s], (w,) [m/N].
+    """Circular motion of the disk per rotating force at `whirl` (w,) and a rotor speed [rad/s], (w,) [m/N].
 
     >>> from contact.model.rotor.jeffcott import Jeffcott
     >>> rotor = Rotor.of(Jeffcott(mass=2.0, stiffness=800.0), 1.0)
@@ -64,7 +64,7 @@ def rotor_receptance(rotor: Rotor, whirl: Array, speed: float) -> Complex:
 
 
 def casing_receptance(casing: ModalBody, line: int, whirl: Array, mu: float) -> Seen:
-    """Motion of a casing at a point of one rim line that turns at `whirl` (w,) [rad/s], in the mean over a turn."""
+    """Motion of a casing at a point of one rim line that rotates at `whirl` (w,) [rad/s], averaged over a turn."""
     N, size = casing.n_max, 2 * casing.n_max + 1
     first = line * casing.directions * size
     rows = casing.rows[first : first + 2 * size].reshape(2, size, -1)
@@ -86,7 +86,7 @@ def casing_receptance(casing: ModalBody, line: int, whirl: Array, mu: float) -> 
 
 
 def _answer(C: Array, K: Array, rate: Array, force: Complex) -> Complex:
-    """(K - w^2 - i w C)^-1 force of motions e^(-i w t) at each w (n,), (n, m)."""
+    """(K - w^2 - i w C)^-1 force for motions e^(-i w t) at each w (n,), (n, m)."""
     if not (np.count_nonzero(C - np.diag(np.diag(C))) or np.count_nonzero(K - np.diag(np.diag(K)))):
         return np.asarray(force / (np.diag(K) - rate[:, None] ** 2 - 1j * rate[:, None] * np.diag(C)))
     one = np.eye(len(K))
@@ -94,7 +94,7 @@ def _answer(C: Array, K: Array, rate: Array, force: Complex) -> Complex:
 
 
 def blade_give(rub: Rub, speed: float, mu: float) -> float:
-    """Normal motion of the first tip on its blade per contact force, with its friction, at a speed [rad/s] [m/N]."""
+    """Normal motion of the first tip on its blade per contact force, with friction, at a speed [rad/s] [m/N]."""
     tip = rub.tips[0]
     blade, (normal, along) = rub.blades[tip.blade], tip.directions(rub.blades[tip.blade])[:2]
     push = normal + mu * along
@@ -109,7 +109,7 @@ def blade_give(rub: Rub, speed: float, mu: float) -> float:
 
 
 def circular_rotor(rotor: Rotor, speed: float) -> Circular | None:
-    """The rotor in complex coordinates at a speed [rad/s]; None of one that differs between directions."""
+    """The rotor in complex coordinates at a speed [rad/s]; None if it is not isotropic."""
     body = rotor.body
     names = {axis: [f"{node}.{axis}" for node in nodes_of(body)] for axis in ("x", "y", "rx", "ry")}
     kept = [k for k in range(len(names["x"])) if all(names[axis][k] in body.channels for axis in names)]
@@ -149,7 +149,7 @@ def circular_casing(rub: Rub) -> Circular:
 
 
 def _complexed(J: Array, C: Array, K: Array, plane: Array) -> Circular:
-    """Coordinates z = U^H q that a turn by an angle multiplies by e^(i angle): J U = i U."""
+    """Coordinates z = U^H q that are multiplied by e^(i angle) in a rotation by an angle: J U = i U."""
     values, vectors = np.linalg.eigh(1j * J)  # -1 where J U = i U
     U = vectors[:, values < 0.0]
     return Circular(C=U.conj().T @ C @ U, K=U.conj().T @ K @ U, w=0.5 * (U.conj().T @ (plane[0] - 1j * plane[1])))

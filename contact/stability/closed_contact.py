@@ -1,4 +1,4 @@
-"""Does a contact that stays closed diverge? Poles and growth rates over speed, no time stepping.
+"""Poles and growth rates of a contact that stays closed, over speed, without time stepping.
 
 A perfect casing in the blade's frame has constant coefficients: its growth is the largest real part of the
 eigenvalues. A split casing's coefficients are periodic in time in either frame: Floquet (`split_casing`).
@@ -36,11 +36,11 @@ class FirstOrder(NamedTuple):
     S: Array
 
     def closed(self) -> Array:
-        """A - B S^-1 C: no gap opens."""
+        """A - B S^-1 C: the system with all gaps closed."""
         return np.asarray(self.A - self.B @ np.linalg.solve(self.S, self.C))
 
     def receptance(self, s: complex) -> Complex:
-        """Motion of each contact per force at each, C (s - A)^-1 B, (r, r) [m/N]: what the bodies give beside S."""
+        """Motion of each contact per force at each, C (s - A)^-1 B, (r, r) [m/N]: response of the bodies without S."""
         return np.asarray(self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B.astype(complex)))
 
 
@@ -60,12 +60,11 @@ def first_order(contact: ClosedContact, speed: float) -> FirstOrder:
 
 
 def closed_poles(free: FreePoles | None, compliance: float) -> Complex | None:
-    """All poles s [1/s, rad/s] of one contact, (2 m,), of free ones at one speed; None where no iteration settles.
+    """All poles s [1/s, rad/s] with one contact, (2 m,), from those of the free bodies; None without convergence.
 
-    In a hundredth of what eigenvalues of all modes take: the free bodies have the poles p (N,), of which the
-    contact sees the residues a (`contact.stability.waves`), so that f(s) = S + sum_j a_j/(s - p_j) = 0. Aberth's
-    iteration (Math. Comp. 27, 1973, 339) finds its N roots together: Newton's step for f(s) prod (s - p_j), the others
-    divided out.
+    This takes a hundredth of the time of eigenvalues of all modes. The free bodies have poles p (N,) with residues a at
+    the contact (`contact.stability.waves`), so that f(s) = S + sum_j a_j/(s - p_j) = 0. Aberth's iteration (Math. Comp.
+    27, 1973, 339) finds its N roots together: Newton's step for f(s) prod (s - p_j), with the other roots divided out.
     """
     if free is None or not free.s.size:
         return None
@@ -116,12 +115,12 @@ def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
 
 
 def growth(contact: ClosedContact, speed_hz: Array) -> Array:
-    """Largest real part of the poles [1/s], (speeds,): positive diverges."""
+    """Largest real part of the poles [1/s], (speeds,); positive: the motion grows."""
     return np.array([float(every.real.max()) for every in poles_each(contact, speed_hz)])
 
 
 def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
-    """Poles at each speed in no order: of one contact with many modes by its equation."""
+    """Poles at each speed in no order; for one contact with many modes from its scalar equation."""
     speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     if len(contact.Q) > 1 or contact.omega.size < MANY or not np.isfinite(speed).all():
         return list(poles(contact, speed))
@@ -137,5 +136,5 @@ def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
 
 
 def floor_of(contact: ClosedContact) -> float:
-    """Growth [1/s] that is none: round-off of the poles."""
+    """Growth [1/s] below which poles differ from zero only by round-off."""
     return FLOOR * float(contact.omega.max(initial=0.0))

@@ -1,10 +1,10 @@
 """Speeds at which a wave of the casing coincides with a mode of the blades, and the affected width, in closed form.
 
-A wave e^(i k theta) of frequency w in the casing's frame is seen by the blade at nu = +-w - k Omega. Of a body that
-turns w depends on the speed, on the stiffening and on the sense of the wave: it is taken as it is at each speed. Near
-it the receptance is a/(s - i nu), of a blade mode b/(s - i w_b). With S all that is left,
-S + a/(s - i nu) + b/(s - i w_b) = 0 is a quadratic: growth where a b > 0, at most sqrt(a b)/S, in a band of half width
-2 sqrt(a b)/S of the difference of the two frequencies, its centre where nu + i a/S = w_b + i b/S.
+A wave e^(i k theta) of frequency w in the casing's frame has the frequency nu = +-w - k Omega in the blade's frame. For
+a rotating body w depends on the speed, on the stiffening and on the sense of the wave; its value at each speed is used.
+Near it the receptance is a/(s - i nu), for a blade mode b/(s - i w_b). With S for the rest, S + a/(s - i nu) + b/(s - i
+w_b) = 0 is a quadratic: growth where a b > 0, at most sqrt(a b)/S, in a band of half width 2 sqrt(a b)/S of the
+difference of the two frequencies, its centre where nu + i a/S = w_b + i b/S.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ STEP = 1e-4  # of the speed, for a derivative by it
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coincidence:
-    """One wave of n diameters meets one blade mode.
+    """Coincidence of one wave of n diameters with one blade mode.
 
     `branch` "sum" f_b = n f - f_c, "backward" f_b = f_c - n f or "forward" f_b = f_c + n f; `free_hz` the speed without
-    contact, `speed_hz` with it, `half_hz` the half width of what it disturbs (of several contacts the speed without
+    contact, `speed_hz` with it, `half_hz` the half width of the affected speeds (for several contacts the speed without
     contact, and 0).
     """
 
@@ -47,7 +47,7 @@ class Coincidence:
 
 
 class Loaded(NamedTuple):
-    """Loaded frequencies [Hz] of casing and blade, the speed [Hz] of their sum, and the growth there [1/s]."""
+    """Loaded frequencies [Hz] of casing and blade, speed [Hz] of their sum, and the growth there [1/s]."""
 
     casing_hz: float
     blade_hz: float
@@ -56,7 +56,7 @@ class Loaded(NamedTuple):
 
 
 def loaded(pair: HandPair) -> Loaded:
-    """The frictionless hand calculation: each body on the contact's spring k, then f_c' + f_b' = n f.
+    """Frictionless hand calculation: each body on the contact's spring k, then f_c' + f_b' = n f.
 
     w_b'^2 = w_b^2 + k/m_b, w_c'^2 = w_c^2 + k/(2 m_c), s = k/sqrt(8 m_b m_c w_b' w_c'), and with damping
     growth = -(a + b)/2 + sqrt(((a - b)/2)^2 + s^2), a = zeta_b w_b, b = zeta_c w_c.
@@ -78,11 +78,12 @@ def loaded(pair: HandPair) -> Loaded:
 
 
 def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
-    """Every meeting of a wave of the casing with a mode of the blades, ascending, at the senses of these speeds [Hz].
+    """All coincidences of casing waves with blade modes, ascending, for the senses of rotation of these speeds [Hz].
 
-    They are found up to `REACH` times the fastest speed, by the frequencies that both have at each speed. Several
-    contacts meet a wave and a mode that they see alike, |sum of products| above `ALIKE` of the largest there can be,
-    of n diameters meets only tuned modes of a disk with n diameters. The poles decide what happens there.
+    They are sought up to `REACH` times the fastest speed, with the frequencies of both at each speed. With several
+    contacts, a wave and a mode coincide only if their motions at the contacts are similar: |sum of products| above
+    `ALIKE` of its largest possible value. So a wave of n diameters coincides only with a tuned disk's modes of n
+    diameters. The poles decide whether the motion grows there.
     """
     seen = waves_of(contact)
     top = REACH * 2.0 * math.pi * float(np.abs(speed_hz).max())
@@ -102,7 +103,7 @@ def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, 
 
 
 def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, int]]:
-    """(speed [rad/s], wave, mode) at which a wave's frequency in the blade's frame is a mode's, up to a speed `top`."""
+    """(speed [rad/s], wave, mode) at which a wave has a mode's frequency in the blade's frame, up to a speed `top`."""
     at = sense * np.linspace(0.0, top, LOOKS)
     free = seen.poles(at, sense)
     if free is None:
@@ -111,7 +112,7 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
     modes = np.flatnonzero(~free.casing & (free.sign > 0.0))
 
     def frequencies(found: FreePoles, speed: Array) -> tuple[Array, Array]:
-        """Frequencies of waves and of the modes they may meet, (speeds, waves), (speeds, modes)."""
+        """Frequencies of waves, and of the modes with which they may coincide, (speeds, waves), (speeds, modes)."""
         met = found.met(speed)
         return met[:, waves], met[:, modes]
 
@@ -139,7 +140,7 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
 
 
 def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave: int, mode: int) -> float:
-    """Derivative of the wave's frequency minus the mode's by the speed [-]; -k if neither depends on it."""
+    """Derivative of the wave's frequency minus the mode's with respect to speed [-]; -k if neither depends on it."""
     if below is None or above is None:
         return math.nan
     apart = [
@@ -150,7 +151,7 @@ def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave:
 
 
 def _met(free: FreePoles, wave: int, mode: int) -> bool:
-    """Whether the contacts see both: one contact by their residues, several where both move them alike."""
+    """Whether the contacts couple both: a single contact by residues, several if both move them alike."""
     if free.seen.shape[1] == 1:
         size = np.abs(free.residues[0])
         return bool(size[[wave, mode]].min() > SEEN * float(size.max()))
@@ -159,7 +160,7 @@ def _met(free: FreePoles, wave: int, mode: int) -> bool:
 
 
 def _meeting(contact: ClosedContact, free: FreePoles, wave: int, mode: int, speed: float, slope: float) -> Coincidence:
-    """The quadratic of one wave and one mode, everything else a compliance S."""
+    """The quadratic equation of one wave and one mode, with everything else as a compliance S."""
     turn, order, sign = 2.0 * math.pi, float(free.order[wave]), float(free.sign[wave])
     own = free.own(np.array([speed]))[0]
     known: dict[str, Any] = {
@@ -178,7 +179,7 @@ def _meeting(contact: ClosedContact, free: FreePoles, wave: int, mode: int, spee
 
 
 def _each_once(found: list[Coincidence]) -> list[Coincidence]:
-    """Meetings of modes of one frequency, such as a disk's pairs, count once."""
+    """Coincidences with modes of equal frequency, such as a disk's pairs, counted once."""
     return list(
         {(c.n, c.branch, round(c.casing_hz, 6), round(c.blade_hz, 6), c.free_hz > 0.0): c for c in found}.values()
     )
@@ -189,6 +190,6 @@ def _branch(sign: float, turned: float) -> str:
 
 
 def close_speeds(met: tuple[Coincidence, ...]) -> Array:
-    """Speeds [Hz] at and around each coincidence that show its band."""
+    """Speeds [Hz] at and around each coincidence that resolve its band."""
     steps = np.linspace(-2.0, 2.0, 17)
     return np.concatenate([np.zeros(0), *(c.speed_hz + c.half_hz * steps for c in met)])

@@ -1,29 +1,29 @@
-"""The energy of a motion by waves over windows of a run, and its growth with an interval of confidence.
+"""Energy of a motion by waves over windows of a run, and its growth with a confidence interval.
 
-Vibrating energy of mode i at a stored instant: e_i = (v_i^2 + omega_i^2 (q_i - c_i)^2)/2, v_i = (q_i(t + D) -
-q_i(t - D)) omega_i/(2 sin omega_i D), exact of a free mode; where D is more than a sixth of the period, e_i =
-omega_i^2 (q_i - c_i)^2, whose mean over many periods is the same. c_i is the mean of the window, of modes that vibrate
-less than twice in a window their median over the run.
+Vibrating energy of mode i at a stored instant: e_i = (v_i^2 + omega_i^2 (q_i - c_i)^2)/2, v_i = (q_i(t + D) - q_i(t -
+D)) omega_i/(2 sin omega_i D), exact for a free mode. If D is more than a sixth of the period, e_i = omega_i^2 (q_i -
+c_i)^2, whose mean over many periods is the same. c_i is the mean of the window; for modes with less than two periods in
+a window it is the median over the run.
 
-Growth: least squares of y = log(mean energy of a window)/2 over time in up to three straight pieces, as many as
-lower m log(RSS/m) + 6 pieces log m, twice Schwarz's amount (Ann. Stat. 6, 1978, 461) because windows depend on each
-other. The last piece loses its first half while the
-slopes of its halves differ by more than their intervals, so that an approach to an end state is left out. Its slope is
-the growth; its 95 % interval is t(0.975, k' - 2) sqrt(s^2/Sxx k/k'), with k' = k (1 - r)/(1 + r) of the piece's k
-windows and r the first autocorrelation of what is left over (Bayley & Hammersley, J. R. Stat. Soc. Suppl. 8, 1946,
-184), plus (1 + 4 r)/k for its bias (Marriott & Pope, Biometrika 41, 1954, 390, have (1 + 3 r)/k without a slope), k' >=
-4. Of 400 draws of 32 windows the interval has the true growth in 95 %, in 83 % where r is 0.5.
+Growth: least squares of y = log(mean energy of a window)/2 over time in up to three straight pieces. Their number
+minimises m log(RSS/m) + 6 pieces log m, twice Schwarz's penalty (Ann. Stat. 6, 1978, 461) because windows are
+correlated. The last piece loses its first half while the slopes of its halves differ by more than their intervals, so
+that an approach to an end state is left out. Its slope is the growth; its 95 % interval is t(0.975, k' - 2)
+sqrt(s^2/Sxx k/k'), with k' = k (1 - r)/(1 + r) of the piece's k windows and r the first autocorrelation of the
+residuals (Bayley & Hammersley, J. R. Stat. Soc. Suppl. 8, 1946, 184), plus (1 + 4 r)/k for its bias (Marriott & Pope,
+Biometrika 41, 1954, 390, have (1 + 3 r)/k without a slope), k' >= 4. In 400 draws of 32 windows the interval contains
+the true growth in 95 %, with r = 0.5 in 83 %.
 
-Modes whose frequencies are close beat over times that are longer than the piece, a forced motion beats with one that
-grows, and a motion that settles bends its envelope. All change the slope within the piece. A parabola in place of the
-line, y = a + g x + c x^2 in a piece of length L, has at its end a slope that differs from g by c L. A beat that is much
-longer than the piece shows in neither; BEAT e-folds over the piece are taken for it. The half interval is
-sqrt(w^2 + (c L)^2 + h^2 + (BEAT/L)^2), w that of the line and h that of c L with its own autocorrelation.
+Modes with close frequencies beat over times longer than the piece, a forced motion beats with a growing one, and a
+settling motion has a curved envelope. All change the slope within the piece. The slope of a parabola, y = a + g x + c
+x^2 in a piece of length L, differs at its end from g by c L. Neither shows a beat that is much longer than the piece;
+BEAT e-folds over the piece account for it. The half interval is sqrt(w^2 + (c L)^2 + h^2 + (BEAT/L)^2), w that of the
+line and h that of c L with its own autocorrelation.
 
-Linear growth tests it: pairs in closed contact, whose pole is known, in runs of 0.15 to 1.4 s that grow by 0.3 to 4.5
-e-folds (`reports.verification.rubs.growth_intervals`). BEAT and the factors of 1 were chosen on the 356 runs of seeds
-below 1500. Of the 343 runs of seeds 3000 to 4499 the interval has the pole in 96 %: in 93 % of those below 0.5 s, in
-99 % of the longer ones. w alone has it in half of the runs.
+The method is tested with linear growth: pairs in closed contact, whose pole is known, in runs of 0.15 to 1.4 s that
+grow by 0.3 to 4.5 e-folds (`reports.verification.rubs.growth_intervals`). BEAT and the factors of 1 were chosen on the
+356 runs of seeds below 1500. In the 343 runs of seeds 3000 to 4499 the interval contains the pole in 96 %: in 93 % of
+those below 0.5 s, in 99 % of the longer ones. With w alone it does so in half of the runs.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Envelope(NamedTuple):
 class Fit(NamedTuple):
     """Growth [1/s] of the last piece with its interval, and the number of the window where the piece begins.
 
-    `scatter` is the half interval without the bend of the piece: that of the mean growth over the piece.
+    `scatter` is the half interval of the mean growth over the piece, without its curvature.
     """
 
     rate: float
@@ -68,9 +68,9 @@ class Fit(NamedTuple):
 
 
 def modal_energies(time: Array, q: Array, omega: Array, bounds: Indices) -> Array:
-    """Energy of each mode [J] at the stored instants but the first and the last, (n - 2, m).
+    """Energy of each mode [J] at the stored times except the first and last, (n - 2, m).
 
-    `bounds` (windows + 1,): first instant of each window among these, and the end.
+    `bounds` (windows + 1,): first time of each window among these, and the end.
     """
     step = float(time[-1] - time[0]) / (time.size - 1)
     inner, sizes = q[1:-1], np.diff(bounds)
@@ -87,10 +87,10 @@ def modal_energies(time: Array, q: Array, omega: Array, bounds: Indices) -> Arra
 
 
 def window_bounds(count: int, step: float, period: float, turn: float) -> Indices:
-    """First instant of each window of `count` instants `step` apart, and the end, (windows + 1,); empty for too few.
+    """First time of each window of `count` times `step` apart, and the end, (windows + 1,); empty if there are too few.
 
-    A window is as long as the run over WINDOWS, but no less than PERIODS of the motion and, where that leaves FEWEST
-    windows, whole revolutions (`turn`, inf of what does not turn).
+    The length of a window is that of the run over WINDOWS, but at least PERIODS of the motion. If that leaves FEWEST
+    windows, it is a multiple of a revolution (`turn`, inf without rotation).
 
     >>> window_bounds(320, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(320, 1e-3, 1e-3, 0.016)[:3].tolist()
     ([0, 10, 20], [0, 16, 32])
@@ -110,10 +110,10 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
 
 
 def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = math.inf) -> Envelope | None:
-    """Mean energy of groups of modes over windows; None of too few states.
+    """Mean energy of groups of modes over windows; None with too few states.
 
     Modal coordinates `q` (n, m) at `time` (n,) [s], modes of `omega` (m,) [rad/s] in the groups `group` (m,). The times
-    may lie far apart. A revolution takes `turn` [s].
+    may be far apart. A revolution takes `turn` [s].
 
     >>> t = np.linspace(0.0, 1.0, 401)
     >>> q = np.exp(-3.0 * t) * np.array([np.cos(900.0 * t), np.sin(900.0 * t)])
@@ -140,7 +140,9 @@ def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = 
 
 
 def growth_of(time: Array, energy: Array) -> Fit | None:
-    """Growth of the amplitude over the last straight piece of log(energy)/2; None where fewer than LEAST windows move.
+    """Growth of the amplitude over the last straight piece of log(energy)/2.
+
+    None if fewer than LEAST windows have motion.
 
     >>> t = np.linspace(0.0, 1.0, 24)
     >>> growth_of(t, np.maximum(1.0, np.exp(20.0 * (t - 0.5)))).first, round(growth_of(t, np.exp(4.0 * t)).rate, 6)
@@ -176,7 +178,7 @@ def _last_piece(t: Array, y: Array) -> int:
 
 
 def _even(t: Array, y: Array, first: int) -> int:
-    """Start after which the halves of a piece have one slope, to within their intervals."""
+    """Start after which both halves of a piece have the same slope, to within their intervals."""
     while t.size - first >= 2 * LEAST:
         middle = (first + t.size) // 2
         (a, a_low, _), (b, b_low, _) = slope_of(t[first:middle], y[first:middle]), slope_of(t[middle:], y[middle:])
@@ -187,7 +189,7 @@ def _even(t: Array, y: Array, first: int) -> int:
 
 
 def _residuals(t: Array, y: Array) -> Array:
-    """Sum of squares left by a line through windows i .. j - 1, (m, m + 1); infinite for fewer than LEAST."""
+    """Sum of squares of residuals of a line through windows i .. j - 1, (m, m + 1); infinite for fewer than LEAST."""
     m = t.size
     t = t - t.mean()
     sums = [np.concatenate([[0.0], np.cumsum(part)]) for part in (np.ones(m), t, y, t * t, t * y, y * y)]
@@ -199,7 +201,7 @@ def _residuals(t: Array, y: Array) -> Array:
 
 
 def bend_of(t: Array, y: Array) -> float:
-    """Possible difference of the slope at the end from the mean: the bend of a parabola, within its scatter.
+    """Possible difference between the slope at the end and the mean slope: curvature of a parabola, with its scatter.
 
     >>> t = np.linspace(0.0, 1.0, 20)
     >>> round(bend_of(t, t + 0.2 * t**2), 1)
@@ -237,7 +239,7 @@ def slope_of(t: Array, y: Array) -> tuple[float, float, float]:
 
 
 def _independent(left: Array) -> float:
-    """Number of independent windows with the same information, by the autocorrelation of the residuals."""
+    """Number of independent windows with the same information, from the autocorrelation of the residuals."""
     k, square = left.size, float(left @ left)
     r = float(left[1:] @ left[:-1]) / square if square > 0.0 else 0.0
     r = min(max(r + (1.0 + 4.0 * r) / k, 0.0), AUTO)

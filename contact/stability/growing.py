@@ -1,7 +1,7 @@
-"""Growth of closed contact over speed, and the growing motion in words, from the poles at the peaks.
+"""Growth of closed contact over speed, and a description of the growing motion, from the poles at the peaks.
 
-A wave that the blade overtakes can meet f_c + f_b = n f, where both grow without friction. Where the blade overtakes no
-wave, only friction makes closed contact grow.
+A wave that the blade overtakes can satisfy f_c + f_b = n f, where both motions grow without friction. If the blade
+overtakes no wave, closed contact grows only with friction.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ AT_REST = 1e-6  # of the frequency in the casing's frame: a slower motion is at 
 
 
 def of_contact(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
-    """Growth map of a perfect casing; its words name the motion that grows in each unstable band.
+    """Growth map of a perfect casing; its text describes the growing motion in each unstable band.
 
-    Raises InputError unless the speeds [turns/s] are two or more and ascend.
+    Raises InputError unless there are at least two ascending speeds [turns/s].
 
     >>> from contact.model.gaps.permanent import HandPair, ModalPair
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -46,7 +46,7 @@ def of_contact(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
 def of_rim(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMap:
     """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
 
-    A perfect casing by eigenvalues; a split one by Floquet's theory, which follows every turn and takes longer.
+    Eigenvalues serve for a perfect casing. A split one needs Floquet theory, which follows every turn and takes longer.
 
     >>> import contact as ct
     >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
@@ -69,7 +69,7 @@ def of_rim(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMa
 
 
 def _verdict(found: StabilityMap) -> str:
-    """Whether closed contact is stable over the range, or the bands in which it is not."""
+    """Whether closed contact is stable over the range, or the unstable bands."""
     span = _span(float(found.speed_hz[0]), float(found.speed_hz[-1]))
     if not found.diverges:
         return f"Closed contact is stable from {span}: nothing grows."
@@ -78,7 +78,7 @@ def _verdict(found: StabilityMap) -> str:
 
 
 def _highest(found: StabilityMap) -> list[str]:
-    """The highest growth of an unstable contact."""
+    """The highest growth of an unstable contact, in words."""
     return [f"The highest growth is {_rate(found.peak_growth, found.peak_speed_hz)}."] if found.diverges else []
 
 
@@ -91,7 +91,7 @@ def _rate(growth: float, speed_hz: float) -> str:
 
 
 def _motions(contact: ClosedContact, found: StabilityMap) -> list[str]:
-    """Growing motions at each peak, the highest first."""
+    """The growing motions at all peaks, the highest first."""
     if not found.diverges:
         return []
     rows = sorted(peaks_of(contact, found), key=lambda peak: -peak.growth)
@@ -116,7 +116,7 @@ def _motion(peak: Peak) -> list[str]:
 
 
 def _without_friction(contact: ClosedContact, found: StabilityMap) -> list[str]:
-    """The same contact without friction, if a motion grows with friction."""
+    """Growth of the same contact without friction, if a motion grows with friction."""
     if not found.diverges or not contact.mu > 0.0:
         return []
     calm = growth_map(replace(contact, mu=0.0), found.speed_hz)
@@ -126,7 +126,7 @@ def _without_friction(contact: ClosedContact, found: StabilityMap) -> list[str]:
 
 
 def _overtakes(contact: ClosedContact, found: StabilityMap) -> list[str]:
-    """Whether the blade overtakes no wave of the casing in the range, with the one that it comes nearest to."""
+    """Whether the blade overtakes no wave of the casing in the range, and the wave nearest to that."""
     nearest = (0.0, 0.0, 0.0)  # n f/f_c, n f, f_c
     for sense in (1.0, -1.0):
         omega = 2.0 * math.pi * found.speed_hz[found.speed_hz * sense > 0.0]

@@ -1,4 +1,4 @@
-"""Growth rate over speed, refined where it matters: the largest one, and the edges of the bands that diverge."""
+"""Growth rate over speed, refined at its maximum and at the edges of the unstable bands."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COLUMNS = (
 class StabilityMap(Reported):
     """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive.
 
-    `seen_hz`, `seen_growth`: all speeds examined, close to where something is to be seen.
+    `seen_hz`, `seen_growth`: all examined speeds, which are dense near coincidences, and their growth.
 
     >>> import contact as ct
     >>> pair = ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -51,7 +51,7 @@ class StabilityMap(Reported):
 
     @property
     def diverges(self) -> bool:
-        """Whether any speed of the range has a growing vibration."""
+        """Whether a vibration grows at any speed of the range."""
         return bool(self.bands_hz)
 
     def to_dict(self) -> dict[str, object]:
@@ -73,8 +73,8 @@ class StabilityMap(Reported):
 def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = None) -> StabilityMap:
     """Growth over speeds, refined: its maximum by bounded maximisation, the edges of its bands by root finding.
 
-    `rate` gives growth [1/s] at speeds [Hz]; `floor` is what counts as none; `seeds` are further speeds examined, so
-    that a band narrower than the grid is not missed. Raises InputError unless there are two ascending speeds.
+    `rate` gives growth [1/s] at speeds [Hz]; growth below `floor` counts as zero; `seeds` are further speeds to
+    examine, so that a band narrower than the grid is found. Raises InputError unless there are two ascending speeds.
     """
     speed = ascending(speed_hz)
     extra = np.zeros(0) if seeds is None else np.asarray(seeds, dtype=float)
@@ -91,7 +91,7 @@ def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = N
 
 
 def ascending(speed_hz: Array) -> Array:
-    """Speeds as a read-only row; raises InputError unless they are two or more and ascend."""
+    """Speeds as a read-only row; raises InputError unless there are at least two and they ascend."""
     speed = readonly(speed_hz)
     if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0):
         raise InputError("speed_hz: found no ascending row, expected at least two ascending speeds")
@@ -127,6 +127,6 @@ def _bands(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[tup
 
 
 def between(speed: Array, above: NDArray[np.bool_], edges: list[float]) -> tuple[tuple[float, float], ...]:
-    """The bands between edges where speeds are `above`; those that reach the range's ends are cut there."""
+    """The bands between edges where speeds are `above`, cut at the ends of the range."""
     ends = [*([float(speed[0])] if above[0] else []), *edges, *([float(speed[-1])] if above[-1] else [])]
     return tuple(zip(ends[::2], ends[1::2], strict=True))

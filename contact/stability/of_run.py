@@ -35,11 +35,11 @@ CLOSE = 0.05  # of a mode's frequency: by how much contact may shift it
 
 
 class Ran(Protocol):
-    """Data read from a result."""
+    """Interface of the data that are read from a result."""
 
     @property
     def state_time(self) -> Array:
-        """Instants of the states [s], (ns,)."""
+        """Times of the states [s], (ns,)."""
         ...
 
     @property
@@ -49,7 +49,7 @@ class Ran(Protocol):
 
     @property
     def channels(self) -> Array:
-        """Rows stored in place of states."""
+        """Rows that are stored instead of states."""
         ...
 
     @property
@@ -59,7 +59,7 @@ class Ran(Protocol):
 
     @property
     def steps(self) -> int:
-        """Steps taken."""
+        """Number of steps."""
         ...
 
     @property
@@ -69,17 +69,17 @@ class Ran(Protocol):
 
     @property
     def energy(self) -> EnergyBudget:
-        """The ledger."""
+        """Energy budget."""
         ...
 
     @property
     def divergence(self) -> Divergence | None:
-        """Why the run ended before its time."""
+        """Why the run ended early."""
         ...
 
 
 class Groups(NamedTuple):
-    """Number of the group of each mode (m,); body and nodal diameters of each group."""
+    """Group number of each mode (m,); body and nodal diameters of each group."""
 
     of: Indices
     named: tuple[tuple[str, int | None], ...]
@@ -93,7 +93,7 @@ class Parts(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Data read from a problem: casing and modes, the first tip's rim line, speed [rad/s], wall [m]."""
+    """Data from a problem: casing and modes, the first tip's rim line, speed [rad/s], wall [m]."""
 
     casing: ModalBody
     parts: Parts
@@ -103,11 +103,11 @@ class Seen(NamedTuple):
 
 
 def of_run(what: object, result: Ran) -> RunGrowth | None:
-    """Growth of the motion of a run of a rim, a rub or a disk; None of other problems, and without stored states.
+    """Growth of the motion in a run of a rim, a rub or a disk; None for other problems, and without stored states.
 
-    The states may be few, about 200, and far apart (`contact.stability.envelope` has the equations): the row of a sweep
-    is made from 256. Deflection is the largest around the rim (`contact.model.gaps.deflection`), to which the limit of
-    half the wall applies.
+    The states may be few, about 200, and far apart (`contact.stability.envelope` has the equations): a sweep uses 256.
+    Deflection is the largest around the rim (`contact.model.gaps.deflection`), to which the limit of half the wall
+    applies.
 
     >>> import contact as ct
     >>> from contact.model.gaps.bladed_disk import pair_rim
@@ -135,9 +135,10 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
 
 
 def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
-    """Growth of the motion of a rotor's run, alone or in a casing; `amplitude` is the largest distance of the disk.
+    """Growth of the motion in a rotor's run, alone or in a casing; `amplitude` is the largest distance of the disk.
 
-    The distance counts from the disk's mean place, both over the last half of the run. None of too few states.
+    The distance is from the disk's mean position; both are taken over the last half of the run. None with too few
+    states.
 
     >>> import contact as ct
     >>> disk = ct.rotor.Jeffcott(mass=1.0, stiffness=1e4, zeta=0.02)
@@ -167,7 +168,7 @@ def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
 
 
 def disk_path(what: Rotor | Rub, q: Array) -> NDArray[np.complex128]:
-    """Place x + i y of a rotor's disk (ns,) [m] from modal coordinates (ns, m) of a rotor or of all bodies of a rub."""
+    """Position x + i y of a disk (ns,) [m] from modal coordinates (ns, m) of a rotor or of all bodies of a rub."""
     rotor = what.rotor if isinstance(what, Rub) else what
     assert rotor is not None
     first = what.flexible if isinstance(what, Rub) else 0
@@ -189,7 +190,7 @@ def whirl_sense(path: NDArray[np.complex128], speed: float) -> str:
 
 
 def _seen(what: object, end: float) -> Seen | None:
-    """Data of a problem whose run ended at `end` [s]; None for a problem that is neither a rim nor a rub."""
+    """Data of a problem whose run ended at `end` [s]; None if it is neither a rim nor a rub."""
     if isinstance(what, RotatingRim):
         parts = _parts((what.casing, what.blade), ONE, what.casing.omega.size)
         return Seen(what.casing, parts, 0, what.speed, what.casing.line_wall(0) or math.inf)
@@ -201,7 +202,7 @@ def _seen(what: object, end: float) -> Seen | None:
 
 @remembered
 def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], flexible: int) -> Parts:
-    """Common part of runs of the same bodies; modes of the first from `flexible` on are those of a rotor."""
+    """Part that all runs of the same bodies share; modes of the first body from `flexible` on are those of a rotor."""
     return Parts(readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips, flexible))
 
 
@@ -230,11 +231,11 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
 
 
 def _state(fit: Fit, span: float, beyond: bool) -> Ending:
-    """State of the motion in the last stretch of `span` seconds, by its mean growth, which is known to `scatter`.
+    """State of the motion in the last `span` seconds from its mean growth, which is known to within `scatter`.
 
-    A motion grows only where the whole interval is above 0: an envelope that bends as much as it rises may be part of
-    a slow beat. It must also end `beyond` all that it was before the stretch, or rise by e^GREAT: the level of an
-    intermittent motion wanders. It is bounded where the stretch excludes a rise by e^RISE.
+    A motion grows only if the whole interval is above 0, since a strongly curved envelope may be part of a slow beat.
+    It must also end `beyond` all earlier levels, or rise by e^GREAT, since the level of an intermittent motion varies.
+    It is bounded if a rise by e^RISE is excluded.
 
     >>> fits = ((3, 1, 1), (3, -1, 1), (1, 0, 1), (2, 0, 2), (-3, -4, 1))
     >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.19, True) for rate, low, scatter in fits]
@@ -251,7 +252,7 @@ def _state(fit: Fit, span: float, beyond: bool) -> Ending:
 
 
 def _beyond(energy: Array, first: int) -> bool:
-    """Whether the energy of the last windows is above that of every window before number `first`.
+    """Whether the energy of the last windows exceeds that of every window before number `first`.
 
     >>> _beyond(np.array([1.0, 3.0, 1.0, 2.0]), 2), _beyond(np.array([1.0, 3.0, 1.0, 4.0]), 2)
     (False, True)
@@ -261,13 +262,13 @@ def _beyond(energy: Array, first: int) -> bool:
 
 
 def _stopped(result: Ran) -> float:
-    """When the run passed half the wall [s]; infinite where it did not."""
+    """Time at which the run passed half the wall [s]; infinite if it did not."""
     ended = result.divergence
     return ended.time if ended is not None and ended.limit == "wall" else math.inf
 
 
 def _half_wall(seen: Seen, result: Ran, rate: float, deflection: Array, late: Some) -> float:
-    """Time at which growth takes the deflection to half the wall [s], from the start of the run."""
+    """Time from the start of the run at which the growing deflection reaches half the wall [s]."""
     stopped, allowed = _stopped(result), WALL * seen.wall
     beyond = np.flatnonzero(deflection > allowed)
     now = float(deflection[late].max(initial=0.0))
@@ -279,7 +280,7 @@ def _half_wall(seen: Seen, result: Ran, rate: float, deflection: Array, late: So
 
 
 def _amplitude(time: Array, deflection: Array, start: Array) -> tuple[float, float]:
-    """Largest deflection in the last stretch, and how far the largest of a window lies below it, relatively."""
+    """Largest deflection in the last part of the run, and the largest relative difference to that in its windows."""
     parts = np.searchsorted(time, start)
     largest = np.maximum.reduceat(deflection, np.minimum(parts, deflection.size - 1))
     top = float(largest.max())
@@ -287,7 +288,7 @@ def _amplitude(time: Array, deflection: Array, start: Array) -> tuple[float, flo
 
 
 def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint], flexible: int | None = None) -> Groups:
-    """Modes by body and nodal diameters: those of the harmonic that moves a rim most, of tips evenly spread around."""
+    """Modes by body and nodal diameters: the harmonic with most motion of a rim, or of tips evenly spaced around."""
     casing, *blades = bodies
     keys: list[tuple[str, int | None]] = [("casing", int(n)) for n in casing_diameters(casing)[:flexible]]
     keys += [("rotor", None)] * (casing.omega.size - len(keys))
@@ -299,7 +300,7 @@ def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint], flexibl
 
 
 def casing_diameters(body: ModalBody) -> Indices:
-    """Nodal diameters of a rim's modes, (m,): the harmonic with the largest square in all directions on all lines."""
+    """Nodal diameters of a rim's modes, (m,): the harmonic with the largest square over all directions and lines."""
     N = body.n_max
     rows = body.rows.reshape(-1, 2 * N + 1, body.omega.size)
     power = np.sum(rows[:, : N + 1] ** 2, axis=0)
@@ -308,7 +309,7 @@ def casing_diameters(body: ModalBody) -> Indices:
 
 
 def blade_diameters(body: ModalBody, tips: Sequence[ContactPoint]) -> list[int | None]:
-    """Nodal diameters of the modes of one body of several tips evenly around; None of each mode elsewhere."""
+    """Nodal diameters of the modes of one body with several tips evenly around; None for each other mode."""
     tips = sorted(tips, key=lambda tip: tip.angle_deg % 360.0)
     K = len(tips)
     turned = np.diff([tip.angle_deg % 360.0 for tip in tips]) / 360.0
@@ -334,7 +335,7 @@ def _cause(seen: Seen, result: Ran, q: Array, energy: Array, late: Some) -> Caus
 
 
 def _source(energy: EnergyBudget) -> tuple[str, float]:
-    """The largest work that was put in over the run, and who did it."""
+    """The largest work that entered over the run, and its source."""
     parts = {
         "friction": energy.friction, "the turning rim": energy.rotation, "gravity and whirl": energy.body_force,
         "varying loads": energy.external,
@@ -345,10 +346,11 @@ def _source(energy: EnergyBudget) -> tuple[str, float]:
 
 
 def _travel(seen: Seen, result: Ran, q: Array, modes: Indices, n: int | None, late: Some) -> float:
-    """Share of a casing's wave that runs with the blades, from 1 to -1; nan if its states are too far apart.
+    """Part of a casing's wave that travels with the blades, from 1 to -1; nan if its states are too far apart.
 
-    With z = a + i b of the rim's a cos n theta + b sin n theta, a wave that runs towards +theta turns z by omega D from
-    one state to the next, one that runs against it by -omega D: two amplitudes by least squares over pairs of states.
+    With z = a + i b of the rim's a cos n theta + b sin n theta, a wave towards +theta changes the phase of z by omega D
+    from one state to the next, the opposite wave by -omega D. Both amplitudes follow by least squares over pairs of
+    states.
     """
     speed, time, N = seen.speed, result.state_time, seen.casing.n_max
     q = q[late]

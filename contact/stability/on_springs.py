@@ -20,8 +20,7 @@ Turning = TypeVar("Turning", bound=RotatingRim | Rub)
 def slope_of(law: Law, depth: float | None = None) -> float:
     """Slope [N/m] of a force-depth law in closed contact at a mean `depth` [m].
 
-    A law whose slope does not depend on the depth needs none. Raises InputError where it is missing, and for a law
-    without a response.
+    A law with constant slope needs no depth. Raises InputError if it is missing, and for a law without a response.
 
     >>> import contact as ct
     >>> round(slope_of(ct.laws.Hertz(k=1e9), 1e-4)), slope_of(ct.Penalty(stiffness=2e6))
@@ -40,7 +39,7 @@ def slope_of(law: Law, depth: float | None = None) -> float:
 
 
 def on_springs(what: Turning, stiffness: float) -> Turning:
-    """The same rim or rub with a spring [N/m] along the normal of every tip, in the compliance of its blade.
+    """The same rim or rub with a spring [N/m] along the normal of every tip, as part of its blade's compliance.
 
     >>> from contact.model.gaps.bladed_disk import pair_rim
     >>> from contact.model.gaps.permanent import ModalPair

@@ -1,10 +1,10 @@
-"""Peaks of the growth of closed contact over speed: where, how fast, and which motion grows.
+"""Peaks of the growth of closed contact over speed: speed, growth, and the growing motion.
 
 Poles s of a contact that stays closed (`closed_contact`) have the growth max Re s at each speed. Each peak of that
-curve is refined. The eigenvector of its pole states what grows: its energies, the sums of |r q|^2 + |q'|^2 over modes
-of rate r, give the share of the casing. Seen from the contact the casing moves as waves e^(i k theta + s t). In its own
-frame their frequency is w = Im s + k Omega. A wave with k w Omega > 0 travels around the casing in the direction in
-which the blade passes. Split pairs enter by their mean (`perfect_mean`).
+curve is refined. The eigenvector of its pole is the growing motion: its energies, the sums of |r q|^2 + |q'|^2 over
+modes of rate r, give the share of the casing. In the frame of the contact the casing moves as waves e^(i k theta + s
+t). In its own frame their frequency is w = Im s + k Omega. A wave with k w Omega > 0 travels around the casing in the
+direction in which the blade passes. Split pairs are replaced by their mean (`perfect_mean`).
 """
 
 from __future__ import annotations
@@ -69,9 +69,9 @@ class Peak:
 class Peaks(Reported):
     """All peaks over a range of speeds, by speed; `map` the growth over the range and its bands.
 
-    `averaged` states whether split pairs were. For a picture, `blade_hz` has the frequencies of the blade at rest and
-    `wave_hz` (speeds of the map, waves) those of the casing's waves in the blade's frame, both without contact.
-    `rotor`: the peaks are those of a rotor without contact, and `wave_hz` has its whirl frequencies.
+    `averaged` states whether split pairs were averaged. For pictures, `blade_hz` has the frequencies of the blade at
+    rest and `wave_hz` (speeds of the map, waves) those of the casing's waves in the blade's frame, both without
+    contact. `rotor`: the peaks are those of a rotor without contact, and `wave_hz` has its whirl frequencies.
 
     >>> import numpy as np
     >>> import contact as ct
@@ -90,16 +90,17 @@ class Peaks(Reported):
     rotor: bool = False
 
     def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a peak."""
+        """One plain dictionary for each peak."""
         return [{name: getattr(row, name) for name in Peak.__dataclass_fields__} for row in self.rows]
 
 
 def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float = 0.0) -> Peaks:
-    """Find the peaks of the growth of closed contact over speeds [turns/s] of one sense of rotation.
+    """Peaks of the growth of closed contact over speeds [turns/s] of one sense of rotation.
 
-    `what`: a rim or a rub, whose own speed is not used, with friction `mu`; or a pair by hand, which has its own.
+    `what`: a rim or a rub, whose own speed is not used, with friction `mu`; or a pair by hand, which has its own
+    friction.
 
-    Raises InputError unless the speeds are two or more, ascending, above 0, or where a contact has no compliance.
+    Raises InputError unless there are at least two ascending speeds above 0, and for a contact without compliance.
 
     >>> from contact.model.gaps.permanent import ModalPair
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -120,7 +121,7 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
 
 
 def growth_map(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
-    """Growth over ascending speeds [turns/s], computed at further speeds close to each coincidence."""
+    """Growth over ascending speeds [turns/s], with additional speeds close to each coincidence."""
     seeds = close_speeds(coincidences(contact, speed_hz))
     return scan(lambda at: growth(contact, at), speed_hz, floor=floor_of(contact), seeds=seeds)
 
@@ -131,7 +132,7 @@ def peaks_of(contact: ClosedContact, found: StabilityMap) -> tuple[Peak, ...]:
 
 
 def growth_at(what: RotatingRim | Rub, speed_hz: Array, *, mu: float = 0.0) -> Array:
-    """Growth of closed contact [1/s] at speeds [turns/s] above 0, (speeds,), of split pairs by their mean."""
+    """Growth of closed contact [1/s] at speeds [turns/s] above 0, (speeds,); split pairs are replaced by their mean."""
     return growth(_closed(what, mu)[0], speed_hz)
 
 
@@ -159,7 +160,7 @@ def _refined(contact: ClosedContact, found: StabilityMap, floor: float) -> tuple
 
 
 def _vertex(x: Array, y: Array) -> Array:
-    """Highest points of parabolas through three points each, (3, peaks); the middle if one has no vertex."""
+    """Maxima of parabolas through three points each, (3, peaks); the middle point if a parabola has none."""
     left, right = x[1] - x[0], x[2] - x[1]
     with np.errstate(divide="ignore", invalid="ignore"):
         first, second = (y[1] - y[0]) / left, (y[2] - y[1]) / right
@@ -169,7 +170,7 @@ def _vertex(x: Array, y: Array) -> Array:
 
 
 def _merged(contact: ClosedContact, speed: Array, leading: list[complex], found: StabilityMap) -> tuple[Peak, ...]:
-    """One peak for each growing motion: neighbours of one band whose eigenvectors are alike are one, the higher."""
+    """Peaks of different motions: of neighbours in one band with similar eigenvectors the higher one is kept."""
     rows: list[Peak] = []
     motions: list[Vector] = []
     waves = waves_of(contact)
@@ -193,7 +194,7 @@ def _merged(contact: ClosedContact, speed: Array, leading: list[complex], found:
 
 
 def _alike(one: Peak, first: Vector, other: Peak, second: Vector) -> bool:
-    """Whether two motions of unit norm are one."""
+    """Whether two motions of unit norm are similar."""
     return (one.n, one.wave) == (other.n, other.wave) and float(abs(np.vdot(first, second))) ** 2 > ALIKE
 
 
@@ -219,8 +220,8 @@ def _peak(waves: Waves, speed_hz: float, pole: complex) -> tuple[Peak, Vector]:
 def _sense(n: int, positive: float, freq: float, omega: float) -> tuple[str, bool]:
     """Direction in which the motion of n diameters travels around the casing, and whether the blade overtakes its wave.
 
-    `positive` is the share of its energy that k = n has, the rest is in k = -n; `freq` [rad/s] at least 0. The wave
-    ahead of the blade travels with it, the other one too where n |Omega| > freq.
+    `positive` is the energy share of k = n, the rest is that of k = -n; `freq` [rad/s] is at least 0. The wave ahead of
+    the blade travels with it; so does the other one if n |Omega| > freq.
     """
     ahead = positive if omega > 0.0 else 1.0 - positive
     overtakes = freq < n * abs(omega)
@@ -244,7 +245,7 @@ def _eigenvector(matrix: Array, pole: complex) -> Vector:
 
 
 def _waves_seen(contact: ClosedContact, speed_hz: Array) -> Array:
-    """|f_c - n f| [Hz] of the waves that the blade runs after, at speeds above 0 [turns/s], (speeds, waves)."""
+    """Frequencies |f_c - n f| [Hz] of waves in the direction of the blade, speeds > 0 [turns/s], (speeds, waves)."""
     omega = 2.0 * math.pi * speed_hz
     free = waves_of(contact).poles(omega, 1.0)
     if free is None:
@@ -254,5 +255,5 @@ def _waves_seen(contact: ClosedContact, speed_hz: Array) -> Array:
 
 
 def _closed(what: RotatingRim | Rub | HandPair, mu: float) -> tuple[ClosedContact, bool]:
-    """All contacts closed, and whether split pairs were averaged."""
+    """The system with all contacts closed, and whether split pairs were averaged."""
     return (what.contact(), False) if isinstance(what, HandPair) else mean_contact(what, mu=mu)

@@ -20,7 +20,7 @@ WHIRLS = 8  # whirl frequencies of a picture
 def of_rotor(rotor: Rotor, speed_hz: Array) -> StabilityMap:
     """Largest growth of a rotor's free motion over speed, with the edges of the unstable bands as roots.
 
-    Raises InputError unless the speeds [turns/s] are two or more and ascend.
+    Raises InputError unless there are at least two ascending speeds [turns/s].
 
     >>> import numpy as np
     >>> from contact.model.rotor import Jeffcott
@@ -40,7 +40,7 @@ def of_rotor(rotor: Rotor, speed_hz: Array) -> StabilityMap:
 
 
 def rotor_peaks(rotor: Rotor, speed_hz: Array) -> Peaks:
-    """Peaks of the growth of a rotor without contact, one in each unstable band, with its whirl frequencies.
+    """Peaks of the growth of a rotor without contact, one in each unstable band, and its whirl frequencies.
 
     >>> from contact.model.rotor import Jeffcott
     >>> rotor = Rotor.of(Jeffcott(mass=1.0, stiffness=100.0, zeta=0.02, zeta_internal=0.01), 1.0)

@@ -1,10 +1,9 @@
-"""Closed contact of a split casing: growth per turn by Floquet's theory, and the perfect casing nearest to it.
+"""Closed contact of a split casing: growth per turn by Floquet theory, and the nearest perfect casing.
 
 In their own frames the bodies vibrate freely and the contact point moves around the casing: q'' + C q' + K q =
 -W(phi)^T Q(phi) q/S(phi), phi = phi_0 - Omega t, C and K of `ModalBody.matrices`. The matrix of one turn (monodromy)
-has multipliers rho; growth = max log|rho|/T, T = 2 pi/|Omega|.
-Its coefficients are periodic in time in either frame. The nearest perfect casing has each pair's mean, seen as cos and
-sin of its own n.
+has multipliers rho; growth = max log|rho|/T, T = 2 pi/|Omega|. Its coefficients are periodic in time in either frame.
+The nearest perfect casing has the mean of each pair, as cos and sin of the pair's n.
 """
 
 from __future__ import annotations
@@ -41,11 +40,11 @@ WELL = 1e6  # condition of the eigenvectors of free motion up to which it is tak
 
 
 def perfect_mean(casing: ModalBody) -> ModalBody:
-    """A rim with equal pairs that rotate into themselves; modes without a partner go into the compliance.
+    """A rim with equal pairs that rotate into each other; modes without a partner become part of the compliance.
 
-    Modes belong to the n that most of their radial and tangential motion has; those of one n are paired in order of
-    frequency. Damping, stiffness and the arrays of rotation are averaged over the angle at which the pairs could be.
-    Of a perfect casing it is the casing itself but for the turn of its pairs.
+    The n of a mode is that of most of its radial and tangential motion; modes of one n are paired in order of
+    frequency. Damping, stiffness and the arrays of rotation are averaged over the angle of the pairs. A perfect casing
+    is unchanged except for the rotation of its pairs.
 
     >>> from contact.model.gaps.bladed_disk import pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -93,7 +92,7 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
 
 
 class _Mean(NamedTuple):
-    """A mode of the perfect rim: its row, its combination of the casing's modes, and n of a cosine, -n of a sine."""
+    """A mode of the perfect rim: its row, its combination of the casing's modes, and n for a cosine, -n for a sine."""
 
     omega: float
     zeta: float
@@ -103,14 +102,14 @@ class _Mean(NamedTuple):
 
 
 def _share(first: Array, second: Array, n: int, N: int) -> Array:
-    """Cosine and sine of n as sums of two modes, (2, 2): their radial phases, made orthogonal."""
+    """Cosine and sine of n as sums of two modes, (2, 2): from their radial phases, made orthogonal."""
     angle = [math.atan2(mode[0, N + n], mode[0, n]) for mode in (first, second)]
     left, _, right = np.linalg.svd(np.array([np.cos(angle), np.sin(angle)]))
     return np.asarray(left @ right)
 
 
 def _mean_square(X: Array, order: Indices) -> Array:
-    """A matrix of cosines (order n) and sines (-n) averaged over the angle: it then couples waves of one n alone."""
+    """A matrix of cosines (order n) and sines (-n) averaged over the angle; it couples only waves of equal n."""
     found, n = np.zeros_like(X), np.abs(order)
     found[np.ix_(n == 0, n == 0)] = X[np.ix_(n == 0, n == 0)]
     for one in np.unique(n[n > 0]):
@@ -123,7 +122,7 @@ def _mean_square(X: Array, order: Indices) -> Array:
 
 
 def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedContact, bool]:
-    """Rim or rub with every contact closed, time-averaged; and whether its pairs had to be averaged for that."""
+    """Rim or rub with every contact closed, averaged over time, and whether its pairs had to be averaged."""
     try:
         return rub_contact(rub, mu=mu), False
     except SplitError:
@@ -133,10 +132,10 @@ def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedCont
 
 
 def _pair(first: Array, second: Array, n: int, N: int) -> tuple[Array, Array]:
-    """Rows of cos n and sin n whose complex amplitudes in every block are the two modes' mean, seen from the first's.
+    """Rows of cos n and sin n with the mean complex amplitudes of both modes in every block, relative to the first.
 
-    A wave of the pair moves block b by z_b: first z_b e^{-i alpha}, second -+i times that. alpha is taken from the
-    radial motion, which is then real: what a perfect pair has.
+    A wave of the pair moves block b by z_b: by z_b e^{-i alpha} for the first mode, by -+i times that for the second.
+    alpha makes the radial motion real, as in a perfect pair.
     """
     waves = []
     for mode in (first, second):
@@ -150,7 +149,7 @@ def _pair(first: Array, second: Array, n: int, N: int) -> tuple[Array, Array]:
 
 
 def _mean_compliance(S: Array, size: int, N: int) -> Array:
-    """S averaged over the angle: between cos n and sin n of equal n alone, the same for both but for a quarter turn."""
+    """S averaged over the angle: only between cos n and sin n of equal n, equal except for a quarter turn."""
     blocks = S.reshape(len(S) // size, size, len(S) // size, size)
     found = np.zeros_like(blocks)
     found[:, 0, :, 0] = blocks[:, 0, :, 0]
@@ -168,7 +167,7 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
     """Growth rates [1/s] of a rim and blade in closed contact at speeds [Hz], (speeds,).
 
     `phase` [rad] is the step in radians of the fastest vibration, loaded by the contact; the error falls with its
-    fourth power. Raises InputError at rest (there is no turn to follow), LimitError beyond 5,000,000 steps a turn.
+    fourth power. Raises InputError at rest, where there are no turns, LimitError beyond 5,000,000 steps a turn.
     """
     speeds = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     turns = 1.0 / np.maximum(np.abs(speeds), np.finfo(float).tiny)  # what each costs
@@ -193,7 +192,7 @@ def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
 
 
 def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float = PHASE) -> Array:
-    """State after one turn for each unit state before, (2 m, 2 m), in the coordinates of `free_motion`.
+    """State after one turn for each unit state at its start, (2 m, 2 m), in the coordinates of `free_motion`.
 
     `mu` has the sign of the speed; C [1/s] and K [1/s^2] (m, m) are those of the bodies at the speed of the system.
     """
@@ -237,7 +236,8 @@ def _rows(system: ModalSystem, mu: float, shapes: Array, scale: float) -> TurnRo
 class Free(NamedTuple):
     """Free motion: (q, q'/scale) = `shapes` (2 m, 2 m) times coordinates z, and z' = A z in each of `blocks`.
 
-    A block is the modes whose pairs of coordinates, numbers i and m + i of z, move together, and their A (2 s, 2 s).
+    A block contains the modes whose pairs of coordinates, numbers i and m + i of z, are coupled, and their A (2 s, 2
+    s).
     """
 
     shapes: Array
@@ -245,11 +245,11 @@ class Free(NamedTuple):
 
 
 def free_motion(C: Array, K: Array, scale: float) -> Free:
-    """Take free motion apart into pairs of coordinates, one for each mode, where its eigenvectors allow.
+    """Separate free motion into pairs of coordinates, one for each mode, if its eigenvectors allow that.
 
     For an eigenvalue a + i b with the vector w, z -> Re(w) z_1 + Im(w) z_2 and A = [[a, b], [-b, a]]; two real
-    eigenvalues share a pair. A mode that nothing couples stays as it is, as do modes with eigenvectors of a condition
-    above WELL.
+    eigenvalues share a pair. Uncoupled modes do not change, nor do modes whose eigenvectors have a condition above
+    WELL.
 
     >>> free = free_motion(np.array([[0.0, 6.0], [-6.0, 0.0]]), np.diag([16.0, 16.0]), 4.0)
     >>> sorted(round(float(A[0, 1]), 9) for _, A in free.blocks)  # rad/s, of the two waves
@@ -272,7 +272,10 @@ def free_motion(C: Array, K: Array, scale: float) -> Free:
 
 
 def _pairs(A: Array) -> tuple[Array, list[Array]]:
-    """Real vectors of each eigenvalue or two of A (2 s, 2 s): first ones, then second ones; and its 2 x 2 form."""
+    """Real vectors of each complex pair or two real eigenvalues of A (2 s, 2 s): first ones, then second ones.
+
+    And the 2 x 2 form.
+    """
     values, vectors = np.linalg.eig(A)
     first, second, parts = list[Array](), list[Array](), list[Array]()
     for k in np.flatnonzero(values.imag > 0.0):
@@ -289,7 +292,7 @@ def _pairs(A: Array) -> tuple[Array, list[Array]]:
 
 
 def _drifts(free: Free, times: Array) -> Drifts:
-    """Exact free motion over each of some times, block by block."""
+    """Exact free motion over each of several time steps, block by block."""
     from scipy.linalg import expm
 
     from contact.loop.revolve import Drifts

@@ -1,4 +1,4 @@
-"""Growth of closed contact of many bodies that differ in their frequencies and in friction, at many speeds.
+"""Growth of closed contact for many bodies that differ in frequencies and friction, at many speeds.
 
 The bodies are those of one rim or rub with one contact and a perfect casing. Case d multiplies the frequencies of each
 casing mode by `casing[d]`, retunes the blades by `blade[d]`, and has the friction `mu[d]`. Free poles s and residues a
@@ -6,7 +6,7 @@ of the bodies follow from those of the given bodies in closed form:
 
     s_d = r s - i k Omega,   a_d = (a_0 + mu a_1)/r,   S_d = S_c + S_b/r_b^2 - mu (T_c + T_b/r_b^2).
 
-Coriolis forces keep their share of a pole where its frequency is scaled: an error of second order in small r - 1.
+The effect of Coriolis forces on a pole is not scaled with its frequency: an error of second order in small r - 1.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SEEN = 1e-14  # of the largest residue: below, contact does not see a pole
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Cases:
-    """Varied quantities: `casing` (cases, modes) and `blade` (cases,) ratios of frequencies, `mu` (cases,) friction.
+    """Varied quantities: ratios of frequencies `casing` (cases, modes) and `blade` (cases,), friction `mu` (cases,).
 
     >>> Cases(casing=np.ones((2, 4)), blade=np.ones(2), mu=np.array([0.1, 0.2]))
     Cases(2 of 4 modes)
@@ -57,8 +57,8 @@ class Cases:
 def growth_of_cases(what: RotatingRim | Rub, speed_hz: Array, cases: Cases) -> Array:
     """Largest growth [1/s] of closed contact of each case at speeds [turns/s] above 0, (cases, speeds).
 
-    Raises InputError for a rub with several contacts, a split casing, speeds that are not above 0, or cases of another
-    number of modes.
+    Raises InputError for a rub with several contacts, a split casing, speeds that are not above 0, or cases with
+    another number of modes.
 
     >>> from contact.model.bodies.modal_body import ModalBody
     >>> from contact.model.gaps.bladed_disk import pair_rim
@@ -103,7 +103,7 @@ def _require(contact: ClosedContact, speeds: Array, cases: Cases) -> None:
 def _varied(
     smooth: ClosedContact, rough: ClosedContact, omega: float, scale: Array, mu: Array, S: Array
 ) -> Varied:  # fmt: skip
-    """The bodies at one speed [rad/s] by those poles that the contact sees, without friction and with mu = 1."""
+    """The bodies at one speed [rad/s] by their poles with residues at the contact, without friction and with mu = 1."""
     from contact.loop.poles import Varied
 
     seen = waves_of(smooth)
@@ -144,7 +144,7 @@ def _retuned(what: RotatingRim | Rub, ratio: float) -> Rub:
 
 
 def _case(what: RotatingRim | Rub, cases: Cases, case: int) -> ClosedContact:
-    """One case as a contact of its own."""
+    """One case as a separate contact."""
     rub = _retuned(what, float(cases.blade[case]))
     casing: Any = replace(rub.casing, omega=rub.casing.omega * cases.casing[case])
     return rub_contact(replace(rub, casing=casing), mu=float(cases.mu[case]))

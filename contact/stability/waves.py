@@ -1,10 +1,9 @@
-"""Free waves and modes of the bodies of a closed contact, as the contact sees them, at any speed.
+"""Free waves and modes of the bodies of a closed contact in the frame of the contact, at any speed.
 
-Seen from the contact a casing's wave e^(i k theta) obeys
-(D + i k Omega)^2 z + C_k (D + i k Omega) z + K_k z = W_k^H lam, with C_k and K_k what `ClosedContact.matrices` has
-between waves of k diameters at that speed: Coriolis forces make the two senses k and -k differ. Modes of the bodies
-that are before the contact have k = 0. Each gives two poles, and together they are the receptance
-H(s) = sum_j seen_j pushed_j/(s - s_j).
+In the frame of the contact a casing's wave e^(i k theta) obeys (D + i k Omega)^2 z + C_k (D + i k Omega) z + K_k z =
+W_k^H lam, where C_k and K_k are the entries of `ClosedContact.matrices` between waves of k diameters at that speed.
+Coriolis forces make the two senses k and -k differ. Modes of the bodies with the contact points have k = 0. Each gives
+two poles, and together they are the receptance H(s) = sum_j seen_j pushed_j/(s - s_j).
 """
 
 from __future__ import annotations
@@ -41,11 +40,11 @@ class FreePoles(NamedTuple):
     casing: NDArray[np.bool_]
 
     def own(self, speed: Array) -> Array:
-        """Frequencies without damping, |s + i k Omega| with their sign, in the body's own frame, (speeds, 2 m)."""
+        """Undamped frequencies |s + i k Omega| with their sign, in the body's own frame, (speeds, 2 m)."""
         return np.asarray(self.sign * np.abs(self.s + 1j * np.multiply.outer(speed, self.order)))
 
     def met(self, speed: Array) -> Array:
-        """The same in the frame of the contact points, (speeds, 2 m)."""
+        """Undamped frequencies in the frame of the contact points, (speeds, 2 m)."""
         return np.asarray(self.own(speed) - np.multiply.outer(speed, self.order))
 
     @property
@@ -74,7 +73,7 @@ class Waves:
         )
 
     def poles(self, speed: Array, sense: float) -> FreePoles | None:
-        """Poles at speeds [rad/s] of one sense of rotation; None where two of them have become one."""
+        """Poles at speeds [rad/s] of one sense of rotation; None if two of them coincide."""
         contact, m, r = self.contact, self.order.size, len(self.contact.Q)
         first = np.concatenate([[0], 2 * np.cumsum([group.size for group in self.groups])]).astype(int)
         s = np.empty((speed.size, 2 * m), dtype=complex)
@@ -103,7 +102,7 @@ class Waves:
         return FreePoles(s, seen, pushed, order, sign, casing)
 
     def poles_each(self, speed: Array, sense: float) -> Iterator[FreePoles | None]:
-        """Poles at each of many speeds [rad/s] of one sense; None where two of them have become one."""
+        """Poles at each of many speeds [rad/s] of one sense; None if two of them coincide."""
         for first in range(0, speed.size, TOGETHER):
             part = speed[first : first + TOGETHER]
             every = self.poles(part, sense)
@@ -117,7 +116,7 @@ class Waves:
 
 @remembered
 def waves_of(contact: ClosedContact) -> Waves:
-    """Eigenvectors of G within groups of equal modes, so that each is a wave of one mode wherever modes do not mix."""
+    """Eigenvectors of G within groups of equal modes, so that each is a wave of a single mode if modes do not mix."""
     m = contact.omega.size
     U, order = np.eye(m, dtype=complex), np.zeros(m)
     for group in equal_modes(contact.omega[: contact.casing], contact.zeta[: contact.casing]):
@@ -134,7 +133,7 @@ def waves_of(contact: ClosedContact) -> Waves:
 
 
 def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:
-    """Group numbers of items that are joined, directly or through others."""
+    """Group numbers of items that are connected, directly or through others."""
     from scipy.sparse.csgraph import connected_components
 
     _, label = connected_components(joined, directed=False)
@@ -144,10 +143,10 @@ def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:
 def _blocks(
     C: Complex, K: Complex, order: Array, speed: Array, rate: Array
 ) -> tuple[Complex, Complex, Complex] | None:  # fmt: skip
-    """Eigenvalues, eigenvectors and their inverse of groups of waves in first order, by frequency in the own frame.
+    """Eigenvalues, eigenvectors and inverses of groups of waves, first order, by frequency in the body's frame.
 
-    C, K (speeds, groups, size, size), `rate` (groups, size) the scales of the velocities; values are seen from the
-    contact.
+    C, K (speeds, groups, size, size), `rate` (groups, size) the scales of the velocities; eigenvalues are in the frame
+    of the contact.
     """
     size = C.shape[-1]
     A = np.zeros((*C.shape[:2], 2 * size, 2 * size), dtype=complex)

@@ -4,18 +4,19 @@ Circular motion of the disk r and of the casing s at the contact, at the angle o
 
     r = U Omega^2 A_r - F (1 + i mu) A_r,   r - s_1 = (c + F d) e^(i alpha),
 
-A_r the receptance of the rotor, s_1 the casing's wave of one nodal diameter, d the give of all else at the contact: the
-casing's other waves, the blade, the law. With D = (1 + i mu) A_r + s_1/F, turned by alpha, a synchronous rub has
+with the receptance A_r of the rotor, the casing's wave s_1 of one nodal diameter, and the compliance d of all else at
+the contact: the casing's other waves, the blade, the law. With D = (1 + i mu) A_r + s_1/F, rotated by alpha, a
+synchronous rub satisfies
 
     |U Omega^2 A_r| = |c + F (D + d)|,
 
-a quadratic for F (Black, J. Mech. Eng. Sci. 10, 1968, 1). Its growth is that of small motions p = xi + i eta of r - s
-in the frame of the rotor, which change the force by (1 + i mu)(xi/d + i F eta/(c + F d)). The other waves follow at
-once, so that the model has the growth of slow motions.
+a quadratic equation for F (Black, J. Mech. Eng. Sci. 10, 1968, 1). Its growth is that of small motions p = xi + i eta
+of r - s in the frame of the rotor, which change the force by (1 + i mu)(xi/d + i F eta/(c + F d)). The other waves
+follow quasi-statically, so the model gives the growth of slow motions.
 
-Without unbalance the same with a ratio tau of tangential to normal force, whirl backward at -w: Im D = 0 gives
-tau(w), F = -c/(Re D + d) must be positive. Where tau <= mu the rotor can roll on the casing, w = R Omega/c. Beyond the
-highest such w it slips, at the w where tau = mu.
+Without unbalance the same equations hold with a ratio tau of tangential to normal force and backward whirl at -w: Im D
+= 0 gives tau(w), F = -c/(Re D + d) must be positive. If tau <= mu the rotor can roll on the casing, w = R Omega/c.
+Beyond the highest such w it slips, at the w with tau = mu.
 """
 
 from __future__ import annotations
@@ -77,10 +78,10 @@ COLUMNS = (
 class RotorStability(Reported):
     """Growth of a rotor over speed (speeds,), free and on its casing; nan where there is no such motion.
 
-    `free` has the growth of the rotor without contact [1/s] and its bands; `whirl_hz` and `sense` the motion that grows
-    most there. `rub_force` [N], `rub_orbit` [m], `rub_growth` [1/s] of the synchronous rub; `dry_hz` of dry backward
-    whirl and whether it is "rolling" or "slipping". `least_friction` is the least one with which dry whirl is possible,
-    `dry_from_hz` the lowest speed of it with the friction given; nan where it is impossible.
+    `free` has the growth of the rotor without contact [1/s] and its bands; `whirl_hz` and `sense` the motion with the
+    largest growth. `rub_force` [N], `rub_orbit` [m], `rub_growth` [1/s] of the synchronous rub; `dry_hz` of dry
+    backward whirl and whether it is "rolling" or "slipping". `least_friction` is the least one with which dry whirl is
+    possible, `dry_from_hz` the lowest speed of dry whirl with the given friction; nan if it is impossible.
 
     >>> import contact as ct
     >>> rotor = ct.rotor.Rotor.of(ct.rotor.Jeffcott(mass=1.0, stiffness=100.0, zeta=0.02), 1.0)
@@ -107,12 +108,12 @@ class RotorStability(Reported):
 
     @property
     def speed_hz(self) -> Array:
-        """Speeds examined [turns/s]."""
+        """Examined speeds [turns/s]."""
         return self.free.speed_hz
 
     @property
     def words(self) -> str:
-        """What holds over the range, in sentences."""
+        """Findings over the range, in sentences."""
         low, high = float(self.speed_hz[0]), float(self.speed_hz[-1])
         inside = [one for one in self.critical if low <= one["speed_hz"] <= high]
         named = ", ".join(f"{_speed(one['speed_hz'])} {one['sense']}" for one in inside)
@@ -161,12 +162,12 @@ class RotorStability(Reported):
 
 
 def rotor_stability(what: Rotor | Rub, speed_hz: ArrayLike, *, mu: float = 0.0) -> RotorStability:
-    """Growth of a rotor over speeds [turns/s], of a rub on a rotor its contact with the friction `mu` too.
+    """Growth of a rotor over speeds [turns/s]; for a rub on a rotor also that of its contact with friction `mu`.
 
-    The unbalance is that after a release. Bodies that differ between directions have the mean of their circles.
+    The unbalance is that after a release. For anisotropic bodies the mean of their circles is used.
 
-    Raises InputError for a rub without a rotor, a casing without a pair of one nodal diameter, and unless the speeds
-    are two or more and ascend from above 0.
+    Raises InputError for a rub without a rotor, a casing without a pair of one nodal diameter, and unless there are at
+    least two ascending speeds above 0.
 
     >>> import contact as ct
     >>> disk = ct.rotor.Jeffcott(mass=10.0, stiffness=4e6, zeta=0.05)
@@ -211,7 +212,7 @@ def _leading(rotor: Rotor, speed_hz: Array) -> tuple[Array, tuple[str, ...]]:
 
 
 class _Pair:
-    """Rotor and casing of a rub, with one contact that turns."""
+    """Rotor and casing of a rub, with one rotating contact."""
 
     def __init__(self, rub: Rub, rotor: Rotor, mu: float) -> None:
         self.rub, self.rotor, self.mu = rub, rotor, mu
@@ -223,13 +224,13 @@ class _Pair:
         self.seen = self._casing(self.places)
 
     def gives(self, whirl: Array, speed: float) -> tuple[NDArray[np.complex128], Array]:
-        """D with the friction mu and d at whirl frequencies [rad/s], (w,) [m/N]."""
+        """D with friction mu, and d, at whirl frequencies [rad/s], (w,) [m/N]."""
         seen = casing_receptance(self.casing, self.line, whirl, self.mu)
         circle = (1.0 + 1j * self.mu) * rotor_receptance(self.rotor, whirl, speed)
         return circle + seen.whirl, seen.local + blade_give(self.rub, speed, self.mu)
 
     def synchronous(self, speed: float) -> tuple[float, float, float]:
-        """Force [N], orbit [m] and growth [1/s] of a synchronous rub at a speed [rad/s]; nan without one."""
+        """Force [N], orbit [m] and growth [1/s] of a synchronous rub at a speed [rad/s]; nan without such a rub."""
         at = np.array([speed])
         (D,), (d,) = self.gives(at, speed)
         free = abs(self.rotor.unbalance.after) * speed**2 * abs(rotor_receptance(self.rotor, at, speed)[0])
@@ -281,7 +282,7 @@ class _Pair:
         return found | {"dry_hz": readonly(hz), "dry": tuple(kind)}
 
     def _ratio(self, whirl: Array, speed: float) -> tuple[Array, NDArray[np.bool_]]:
-        """tau(w) of backward whirl at `whirl` > 0 [rad/s], and where its contact force is positive."""
+        """tau(w) of backward whirl at `whirl` > 0 [rad/s], and whether its contact force is positive."""
         plain, dragged = self.seen if whirl is self.places else self._casing(whirl)
         rotor = rotor_receptance(self.rotor, -whirl, speed)
         whole, more = rotor + plain.whirl, 1j * rotor + dragged.whirl - plain.whirl
@@ -290,12 +291,12 @@ class _Pair:
         return tau, ((whole + tau * more).real + give < 0.0) & (tau >= 0.0)
 
     def _casing(self, whirl: Array) -> tuple[Seen, Seen]:
-        """The casing's motion by a normal force, and with a tangential one of the same size."""
+        """The casing's motion due to a normal force, and due to a tangential force of the same size."""
         plain, dragged = (casing_receptance(self.casing, self.line, -whirl, tau) for tau in (0.0, 1.0))
         return plain, dragged
 
     def _whirls(self) -> Array:
-        """Frequencies of whirl examined [rad/s], close to those of both bodies."""
+        """Examined whirl frequencies [rad/s], dense near those of both bodies."""
         rates = np.concatenate([self.rotor.body.omega, np.abs(np.linalg.eigvals(self.ring.K)) ** 0.5])
         top = BEYOND * float(rates.max())
         near = (rates[:, None] * (1.0 + np.linspace(-0.05, 0.05, 41))).ravel()
@@ -307,7 +308,7 @@ class _Pair:
         return float(tau[pushes].min()) if pushes.any() else math.nan
 
     def _bands(self, speed: float) -> list[tuple[float, float]]:
-        """Whirl frequencies [rad/s] with tau <= mu, ascending; their ends at rest as roots, else between places."""
+        """Whirl frequencies [rad/s] with tau <= mu, ascending; roots at their ends, else points between."""
         from scipy.optimize import brentq
 
         def beyond(w: float) -> float:
@@ -340,7 +341,7 @@ def _both(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> NDAr
 
 
 def _real(X: NDArray[Any]) -> Array:
-    """What a complex matrix does to real and imaginary parts."""
+    """A complex matrix as a real one on real and imaginary parts."""
     return np.block([[X.real, -X.imag], [X.imag, X.real]])
 
 
@@ -349,7 +350,7 @@ def _speed(hz: float) -> str:
 
 
 def _ranges(speed: Array, there: NDArray[np.bool_]) -> str:
-    """Stretches of speeds that have a property."""
+    """Intervals of speed with a property."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
     parts = zip(speed[edges[::2]], speed[edges[1::2] - 1], strict=True)
     return " and ".join(

@@ -1,1 +1,1 @@
-"""Many runs from one scene file: plan, run, keep, tabulate."""
+"""Many runs from one scene file: plan, run, store, tabulate."""

@@ -1,4 +1,4 @@
-"""Columns of a sweep, stored for every run. The varied keys are before them."""
+"""Columns of a sweep, stored for every run. The varied keys come before them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contact.io.columns import Column, word
 
 
 def kept(name: str) -> Callable[[Any], list[Any]]:
-    """The values of a column in the rows of a sweep's result."""
+    """Values of a column in the rows of a sweep's result."""
     return lambda found: [row[name] for row in found.rows]
 
 

@@ -1,4 +1,4 @@
-"""The same tasks on a Dask cluster: the only module that knows `distributed`."""
+"""Sweep tasks on a Dask cluster; the only module that imports `distributed`."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ PATIENCE = "20s"  # for the scheduler to answer
 
 
 def on_cluster(todo: Sequence[T], work: Callable[[T], R], address: str, tries: int) -> Iterator[R]:
-    """Results in the order of completion; if workers are killed, a task goes to others, `tries` times.
+    """Results in the order of completion; if workers are killed, others get the task, up to `tries` times.
 
-    Raises InputError without the package, where no scheduler answers, or when a task's workers died too often.
+    Raises InputError without the package, if no scheduler answers, or if a task's workers died too often.
     """
     try:
         dask: Any = importlib.import_module("distributed")

@@ -1,4 +1,4 @@
-"""Runs of a sweep: [sweep] of a scene file expanded into runs with their hashes, before any is computed."""
+"""Runs of a sweep: [sweep] of a scene file expanded into runs with their hashes, before computation."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MEASURES = 5  # number of the definition of what is measured on a run: a change 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepRun:
-    """One run: the values of the varied keys, and the hash of all that defines it."""
+    """One run: the values of the varied keys, and the hash of its complete input."""
 
     values: tuple[Value, ...]
     digest: str
@@ -56,7 +56,7 @@ class SweepPlan:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The varied keys with their units, as a picture names its axes."""
+        """The varied keys with their units, as axis labels."""
         return tuple(f"{key} [{unit}]" if (unit := unit_of(self.base, key)) else key for key in self.keys)
 
     def data(self, run: SweepRun) -> dict[str, Any]:
@@ -66,10 +66,10 @@ class SweepPlan:
 
 @pipes_read_once()
 def load_sweep(path: str | Path) -> SweepPlan:
-    """Read a scene file with [sweep], and spread it out.
+    """Read a scene file with [sweep], and expand it into runs.
 
-    Raises SceneError with file and key: for the table itself, for keys that the scene does not have, and where the
-    first run cannot be built. Later runs that cannot be are rows of the table.
+    Raises SceneError with file and key: for the table itself, for unknown keys of the scene, and if the first run is
+    invalid. Later invalid runs become rows of the table.
     """
     file = Path(path)
     base, text = scene_data(file)
@@ -96,7 +96,7 @@ def load_sweep(path: str | Path) -> SweepPlan:
 
 
 def _of_vary(problem: str, table: SweepTable, file: Path) -> str:
-    """A problem of the first run; if its key is varied, it begins with the place of the value in [sweep]."""
+    """A problem of the first run; if its key is varied, the text begins with the place of the value in [sweep]."""
     for k, vary in enumerate(table.vary, 1):
         if problem.startswith(f"{file}: {vary.key}: "):
             place = "key" if ": unknown key" in problem else "from" if vary.values is None else "values"
@@ -161,7 +161,7 @@ def changed(
 ) -> dict[str, Any]:
     """The tables with other values; `contact.out_of_roundness[1].cos` is the first term's.
 
-    Raises SceneError for a place that is not there.
+    Raises SceneError for an unknown place.
 
     >>> changed({"speed": {"hz": 5.0}, "rod": [{"x": 0.0}]}, ["speed.hz", "rod[1].x"], [6.0, 0.5])
     {'speed': {'hz': 6.0}, 'rod': [{'x': 0.5}]}
@@ -175,7 +175,7 @@ def changed(
 
 
 def _place(data: dict[str, Any], key: str, file: Path | None) -> tuple[dict[str, Any], str]:
-    """The table a key is in, and its name there."""
+    """The table that contains a key, and the key's name in it."""
     *path, last = key.split(".")
     at: Any = data
     for part in path:
@@ -213,20 +213,20 @@ def unit_of(base: dict[str, Any], key: str) -> str:
 
 
 def _whole(base: dict[str, Any], key: str, file: Path) -> bool:
-    """Whether a key is written as a whole number in the scene, or counts something."""
+    """Whether a key is a whole number in the scene, or counts something."""
     at, last = _place(base, key, file)
     return type(at.get(last)) is int or last in COUNTS
 
 
 def _as_in_scene(value: Value, whole: bool) -> Value:
-    """A number as the scene has it: 50.0 elements are 50."""
+    """A number in the type of the scene: 50.0 elements become 50."""
     return int(value) if whole and isinstance(value, float) and value.is_integer() else value
 
 
 def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], contents: dict[Path, str]) -> dict[str, Any]:
     """All inputs of a run: its tables, the contents of its files, the versions, the requested outputs.
 
-    `contents` keeps the hashes of the files read so far.
+    `contents` caches the hashes of files.
     """
     files = {}
     for name in sorted(set(_words(data))):
@@ -239,7 +239,7 @@ def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], conten
 
 
 def _words(part: Any) -> Iterator[str]:
-    """All texts in the tables of a scene: each may be the name of a file, such as a basis or a profile."""
+    """All texts in the tables of a scene; each may be the name of a file, such as a basis or a profile."""
     if isinstance(part, str):
         yield part
     for inner in entries(part).values():

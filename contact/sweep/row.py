@@ -1,8 +1,9 @@
-"""Stored result of a run of a sweep: one row of numbers or an error, in a file named by the hash of its input.
+"""Stored result of a run in a sweep: one row of numbers or an error, in a file named by the hash of its input.
 
-A file has its own checksum, is written under a temporary name and moved into place: whoever is killed leaves whole
-files only. Nothing is flushed to the disk itself: after a power cut a file may be torn, which its checksum shows, and
-its run is computed again. There is no index: to read and check a file takes 40 microseconds, a run milliseconds.
+A file has its own checksum and is written under a temporary name, then moved into place, so that a killed process
+leaves only complete files. Files are not flushed to the disk: after a power failure one may be damaged. Its checksum
+shows that, and its run is repeated. There is no index, since reading and checking a file takes 40 microseconds, and a
+run takes milliseconds.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ Row = dict[str, Any]
 
 @cache
 def sweep_record(steps: int) -> Record:
-    """Every p-th step, p the largest prime that gives STATES states: in step with no turn and no mode.
+    """Record every p-th step, p the largest prime that gives STATES states: no multiple of a turn or period.
 
     >>> sweep_record(20_000).every, sweep_record(100).every
     (73, 1)
@@ -123,7 +124,7 @@ def _numbers(what: What | None, rim: RotatingRim | Rub | None, result: Result, r
 
 
 def _displacements(what: What | None, result: Result) -> Array | None:
-    """Displacements [m] of a run without a rim, (states, places); None where its states are angles or modes alone."""
+    """Displacements [m] of a run without a rim, (states, places); None if its states are only angles or modes."""
     if isinstance(what, Patch):
         return np.asarray(result.state @ what.body.rows.T)
     if isinstance(what, PointGap) and len(what.sides) == 1:
@@ -167,7 +168,7 @@ def _levels(radial: Array, N: int) -> Array:
 
 
 def _flags(result: Result, rim: RotatingRim | Rub | None, radial: Array) -> list[Flag]:
-    """Flags of the run, and that of the states stored."""
+    """Flags of the run, and a flag on the stored states."""
     found = list(result.flags)
     largest = max(float(radial.max(initial=0.0)), -float(radial.min(initial=0.0)))
     if rim is not None and largest > FAR * rim.casing.line_radius(0):
@@ -186,7 +187,7 @@ def write_run(folder: Path, digest: str, row: Row) -> None:
 
 
 def read_run(path: Path) -> Row | None:
-    """Row of a run file; None where there is no complete run file of this name."""
+    """Row of a run file; None if there is no complete run file of this name."""
     return cast("Row | None", read_checked(path, "row", format=FORMAT, hash=path.stem))
 
 
@@ -203,12 +204,12 @@ class Store:
         return Store(folder=folder)
 
     def rows(self, digests: Iterable[str]) -> dict[str, Row]:
-        """Rows of those of the runs that are there, by hash."""
+        """Rows of those runs that are stored, by hash."""
         found = {digest: read_run(run_path(self.folder, digest)) for digest in digests}
         return {digest: row for digest, row in found.items() if row is not None}
 
     def note(self, rows: Mapping[str, Row]) -> None:
-        """Write a row that no worker has written, because it shares no disk."""
+        """Write a row that no worker has written, because it does not share the disk."""
         for digest, row in rows.items():
             if read_run(run_path(self.folder, digest)) is None:
                 write_run(self.folder, digest, row)
@@ -218,5 +219,5 @@ class Store:
         return sorted((self.folder / "runs").glob("??/*.json"), key=lambda path: path.name)
 
     def unreadable(self) -> list[Path]:
-        """Run files that are not whole: none, after any kill."""
+        """Run files that are incomplete; there are none, even after a kill."""
         return [path for path in self.files() if read_run(path) is None]

@@ -1,4 +1,4 @@
-"""The same function for many tasks, in processes that may be killed or on a cluster: results in order of completion."""
+"""Apply a function to many tasks, in processes that may be killed or on a cluster; results in order of completion."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def on_workers(todo: Sequence[T], work: Callable[[T], R], jobs: int, scheduler: 
 
 
 def in_processes(todo: Sequence[T], work: Callable[[T], R], jobs: int) -> Iterator[R]:
-    """Results from worker processes; if one is killed, the unfinished tasks are given to new ones.
+    """Results from worker processes; if one is killed, new ones get the unfinished tasks.
 
     Raises InputError when workers are killed `TRIES` times in succession without a finished task.
     """
@@ -48,7 +48,7 @@ def in_processes(todo: Sequence[T], work: Callable[[T], R], jobs: int) -> Iterat
 
 
 def _given_out(pool: ProcessPoolExecutor, waiting: dict[int, T], work: Callable[[T], R]) -> dict[Future[R], int]:
-    """Futures of the tasks; where a worker dies meanwhile, of those that it was early enough for."""
+    """Futures of the submitted tasks; if a worker dies meanwhile, of the tasks submitted before."""
     futures: dict[Future[R], int] = {}
     with suppress(BrokenProcessPool):
         for number, task in waiting.items():

@@ -1,7 +1,7 @@
-"""Many runs from one scene file: in this process, in several, or on a cluster; kept one by one, resumed after a kill.
+"""Many runs from one scene file: in this process, in several, or on a cluster; stored one by one, resumed after a kill.
 
-A run's row depends on the run alone: not on the order, the number of processes, what was killed, or what was there
-already. So the table is the same to the last bit.
+A run's row depends only on the run: not on the order, the number of processes, kills, or earlier results. So the table
+is always identical.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Rows = dict[str, Row]
 class Task:
     """Some runs for a worker: the scene's own tables, the varied keys, hash and values of each run.
 
-    `folder` of the store, where the worker writes them.
+    `folder` is that of the store to which the worker writes.
     """
 
     file: str
@@ -48,18 +48,18 @@ class Task:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class SweepResult(Reported):
-    """Rows of all runs, in the plan's order; `resumed` of them were there already."""
+    """Rows of all runs, in the plan's order; `resumed` of them were stored before."""
 
     plan: SweepPlan
     rows: tuple[Row, ...]
     resumed: int
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a run: its number, the varied keys, results."""
+        """One plain dictionary for each run: its number, the varied keys, results."""
         return records_of(self.described(), self)
 
     def described(self) -> Columns:
-        """The number of the run, the varied keys, results."""
+        """Columns: the number of the run, the varied keys, results."""
         number = Column("run", "Number of the run, from 1.", lambda found: range(1, 1 + len(found.rows)), format="d")
         return [number, *(varied(k, name) for k, name in enumerate(columns(self.plan)[1 : 1 + len(self.plan.keys)])),
                 *MEASURED]  # fmt: skip
@@ -70,7 +70,7 @@ class SweepResult(Reported):
 
     @property
     def failed(self) -> int:
-        """Runs that were refused or broke off."""
+        """Runs that were refused or failed."""
         return sum(row["status"] in ("refused", "failed") for row in self.rows)
 
     @property
@@ -80,7 +80,7 @@ class SweepResult(Reported):
 
     @property
     def why(self) -> str:
-        """Why the first that is not done was refused, broke off or diverged; empty where all are done."""
+        """Reason why the first unfinished run was refused, failed or diverged; empty if all are done."""
         return next((str(row["why"]) for row in self.rows if row["status"] != "done"), "")
 
 
@@ -94,10 +94,10 @@ def run_sweep(
 ) -> SweepResult:
     """Run the missing runs of a sweep.
 
-    `folder`: the store; without one nothing is kept. `jobs` processes, or a Dask `scheduler` by its address, whose
-    workers see the same files. `progress` is called with the number of runs there.
+    `folder`: the store; without one, nothing is stored. `jobs`: number of processes; or a Dask `scheduler` by its
+    address, whose workers need the same files. `progress` is called with the number of finished runs.
 
-    Raises InputError when the scheduler cannot be reached, or a task's workers died again and again.
+    Raises InputError if the scheduler cannot be reached, or a task's workers died too often.
     """
     progress = progress or notebook_progress("sweep", f"{{}} of {len(plan.runs)} runs".format)
     store = None if folder is None else Store.open(folder)
@@ -113,7 +113,7 @@ def run_sweep(
 
 
 def tasks(plan: SweepPlan, there: Rows, folder: Path | None, jobs: int) -> list[Task]:
-    """The missing runs, each once, in tasks of whole batches."""
+    """The missing runs, each once, as tasks of whole batches."""
     missing = {run.digest: run.values for run in plan.runs if run.digest not in there}
     size = min(MOST, max(1, -(-len(missing) // (BATCH * max(jobs, 1)))) * BATCH)
     pending = list(missing.items())
@@ -127,7 +127,7 @@ def tasks(plan: SweepPlan, there: Rows, folder: Path | None, jobs: int) -> list[
 
 
 def run_task(task: Task) -> Rows:
-    """Run a task's runs, in a worker: those that its store has already are read."""
+    """Run a task in a worker; runs that its store already has are read."""
     folder = None if task.folder is None else Path(task.folder)
     rows: Rows = {}
     scenes: list[tuple[str, Scene]] = []
@@ -170,7 +170,7 @@ def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator
 
 
 def _load_loop(task: Task) -> None:
-    """Load the loop of a task's first run, or compile it; where that run is refused, a worker states it."""
+    """Load or compile the loop of a task's first run; if that run is refused, a worker reports it."""
     with suppress(InputError):
         first_step(_scene(task, task.runs[0][1]), sweep_record)
 
@@ -181,7 +181,7 @@ def columns(plan: SweepPlan) -> tuple[str, ...]:
 
 
 def ending(unit: str) -> str:
-    """Ending of a column's name for a unit; empty for the unit that the name of a key contains.
+    """Suffix of a column's name for a unit; empty if the key's name contains the unit.
 
     >>> ending("kg/m^3"), ending("turns/s"), ending("")
     ('_kg_m3', '', '')
@@ -195,7 +195,7 @@ def varied(k: int, name: str) -> Column:
 
 
 def table(result: SweepResult) -> str:
-    """The table as CSV: a card with versions, hash and seed, column names with units, one row a run."""
+    """The table as CSV: comment lines with versions, hash and seed, column names with units, one row for each run."""
     plan = result.plan
     lines = [
         f"# COMPUTED: sweep of {plan.source['scene']}, {counted(len(plan.runs))}",

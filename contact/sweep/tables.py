@@ -1,4 +1,4 @@
-"""Schema of [sweep] in scene.toml (pydantic): imported only when a sweep is read."""
+"""Schema of [sweep] in scene.toml (pydantic); imported only when a sweep is read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MOST_RUNS = 1_000_000
 
 
 class VaryTable(Table):
-    """[[sweep.vary]]: a key of the scene file, and its values: listed, or from .. to in steps, or drawn between."""
+    """[[sweep.vary]]: a key of the scene file, and its values: a list, from .. to in steps, or random draws between."""
 
     key: Annotated[str, Field(min_length=1)] = Field(
         description="the key of the scene that is varied, as speed.hz or rod[1].velocity"
