@@ -7,7 +7,7 @@ THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def run() -> None:
-    """Run a command line; Ctrl-C while its modules are being imported is no traceback either."""
+    """Run a command line; Ctrl-C during imports also ends it without a traceback."""
     try:
         os.environ.update(threads(os.environ))
         from casingfem.cli import main
@@ -18,10 +18,10 @@ def run() -> None:
 
 
 def threads(environment: Mapping[str, str]) -> dict[str, str]:
-    """Settings for BLAS, which reads them when numpy is imported: one thread, unless the environment states otherwise.
+    """Settings that BLAS reads when numpy is imported: one thread, unless the environment states otherwise.
 
-    The matrices of a shell are small: more threads wait for each other, and where other programs run as well they wait
-    long (six times the seconds for the modes of a casing on two busy cores).
+    The matrices of a shell are small, so several threads mostly wait for each other. On two busy cores the modes of a
+    casing take six times as long with them.
     """
     chosen = {"OMP_NUM_THREADS", *THREADS} & set(environment)
     return {} if chosen else dict.fromkeys(THREADS, "1")

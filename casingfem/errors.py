@@ -1,7 +1,7 @@
-"""Errors and warnings of a model; each has a code, a cause and a remedy.
+"""Errors and warnings about a model; each has a code, a cause and a remedy.
 
-A message states what was found where; the remedy and the code come from the catalogue (`casingfem.faults`), so that a
-user can find a code there and a program can react to it.
+A message states the finding and its place. Remedy and code come from the catalogue (`casingfem.faults`), so that users
+can find a code there and programs can react to it.
 """
 
 import re
@@ -13,7 +13,7 @@ CODE = re.compile(r"\[([a-z0-9-]+)\]$")
 
 
 class InputError(ValueError):
-    """Input that cannot be used: place, finding and expectation; each is an attribute if it is known.
+    """Input that cannot be used: place, finding and expectation, each an attribute if known.
 
     >>> str(InputError("rig.csv", line=7, column="n", found="'x'", expected="a whole number"))
     "rig.csv, line 7, column 'n': found 'x'; expected a whole number"
@@ -106,7 +106,7 @@ def sentence(code: str, message: str) -> str:
 
 
 def with_code(code: str, message: str) -> str:
-    """A message with its own remedy, and its code; a message that ends with a code keeps that one.
+    """A message with its own remedy, and its code; a message that already ends with a code keeps it.
 
     >>> with_code("study-value", "material.nu: found 0.7, expected less than 0.5")
     'material.nu: found 0.7, expected less than 0.5 [study-value]'

@@ -1,8 +1,8 @@
-"""The examples that come with the program: the studies and scenes of data/, and what each needs to run.
+"""Examples that are part of the program: the studies and scenes of data/, and the files that each needs.
 
-They stand in data/ of a checkout, which an installation has as casingfem/data. What an example needs is read from its
-file: the tables it names, and the studies whose reduction makes the bases it names. A folder of scenes with a README.md
-is an example too: all its files, and the commands that the README names.
+They are in data/ of a checkout, and in casingfem/data of an installation. The files that an example needs are read from
+its own file: the tables it names, and the studies whose reduction makes the bases it names. A folder of scenes with a
+README.md is an example too: all its files, and the commands that the README names.
 """
 
 import shlex
@@ -51,13 +51,13 @@ class Example:
 
     @property
     def makers(self) -> tuple[Path, ...]:
-        """The studies that make the bases it names: beside it, else among the studies."""
+        """The studies that make the bases it names, from its folder or from the studies."""
         wanted = dict.fromkeys(value for key, value in strings(self.tables) if key == "basis")
         return tuple(maker(name, self.file.parent) for name in wanted if not (DATA / self.file.parent / name).exists())
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All that it needs, below the folder of the examples; its own file first."""
+        """All files that it needs, below the folder of the examples; its own file first."""
         found = [self.file]
         for file in (self.file, *self.makers):
             named = [file.parent / value for _, value in strings(read(file))]
@@ -72,7 +72,7 @@ class Example:
 
 @dataclass(frozen=True, slots=True)
 class ExampleFolder:
-    """A folder of studies and scenes that runs by itself: its README.md, below the folder of the examples."""
+    """A self-contained folder of studies and scenes; its README.md, below the folder of the examples."""
 
     name: str
     file: Path
@@ -85,17 +85,17 @@ class ExampleFolder:
 
     @property
     def verb(self) -> str:
-        """A description of the example, shown where it has no single command."""
+        """Text that is shown instead of a single command."""
         return "folder"
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All that is in the folder, its README first."""
+        """All files in the folder, its README first."""
         folder = self.file.parent
         return self.file, *(folder / path.name for path in sorted((DATA / folder).iterdir()) if path.suffix in KEPT)
 
     def commands(self, folder: Path) -> tuple[str, ...]:
-        """Into the folder, then the commands of the README's blocks."""
+        """A command that enters the folder, then the commands of the README's code blocks."""
         lines = (DATA / self.file).read_text(encoding="utf-8").splitlines()
         named = [line.partition("#")[0].strip() for line in lines if line.startswith("casingfem ")]
         return shlex.join(["cd", str(folder / self.file.parent)]), *named
@@ -106,7 +106,7 @@ KEPT = (".toml", ".csv")  # what a folder of scenes holds beside its README
 
 
 def examples() -> dict[str, AnyExample]:
-    """All by name: studies by their file's name, scenes by their path below data/scenes, folders that have a README.
+    """All examples by name: studies by file name, scenes by path below data/scenes, folders that have a README.
 
     >>> examples()["two_rods"].commands(Path("data"))
     ('casingfem contact data/scenes/two_rods.toml',)
@@ -125,7 +125,7 @@ def examples() -> dict[str, AnyExample]:
 
 
 def maker(basis: str, folder: Path) -> Path:
-    """The study whose key reduce.out is `basis`, beside a scene or among the studies."""
+    """The study whose key reduce.out is `basis`, next to a scene or among the studies."""
     for path in (*sorted((DATA / folder).glob("*.toml")), *sorted((DATA / "studies").glob("*.toml"))):
         file = path.relative_to(DATA)
         if read(file).get("reduce", {}).get("out") == basis:
@@ -144,7 +144,7 @@ def below(path: Path) -> Path:
 
 
 def strings(tables: Any, key: str = "") -> Iterator[tuple[str, str]]:
-    """Every string of nested tables, and its key.
+    """Every string of nested tables, with its key.
 
     >>> list(strings({"casing": {"basis": "casing.npz"}, "speed": [1.0, {"of": "hz"}]}))
     [('basis', 'casing.npz'), ('of', 'hz')]
@@ -189,7 +189,7 @@ STEPS = ("modes casing.toml", "update casing.toml", "reduce casing.toml --out ."
 
 
 def first_files() -> dict[str, str]:
-    """A study, a blade, a scene, a survey and a frequency table in one folder, each by its name there.
+    """A study, a blade, a scene, a survey and a frequency table for one folder, by their names there.
 
     >>> sorted(first_files())
     ['blade.toml', 'casing.toml', 'frequencies.csv', 'rub.toml', 'survey.csv']

@@ -1,4 +1,4 @@
-"""From random inputs to answers: probabilities with intervals, rare events, which input matters; chances of a rub."""
+"""From random inputs to results: probabilities with intervals, rare events, importance of inputs, chances of a rub."""
 
 import lazy_loader
 

@@ -33,10 +33,10 @@ class Casings:
 
     Attributes
     ----------
-    shell : any of the casings
-    rim, modes, zeta : what contact sees, and how many modes of it, with which damping
-    pairs : the map of the pairs
-    random : random numbers -> series
+    shell : one of the casings
+    rim, modes, zeta : interface at the contact, number of modes, damping ratio
+    pairs : map from imperfections to pairs
+    random : function from random numbers to series
     """
 
     shell: Shell
@@ -48,7 +48,7 @@ class Casings:
 
     @classmethod
     def of(cls, shell: Shell, rim: Rim, modes: int, zeta: float) -> "Casings":
-        """Those of a shell with random fields, which must be a family."""
+        """The casings of a shell with random fields, whose perfect casing must be a family."""
         pairs = SplitMap.of(shell, modes)
         assert pairs is not None  # `load` has refused what is none
         return cls(shell=shell, rim=rim, modes=modes, zeta=zeta, pairs=pairs, random=RandomSeries.of(shell))
@@ -59,12 +59,12 @@ class Casings:
         return ModalBody.of(self.reduced(self.modes))
 
     def reduced(self, modes: int) -> ModalBasis:
-        """The perfect casing, reduced to so many modes."""
+        """The perfect casing, reduced to this number of modes."""
         return reduce(perfect_shell(self.shell), self.rim, modes=modes, zeta=self.zeta)
 
     @cached_property
     def pair_of_mode(self) -> IntArray:
-        """Place of the pair of each mode of the perfect basis, -1 where it is of none, (modes,)."""
+        """Index of the pair of each mode of the perfect basis, -1 for a mode without pair, (modes,)."""
         hz, radial = self.perfect.omega / (2.0 * np.pi), self.perfect.rows[: 2 * self.rim.n_max + 1]
         sines = np.vstack([np.zeros(hz.size), radial[self.rim.n_max + 1 :]])
         n = np.argmax(radial[: self.rim.n_max + 1] ** 2 + sines**2, axis=0)
@@ -72,7 +72,7 @@ class Casings:
         return np.where(apart.min(axis=1) < NEAR, apart.argmin(axis=1), -1)
 
     def ratios(self, freq: FloatArray) -> FloatArray:
-        """Frequencies of the modes over those of the perfect casing, by mean frequencies of pairs; (casings, modes)."""
+        """Frequencies of the modes over those of the perfect casing, by mean frequencies of pairs, (casings, modes)."""
         found = np.ones((len(freq), len(self.pair_of_mode)))
         known = self.pair_of_mode >= 0
         found[:, known] = (freq / self.pairs.freq)[:, self.pair_of_mode[known]]
@@ -80,7 +80,7 @@ class Casings:
 
     @cached_property
     def rim_factor(self) -> float:
-        """Deviation of the rim's radius [m] for a unit of the relative radius field."""
+        """Deviation of the rim's radius [m] per unit of the relative radius field."""
         perfect = perfect_shell(self.shell)
         if "radius" not in self.random.quantities:
             return 0.0
@@ -98,9 +98,9 @@ class Casings:
         return np.asarray(found)
 
     def body(self, series: Array) -> ModalBody:
-        """The basis of one casing with the series F (l, 2 p_max + 1): its modes by its own energies on the family's.
+        """The basis of one casing with the series F (l, 2 p_max + 1), from its own energies in the family's modes.
 
-        Its lowest modes are kept; all others are static, with the residual compliance of the perfect casing.
+        Its lowest modes are kept. All others are static, with the residual compliance of the perfect casing.
         """
         wide, family = self.wide, self.pairs.family
         value, y = eigh(*family.energies(series))
@@ -127,7 +127,7 @@ class Casings:
 
     @cached_property
     def wide(self) -> "Wide":
-        """The perfect casing with all waves of the family, and how its modes stand to them."""
+        """The perfect casing with all waves of the family, and the relation of its modes to them."""
         return wide_of(ModalBody.of(self.reduced(len(self.pairs.family.expansion.waves.n))), self)
 
 
@@ -140,9 +140,9 @@ class Wide:
 
 
 def wide_of(body: ModalBody, own: Casings) -> Wide:
-    """Pair by pair, a turn: by the radial motion of both on the rim.
+    """Rotation of each pair, from the radial motion of both sides on the rim.
 
-    A mode that the rim does not see is the wave that is left next; its orientation does not matter there.
+    A mode without motion of the rim is assigned to the next free wave, since its orientation does not matter there.
     """
     n, value, radial = members_of(own.pairs.family, own.rim)
     turn, top = np.zeros((len(n), body.omega.size)), body.n_max

@@ -14,7 +14,7 @@ LEVEL = 0.95
 
 
 class Estimate(NamedTuple):
-    """A number estimated from draws, and the interval that has the true one with the stated probability."""
+    """A number estimated from draws, and the interval that contains the true value with the stated probability."""
 
     value: float
     low: float
@@ -27,7 +27,7 @@ def clopper_pearson(hits: float, draws: float, *, level: float = LEVEL) -> Estim
     Raises
     ------
     InputError
-        No draws, more hits than draws, a level outside of (0, 1).
+        There are no draws, more hits than draws, or the level is outside (0, 1).
 
     Examples
     --------
@@ -47,13 +47,13 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     """Probability of an event from the draws of `points`, with its interval.
 
     Draws of one sequence are not independent, those of two sequences are. The variance s^2/R of the mean of R sequences
-    gives the number n = p (1 - p) R/s^2 of independent draws that would be as sure; with (z/t)^2 n in its place
-    Clopper's and Pearson's interval covers what is uncertain of s itself (E. Korn, B. Graubard, Survey Methodology 24,
-    1998, 193). With no hit, or nothing but hits, n is the number of draws.
+    gives the equivalent number n = p (1 - p) R/s^2 of independent draws. With (z/t)^2 n instead, the interval of
+    Clopper and Pearson also includes the uncertainty of s (E. Korn, B. Graubard, Survey Methodology 24, 1998, 193).
+    Without hits, or with only hits, n is the number of draws.
 
-    An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences,
-    m p = c + q, with q the share of those with c + 1. Clopper's and Pearson's interval of q gives that of p. Where all
-    have c hits, q may be as far below zero. Rare events, with c = 0, are not even: the rule is not used for them.
+    An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences, m
+    p = c + q, with q the share of those with c + 1. The interval of Clopper and Pearson for q gives that of p. If all
+    have c hits, q may be as far below zero. The rule is not used for rare events, with c = 0, which are not even.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def _neighbours(counts: IntArray, size: int, level: float) -> Estimate:
 
 
 def quantile(values: FloatArray, at: float, *, level: float = LEVEL) -> Estimate:
-    """A quantile with the interval between order statistics that independent draws would have.
+    """A quantile with the interval between the order statistics that independent draws would have.
 
     Raises
     ------

@@ -29,7 +29,7 @@ class Drawing:
     Attributes
     ----------
     given : the scene
-    casings : of its study
+    casings : those of its study
     """
 
     given: ChanceScene
@@ -37,14 +37,14 @@ class Drawing:
 
     @classmethod
     def of(cls, given: ChanceScene) -> "Drawing":
-        """That of a scene: solves the perfect casing."""
+        """The drawing of a scene, for which the perfect casing is solved."""
         table = given.study.file.reduce
         assert table is not None
         return cls(given=given, casings=Casings.of(given.study.shell, given.rim, table.modes, table.zeta))
 
     @cached_property
     def groups(self) -> dict[str, slice]:
-        """Inputs by name, and their columns of the random numbers."""
+        """Inputs by name, with their columns in the random numbers."""
         found, first = dict[str, slice](), 0
         sizes = {f"{name} field": size for name, size in self.casings.random.groups.items()}
         for name, size in [*sizes.items(), *((name, 1) for name in INPUTS if name in self.given.laws)]:
@@ -54,22 +54,22 @@ class Drawing:
 
     @property
     def dimension(self) -> int:
-        """Random numbers of a draw."""
+        """Number of random numbers for a draw."""
         return max(int(columns.stop) for columns in self.groups.values())
 
     def drawn(self, draws: range) -> Lot:
-        """Results of some draws; some of them are checked by full solutions, which replace them."""
+        """Results of some draws; for some of them full solutions check and replace the results."""
         u = points(self.given.table.seed, draws, self.dimension)
         return self.lot(u, [draw - draws.start for draw in draws if is_checked(draw)])
 
     def series(self, u: FloatArray) -> Array:
-        """Series of the fields of points u."""
+        """Series of the fields at points u."""
         return self.casings.random.series(u[:, : self.casings.random.dimension])
 
     def lot(self, u: FloatArray, checks: Sequence[int] = ()) -> Lot:
         """Results of points u (draws, dimension): splits and frequencies of pairs, inputs, gap, growth by speed.
 
-        `checks` are places of the points that are solved in full, too.
+        `checks` are indices of the points that are also solved in full.
         """
         series, difference = self.series(u), np.full(len(u), np.nan)
         found = replaced(self.casings, series, self.casings.pairs.splits(series))
@@ -95,18 +95,18 @@ class Drawing:
 
     @cached_property
     def perfect(self) -> RotatingRim | Rub:
-        """The scene's bodies with the perfect casing."""
+        """The bodies of the scene with the perfect casing."""
         what = self.given.scene.what
         assert isinstance(what, RotatingRim | Rub)
         return replace(what, casing=self.casings.perfect)
 
     @cached_property
     def floor(self) -> float:
-        """Growth [1/s] that is round-off."""
+        """Growth [1/s] below which it is only round-off."""
         return FLOOR * float(self.casings.perfect.omega.max())
 
     def lowest_rim(self, series: Array) -> FloatArray:
-        """Least deviation of each rim's radius [m], (draws,): where a tip comes nearest."""
+        """Least deviation of each rim's radius [m], (draws,), where a tip comes nearest."""
         d = self.casings.deviation(series)
         waves = np.zeros((len(d), AROUND // 2 + 1), dtype=complex)
         top = min(d.shape[1], waves.shape[1])
@@ -115,7 +115,7 @@ class Drawing:
         return np.asarray((0.5 * AROUND * np.fft.irfft(waves, AROUND) + fixed).min(axis=1))
 
     def fixed_rim(self, angles: FloatArray) -> FloatArray:
-        """Deviation that the scene itself states [m]."""
+        """Deviation of the radius that the scene states [m]."""
         profile = rub_of(self.given.scene.what).profile
         return np.array([float(profile(angle)) for angle in angles.tolist()])
 
@@ -124,7 +124,7 @@ class Drawing:
         return np.asarray((lot["growth"] > self.floor) & (lot["gap"] <= 0.0)[:, None])
 
     def results(self, u: FloatArray) -> FloatArray:
-        """The two numbers whose Sobol indices are asked for, (points, 2)."""
+        """The two results for which Sobol indices are computed, (points, 2)."""
         lot = self.lot(u)
         growth = np.where(lot["gap"] <= 0.0, np.maximum(lot["growth"].max(axis=1), 0.0), 0.0)
         return np.stack([lot["split"].max(axis=1), growth], axis=1)

@@ -13,12 +13,12 @@ from casingfem.structure.shell.shell import Shell
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RandomSeries:
-    """The fields of a shell as functions of random numbers: of each harmonic its amplitude, and its phase.
+    """The fields of a shell as functions of random numbers: amplitude and phase of each harmonic.
 
     Attributes
     ----------
     quantities : of the fields, l
-    fixed : what is not random, F (l, 2 p_max + 1) from -p_max to p_max
+    fixed : the part that is not random, F (l, 2 p_max + 1) from -p_max to p_max
     spectra : quantity and spectrum of each random part
 
     Examples
@@ -38,7 +38,7 @@ class RandomSeries:
 
     @classmethod
     def of(cls, shell: Shell) -> "RandomSeries":
-        """Those of a shell whose fields are Fourier series around."""
+        """The random fields of a shell, which must be Fourier series around the circumference."""
         parts = {name: flat(field) for name, field in shell.defects.items()}
         terms = [term for field in shell.defects.values() for term in terms_of(field) or ()]
         p_max = max((int(term.p.max()) for term in terms), default=0)
@@ -55,12 +55,12 @@ class RandomSeries:
 
     @property
     def dimension(self) -> int:
-        """Random numbers of a draw."""
+        """Number of random numbers for a draw."""
         return 2 * sum(len(spectrum.p) for _, spectrum in self.spectra)
 
     @property
     def groups(self) -> dict[str, int]:
-        """Random numbers of each random quantity, in their order."""
+        """Indices of the random numbers of each random quantity, in order."""
         found: dict[str, int] = {}
         for name, spectrum in self.spectra:
             found[name] = found.get(name, 0) + 2 * len(spectrum.p)
@@ -81,5 +81,5 @@ class RandomSeries:
 
 
 def flat(field: Field) -> list[Field]:
-    """The parts of a sum."""
+    """The parts of a nested sum of fields as a list."""
     return [part for each in field.fields for part in flat(each)] if isinstance(field, SumField) else [field]

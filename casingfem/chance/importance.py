@@ -1,7 +1,7 @@
 """Sobol indices of groups of inputs: the share of each group in the variance of a result.
 
-The first-order index of a group is the share of a result's variance that the group causes alone, its total index the
-share that would be left if all others were known (A. Saltelli et al., Comput. Phys. Comm. 181, 2010, 259).
+The first-order index of a group is the share of a result's variance that the group causes alone. Its total index is the
+share that would remain if all others were known (A. Saltelli et al., Comput. Phys. Comm. 181, 2010, 259).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -49,7 +49,7 @@ def importance(
     Returns
     -------
     list
-        For each result, one row a group; results that do not vary have none.
+        For each result, one row for each group; none for a constant result.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def importance(
 
 
 def mixed_designs(groups: Mapping[str, slice], dimension: int, *, seed: int, size: int) -> list[FloatArray]:
-    """Points A and B (size, dimension), and for each group those of A with the group's columns of B."""
+    """Points A and B (size, dimension), and for each group the points A with the group's columns from B."""
     both = qmc.Sobol(2 * dimension, scramble=True, seed=np.random.default_rng([seed, 1 << 20])).random(size)
     both = np.clip(both, EDGE, 1.0 - EDGE)
     found = [both[:, :dimension], both[:, dimension:]]
@@ -82,7 +82,7 @@ def mixed_designs(groups: Mapping[str, slice], dimension: int, *, seed: int, siz
 
 
 def indices(names: tuple[str, ...], parts: Sequence[FloatArray], seed: int) -> list[Importance]:
-    """Indices of one result at the points of `mixed_designs`, (points,) each; none where it does not vary."""
+    """Indices of one result at the points of `mixed_designs`, (points,) each; empty for a constant result."""
     first, second, *mixed = (np.asarray(part) for part in parts)
     both = np.concatenate([first, second])
     if np.ptp(both) == 0.0:

@@ -1,11 +1,11 @@
-"""Importance sampling of a rare event around points at which it happens, as subset simulation finds them.
+"""Importance sampling of a rare event around the points that subset simulation has found.
 
-The response depends on few directions near the event. They are those of the largest mean square of its gradient (P.
-Constantine, Active Subspaces, 2015), by a regression of the normal scores of the responses: linear, and products with
-the directions in which the points have a larger second moment E[u u^T] than chance explains. In these directions the
-points have a density of their own, a sum of normal kernels (D. Scott, Multivariate Density Estimation, 1992). Wide
-kernels in a part of the draws bound the weights (T. Hesterberg, Technometrics 37, 1995, 185). The mean of the weights
-phi/q where the event happens is the probability, without bias, whatever the density q.
+Near the event the response depends on few directions. These have the largest mean square of its gradient (P.
+Constantine, Active Subspaces, 2015), which follows from a regression of the normal scores of the responses. The
+regression has linear terms, and products with the directions in which the second moment E[u u^T] of the points is
+larger than chance explains. In these directions the sampling density is a sum of normal kernels (D. Scott, Multivariate
+Density Estimation, 1992). Wide kernels in a part of the draws bound the weights (T. Hesterberg, Technometrics 37, 1995,
+185). The mean of the weights phi/q over points with the event is the probability, without bias for any density q.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,7 @@ KERNELS = 200
 
 
 class Density(NamedTuple):
-    """A density of normal numbers that is another one in some directions.
+    """A density of normal numbers with another distribution in some directions.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ def directions_of(u: FloatArray, y: FloatArray, independent: int) -> FloatArray 
 
 
 def density_of(found: FloatArray, directions: FloatArray, independent: int, rng: np.random.Generator) -> Density:
-    """The density of points (points, dimension), of which so many are independent, in some directions."""
+    """The density of points (points, dimension) in some directions; `independent`: number of independent points."""
     z, own = found @ directions, directions.shape[1]
     spread = np.atleast_2d(np.cov(z.T)) + 1e-12 * np.eye(own)
     width = (4.0 / ((own + 2) * independent)) ** (1.0 / (own + 4))  # Silverman's rule

@@ -17,7 +17,7 @@ Kind = Literal["normal", "uniform", "lognormal"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Law:
-    """A random number by its standard deviation and its mean.
+    """Distribution of a random number by its mean and standard deviation.
 
     >>> law = Law(deviation=2e-5)
     >>> law.quantile(np.array([0.5]), mean=1e-3).tolist(), round(law.lowest(1e-3), 8)
@@ -29,11 +29,11 @@ class Law:
     mean: Annotated[float | None, Key("mean [of the number]; that of the scene if left out")] = None
 
     def centre(self, mean: float) -> float:
-        """The mean: its own, else the one given."""
+        """Mean of the distribution: its own, else the one given."""
         return mean if self.mean is None else self.mean
 
     def lowest(self, mean: float) -> float:
-        """The least value there can be."""
+        """Smallest possible value."""
         centre = self.centre(mean)
         return {
             "normal": centre - CUT * self.deviation,

@@ -1,4 +1,4 @@
-"""Read scene.toml with [chance]: returns the random model, or reports every problem of the file at once."""
+"""Read scene.toml with [chance]; returns the random model, or reports every problem of the file at once."""
 
 import hashlib
 from dataclasses import dataclass
@@ -43,9 +43,9 @@ class ChanceScene:
     path, table : the scene file and its [chance]
     study : of the casing
     scene : with the casing and blade of its own bases
-    speed_hz : speeds looked at [turns/s], ascending
+    speed_hz : speeds examined [turns/s], ascending
     laws, means : of the scene's random numbers, by name; the scene's own values
-    source : names, hashes and versions; all but the hash of the file are what each draw depends on
+    source : names, hashes and versions; each draw depends on all of them except the hash of the file
     """
 
     path: Path
@@ -61,7 +61,7 @@ class ChanceScene:
 
     @property
     def groups(self) -> int:
-        """Number of random inputs: fields by their quantity, and numbers."""
+        """Number of random inputs: fields, one for each quantity, and numbers."""
         return len(RandomSeries.of(self.study.shell).groups) + len(self.laws)
 
     @property
@@ -78,7 +78,7 @@ def load_chance(path: str | Path) -> ChanceScene:
     Raises
     ------
     SceneError
-        With all problems, one a line: file: key: found, expected.
+        With all problems, one on each line: file: key: found, expected.
     """
     file = Path(path)
     data, text = scene_data(file)
@@ -121,7 +121,7 @@ def load_chance(path: str | Path) -> ChanceScene:
 
 
 def attempted(problems: Problems, made: Any) -> Any:
-    """The value of `made`, or None where it raises an input error; the error is collected."""
+    """The value of `made`, or None if it raises an input error, which is collected."""
     try:
         return made()
     except (SceneError, StudyError) as error:
@@ -169,7 +169,7 @@ def faults_of_study(file: Path, table: ChanceTable, study: Study) -> list[str]:
 
 
 def faults_of_laws(file: Path, head: Any, table: ChanceTable) -> list[str]:
-    """Random numbers that may take values that cannot be."""
+    """Faults of random numbers that may take impossible values."""
     means, found = means_of(head), []
     for name in INPUTS:
         own = getattr(table, name)
@@ -210,7 +210,7 @@ def faults_of_both(file: Path, scene: Scene, study: Study) -> list[str]:
 
 
 def means_of(head: Any) -> dict[str, float]:
-    """The scene's own values of the random numbers; the closing of a scene that has one."""
+    """The scene's own values of the random numbers, and the closing if the scene has one."""
     found = {"blade": 1.0, "clearance": float(head.contact.clearance), "friction": float(head.contact.friction)}
     closing = getattr(head, "closing", None)
     if closing is not None and np.ndim(closing.by) == 0:

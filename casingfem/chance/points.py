@@ -1,4 +1,4 @@
-"""Quasi-random points by number: draw k is the same in every order, in every process, and beside any other draws.
+"""Quasi-random points by number: draw k is the same in every order, in every process, and with any other draws.
 
 The draws are those of `REPLICATES` Sobol sequences that are scrambled independently of each other (A. B. Owen, J.
 Complexity 14, 1998, 466): draw k is number k // REPLICATES of sequence k % REPLICATES. Each sequence fills the unit
@@ -24,12 +24,12 @@ def points(seed: int, draws: range, dimension: int) -> FloatArray:
     seed
         Whole number from 0: the same seed gives the same points.
     draws
-        Numbers of the draws, in steps of one, whole rounds of `REPLICATES` but for the last.
+        Consecutive numbers of draws, in whole rounds of `REPLICATES` except the last.
 
     Raises
     ------
     InputError
-        More dimensions than the sequence has, or draws that do not begin with a round.
+        There are more dimensions than the sequence has, or the draws do not begin with a round.
 
     Examples
     --------

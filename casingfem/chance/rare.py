@@ -1,12 +1,14 @@
 """Probabilities too small for plain draws: subset simulation.
 
-A rare event y >= y* is reached by way of events that are each `PART` as likely as the one before (S.-K. Au, J. Beck,
-Probabilistic Engineering Mechanics 16, 2001, 263). Within each, Markov chains start at the draws of the last level that
-are beyond its threshold. They propose normal numbers that are correlated with the last ones, r u + sqrt(1 - r^2) v (I.
-Papaioannou et al., Probabilistic Engineering Mechanics 41, 2015, 89). r is adapted to an acceptance of 0.44.
+A rare event y >= y* is reached through intermediate events, each with `PART` of the probability of the previous one
+(S.-K. Au, J. Beck, Probabilistic Engineering Mechanics 16, 2001, 263). Within each, Markov chains start at the draws of
+the last level that are beyond its threshold. They propose normal numbers that are correlated with the last ones, r u +
+sqrt(1 - r^2) v (I. Papaioannou et al., Probabilistic Engineering Mechanics 41, 2015, 89). r is adapted to an acceptance
+of 0.44.
 
-Chains that are as good as independent draws leave a variation of -ln(P)/sqrt(runs), 12 % for 1e-5 by 1e4 runs. So half
-of the runs are importance sampling around the points that the last level has found (`importance_sampling`).
+If chains were as good as independent draws, the coefficient of variation would be -ln(P)/sqrt(runs): 12 % for 1e-5 with
+1e4 runs. Therefore half of the runs are importance sampling around the points of the last level
+(`importance_sampling`).
 """
 
 from collections.abc import Callable
@@ -38,10 +40,10 @@ class RareEvent:
     ----------
     probability : of y >= y*
     variation : estimated coefficient of variation of it [-]
-    thresholds : of the levels on the way, the last is y*
+    thresholds : of the levels; the last is y*
     runs : evaluations of y
-    by : "subset", or "importance": importance sampling, where it is more certain
-    subset, subset_variation : probability and variation by the subsets alone
+    by : "subset", or "importance" where importance sampling is more certain
+    subset, subset_variation : probability and variation from subset simulation alone
     """
 
     probability: float
@@ -65,12 +67,12 @@ def subset_simulation(
     size
         Evaluations in each level; a level makes the event ten times rarer.
     more
-        Evaluations of importance sampling after the last level; 0 for subset simulation alone.
+        Evaluations of importance sampling after the last level; 0 for none.
 
     Raises
     ------
     InputError
-        No dimension, less than 100 evaluations in a level, or from 1 to 99 more.
+        The dimension is 0, a level has fewer than 100 evaluations, or `more` is from 1 to 99.
     NumericsError
         If y is not finite, or the threshold is not reached within 30 levels.
 
@@ -118,7 +120,7 @@ def sharpened(
     subsets: RareEvent, response: Response, level: tuple[FloatArray, FloatArray, IntArray], threshold: float,
     more: int, rng: np.random.Generator,
 ) -> RareEvent:  # fmt: skip
-    """The probability by importance sampling, where that is not below the subsets' and is more certain.
+    """The probability by importance sampling, if it is not below that of subset simulation and is more certain.
 
     `level` has the points, the responses and the chains of the last level.
     """
@@ -150,7 +152,7 @@ def sharpened(
 def next_level(
     response: Response, u: FloatArray, y: FloatArray, level: float, size: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    """`size` draws beyond a level by chains from draws that are; and the chain of each."""
+    """`size` draws beyond a threshold by Markov chains from draws that are beyond it, and the chain of each draw."""
     starts, deviation = len(u), 0.6
     all_u, all_y, chain = [u], [y], np.arange(starts)
     step = 0
@@ -172,7 +174,7 @@ def next_level(
 
 
 def relative_square(beyond: BoolArray, chains: IntArray) -> float:
-    """Squared coefficient of variation of a level's share, chains taken as independent of each other."""
+    """Squared coefficient of variation of a level's fraction; chains count as independent of each other."""
     share, counts = float(beyond.mean()), np.bincount(chains, weights=beyond)
     lengths = np.bincount(chains)
     if share == 0.0:
@@ -181,7 +183,7 @@ def relative_square(beyond: BoolArray, chains: IntArray) -> float:
 
 
 def finite_response(response: Response, u: FloatArray) -> FloatArray:
-    """Responses, which must be finite."""
+    """Responses; raises NumericsError if one is not finite."""
     y = np.asarray(response(u), dtype=float)
     if y.shape != (len(u),) or not np.all(np.isfinite(y)):
         raise NumericsError(f"subset_simulation: found responses {y.shape} or not finite, expected ({len(u)},) finite")
@@ -189,7 +191,7 @@ def finite_response(response: Response, u: FloatArray) -> FloatArray:
 
 
 def reliability_index(probability: float) -> float:
-    """Distance beta from the origin, P = Phi(-beta).
+    """Reliability index beta: distance from the origin with P = Phi(-beta).
 
     >>> round(reliability_index(1e-5), 3)
     4.265

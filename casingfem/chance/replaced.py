@@ -1,7 +1,7 @@
-"""Draws whose pairs the map does not give with certainty: by the casing's own energies, or in full.
+"""Draws whose pairs the map does not give reliably: solved by the casing's own energies, or in full.
 
-The map's error is of fourth order in the imperfections. A draw is flagged where the terms of third order are large. Its
-pairs are then those of Rayleigh's quotient (`family`), and of a full solution where that is not certain either.
+The map's error is of fourth order in the imperfections. A draw is flagged if the terms of third order are large. Its
+pairs are then computed by Rayleigh's quotient (`family`), or by a full solution if that is not reliable either.
 """
 
 from dataclasses import replace
@@ -30,7 +30,7 @@ class Replaced(NamedTuple):
 
 
 def replaced(own: Casings, series: Array, pairs: Splits) -> Replaced:
-    """The pairs of casings with series F (draws, l, 2 p_max + 1), flagged draws solved anew."""
+    """The pairs of casings with series F (draws, l, 2 p_max + 1); flagged draws are solved again."""
     by = np.zeros(len(series), dtype=np.int64)
     found = Splits(*(part.copy() for part in pairs))
     for draw in np.flatnonzero(~(pairs.third.max(axis=1) <= FLAG)).tolist():
@@ -42,7 +42,7 @@ def replaced(own: Casings, series: Array, pairs: Splits) -> Replaced:
 
 
 def checked(own: Casings, series: Array, found: Replaced, draw: int) -> tuple[Replaced, float]:
-    """One draw solved in full, and by how much its splits differ, over its largest split; mixed pairs are left out."""
+    """One draw solved in full, and the difference of its splits relative to its largest one, without mixed pairs."""
     pairs, by = Splits(*(part.copy() for part in found.pairs)), found.by.copy()
     put(own, pairs, draw, in_full(own, series[draw]))
     by[draw] = IN_FULL
@@ -58,7 +58,7 @@ def in_full(own: Casings, series: Array) -> ModeSet:
 
 
 def fields_of(own: Casings, series: Array) -> dict[str, FourierField]:
-    """The fields of a series F (l, 2 p_max + 1) by their quantities."""
+    """The fields of a series F (l, 2 p_max + 1) by quantity."""
     top = series.shape[-1] // 2
     size = np.where(np.arange(top + 1) > 0, 2.0, 1.0)[:, None]
     first = int(not series[:, top].any())  # a mean, where one is given
@@ -71,7 +71,7 @@ def fields_of(own: Casings, series: Array) -> dict[str, FourierField]:
 
 
 def put(own: Casings, pairs: Splits, draw: int, found: ModeSet) -> None:
-    """Write the pairs of some modes in the place of a draw's; those that are not among them count as mixed."""
+    """Replace the pairs of a draw by those of some modes; pairs that are not among them count as mixed."""
     pairs.share[draw] = 0.0
     n, rank = found.nodal_diameters, found.meridional
     for (low, high), split in zip(found.doublets, found.splits, strict=True):

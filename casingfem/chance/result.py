@@ -55,7 +55,7 @@ SPEEDS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Chance(Reported):
-    """Answers of the draws of a scene.
+    """Results over all draws of a scene.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Chance(Reported):
 
     @classmethod
     def of(cls, drawn: Drawn) -> "Chance":
-        """Those of all draws; a speed is dangerous where the rim touches and closed contact grows."""
+        """The results over all draws; a speed is dangerous if the rim touches and closed contact grows."""
         hit = (drawn.lot["growth"] > drawn.floor) & (drawn.lot["gap"] <= 0.0)[:, None]
         order = np.lexsort((np.arange(len(hit)), -drawn.lot["split"].max(axis=1), -cls.severity(drawn)))
         return cls(
@@ -86,7 +86,7 @@ class Chance(Reported):
 
     @staticmethod
     def severity(drawn: Drawn) -> FloatArray:
-        """Largest growth over the speeds of each casing that touches, 0 of others and where nothing grows, (draws,)."""
+        """Largest growth over the speeds of each casing that touches; 0 for others and if nothing grows, (draws,)."""
         return np.where(drawn.lot["gap"] <= 0.0, np.maximum(drawn.lot["growth"].max(axis=1), 0.0), 0.0)
 
     def of_pairs(self, name: str) -> FloatArray:
@@ -95,7 +95,7 @@ class Chance(Reported):
         return np.asarray((lot["split"] if name == "split" else lot["freq"] / self.drawn.freq - 1.0).T)
 
     def draws(self) -> list[dict[str, Any]]:
-        """One row a casing: inputs, gap, worst growth and where, largest split and of which pair, method."""
+        """One row for each casing: inputs, gap, worst growth and its speed, largest split and its pair, method."""
         drawn, lot = self.drawn, self.drawn.lot
         at, pair = lot["growth"].argmax(axis=1), lot["split"].argmax(axis=1)
         columns = {
@@ -114,15 +114,15 @@ class Chance(Reported):
         ]
 
     def summary(self) -> list[dict[str, Any]]:
-        """One row a pair."""
+        """One row for each pair."""
         return records_of(PAIRS, self)
 
     def speeds(self) -> list[dict[str, Any]]:
-        """One row a speed."""
+        """One row for each speed."""
         return records_of(SPEEDS, self)
 
     def importance(self) -> list[dict[str, Any]]:
-        """One row a result and input."""
+        """One row for each result and input."""
         rows = ((name, row) for name, part in self.drawn.importance.items() for row in part)
         return [{"result": name, **{key: getattr(row, key) for key in Importance.__slots__}} for name, row in rows]
 
@@ -152,7 +152,7 @@ class Chance(Reported):
 
     @property
     def solved(self) -> str:
-        """How many casings were solved anew, and what the checks gave."""
+        """Number of casings that were solved again, and the result of the checks."""
         by, apart = (self.drawn.lot[name] for name in ("by", "difference"))
         count = (
             f"{np.sum(by == BY_ENERGIES)} casings were solved by their own energies, {np.sum(by == IN_FULL)} in full"
@@ -184,7 +184,7 @@ class Chance(Reported):
 
 
 def per_cent(one: Estimate) -> str:
-    """A probability with its interval.
+    """A probability in per cent with its interval.
 
     >>> per_cent(Estimate(0.021, 0.0152, 0.0283))
     '2.1 % (95 %: 1.52 to 2.83 %)'

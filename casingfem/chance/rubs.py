@@ -1,7 +1,7 @@
-"""Runs in time of drawn casings, each with its own basis, at the speed at which its closed contact grows most.
+"""Time simulations of drawn casings, each with its own basis, at the speed of the largest growth of closed contact.
 
-One compiled loop advances a group of runs together. Only the bases of the group are in memory. Each group is kept in a
-file. A run does not depend on the others of its group, so that a resumed table is the same to the last bit.
+One compiled loop advances a group of runs together. Memory contains only the bases of one group. Each group is stored
+in a file. A run does not depend on the others of its group, so a resumed table is bit-identical.
 """
 
 from collections.abc import Callable
@@ -55,7 +55,7 @@ def run_rubs(found: Chance, own: Drawing, folder: Path | None, progress: Callabl
 
 
 def group_of(own: Drawing, draws: list[int], growth: FloatArray) -> list[Row]:
-    """Rows of some draws; `growth` (draws, speeds) of their closed contact."""
+    """Rows of some draws; `growth` (draws, speeds) is that of their closed contact."""
     speeds = np.asarray(own.given.speed_hz)[growth.argmax(axis=1)]
     scenes = [drawn_scene(own, draw, float(hz)) for draw, hz in zip(draws, speeds, strict=True)]
     runs = runs_at_speeds(scenes, speeds, growth.max(axis=1))
@@ -80,7 +80,7 @@ def drawn_scene(own: Drawing, draw: int, speed_hz: float) -> Scene:
 
 
 def drawn_bodies(own: Drawing, series: Array, number: dict[str, float]) -> RotatingRim | Rub:
-    """The rim or rub with the casing of a series and the numbers drawn."""
+    """The rim or rub with the casing of a series and the drawn numbers."""
     what, body = own.perfect, own.casings.body(series)
     terms = [
         (p, value.real, -value.imag) for p, value in enumerate(own.casings.deviation(series[None])[0].tolist()) if value
@@ -101,7 +101,7 @@ def drawn_bodies(own: Drawing, series: Array, number: dict[str, float]) -> Rotat
 
 
 def retuned(blade: Any, ratio: float) -> Any:
-    """A blade with its frequencies times a ratio."""
+    """A blade with its frequencies multiplied by a ratio."""
     return blade.retuned(ratio * float(blade.omega[blade.omega > 0.0].min()) / (2.0 * np.pi))
 
 
@@ -113,7 +113,7 @@ def with_friction(law: Law, mu: float) -> Any:
 
 
 def unstable(rows: list[Row]) -> Estimate:
-    """Share of the runs that grow, of those that decide, with its interval."""
+    """Share of growing runs among those with a verdict, with its interval."""
     decided = [row for row in rows if row["verdict"] != "not decided"]
     return clopper_pearson(sum(row["verdict"] == "unstable" for row in decided), max(len(decided), 1))
 

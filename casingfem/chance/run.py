@@ -1,8 +1,7 @@
-"""All draws of a scene on several cores or a cluster, kept lot by lot: a run that was stopped goes on where it was.
+"""All draws of a scene on several cores or a cluster, stored lot by lot, so that a stopped run can continue.
 
-A lot depends on its number alone, each process has one BLAS thread, and arrays are kept with all their digits. Whatever
-the number of processes, their order, or how often they or the run were stopped, the results are the same to the last
-bit.
+A lot depends only on its number, each process has one BLAS thread, and arrays are stored with all digits. So the
+results are bit-identical for any number and order of processes, and after any number of stops.
 """
 
 from collections.abc import Callable, Iterator
@@ -38,9 +37,9 @@ class Drawn:
     given : the scene
     lot : arrays of all draws
     n, rank, freq : the pairs, and their frequencies [Hz] in the perfect casing
-    floor : growth [1/s] that is round-off
+    floor : growth [1/s] below which it is only round-off
     importance : for each of `RESULTS`, Sobol indices by input
-    resumed : draws that were there already
+    resumed : number of draws that were stored before
     """
 
     given: ChanceScene
@@ -68,18 +67,18 @@ def run_draws(
     processes
         Worker processes; by default one for each core.
     scheduler
-        Address of a Dask scheduler whose workers are used in place of processes. They see the same files.
+        Address of a Dask scheduler whose workers are used instead of processes. They need access to the same files.
     folder
-        Where finished draws are kept and searched for; without it nothing is kept.
+        Folder in which finished draws are stored and sought; without it nothing is stored.
     progress
-        Called with words and the share that is done.
+        Called with a text and the finished share.
 
     Raises
     ------
     SceneError
         If the folder has draws of another scene.
     InputError
-        If the scheduler cannot be reached, or workers are killed again and again.
+        If the scheduler cannot be reached, or workers are killed repeatedly.
     """
     store = None if folder is None else open_store(given, folder)
     names = list(parts_of(given))
@@ -118,7 +117,7 @@ def parts_of(given: ChanceScene) -> Iterator[str]:
 
 
 def lot_of(name: str, given: ChanceScene) -> tuple[int, int]:
-    """First draw of a lot, and the one after its last."""
+    """First draw of a lot, and the draw after its last."""
     first, last = name.split("_")[1:]
     return int(first), int(last) + 1
 
@@ -149,7 +148,7 @@ def open_store(given: ChanceScene, folder: Path) -> Path:
 
 
 def read_lot(store: Path, name: str) -> Lot | None:
-    """The arrays of a lot, None where they are not there or not whole."""
+    """The arrays of a lot; None if they are missing or incomplete."""
     path = store / f"{name}.npz"
     if not path.is_file():
         return None
@@ -165,7 +164,7 @@ def read_lot(store: Path, name: str) -> Lot | None:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A task of a worker: scene file, what it has to contain (`ChanceScene.source` as text), name of the part."""
+    """A task of a worker: scene file, its expected content (`ChanceScene.source` as text), name of the part."""
 
     path: str
     source: str
@@ -173,7 +172,7 @@ class Part:
 
 
 def compute(part: Part) -> tuple[str, Lot]:
-    """Name and arrays of one lot of draws, of one part of the design, or of the pairs of the perfect casing."""
+    """Name and arrays of one part: a lot of draws, a part of the design, or the pairs of the perfect casing."""
     own = drawing_of(part.path, part.source)
     if part.name == PAIRS:
         return part.name, about_pairs(own)
@@ -186,7 +185,7 @@ def compute(part: Part) -> tuple[str, Lot]:
 
 @lru_cache(maxsize=1)
 def drawing_of(path: str, source: str) -> Drawing:
-    """The scene with its perfect casing solved, once in each process."""
+    """The scene with its perfect casing, which is solved once in each process."""
     given = load_chance(path)
     if json_text(given.source) != source:
         found = "found another scene, study or version in a worker process than in the command"

@@ -14,11 +14,11 @@ INPUTS = ("blade", "clearance", "friction", "closing")
 
 @table_of(Law)
 class LawTable(Table):
-    """A random number of the scene: its law, mean and standard deviation."""
+    """A random number of the scene: its distribution, mean and standard deviation."""
 
 
 class ChanceTable(Table):
-    """[chance]: which casings are drawn, how many, and which other numbers of the scene are random."""
+    """[chance]: the random casings, the number of draws, and the other random numbers of the scene."""
 
     study: Annotated[str, Field(min_length=1)] = Field(
         description="study of the casing, relative to this file: its random imperfections, and [reduce]"

@@ -1,4 +1,4 @@
-"""The worst casings as folders that run by themselves: a study of the casing, its basis, its blade, its scene."""
+"""The worst casings as self-contained folders: a study of the casing, its basis, its blade, its scene."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,8 +20,8 @@ SMALL = 1e-12  # of a relative field: a harmonic that is none
 def worst_files(found: Chance, own: Drawing, progress: Callable[[int], None]) -> dict[str, Content]:
     """Files of the worst casings by their names below the folder of results.
 
-    Each folder has casing.toml (casingfem reduce solves it in full), the basis casing.npz by the family, the blade,
-    and scene.toml at the speed at which contact grows most.
+    Each folder has casing.toml (casingfem reduce solves it in full), the basis casing.npz from the family, the blade,
+    and scene.toml at the speed of the largest growth.
     """
     files: dict[str, Content] = {}
     for rank, draw in enumerate(found.worst.tolist(), 1):
@@ -39,14 +39,14 @@ def worst_files(found: Chance, own: Drawing, progress: Callable[[int], None]) ->
 
 
 def blade_of(own: Drawing, ratio: float) -> Any:
-    """The blade with its frequencies times a ratio."""
+    """The blade with its frequencies multiplied by a ratio."""
     what = own.perfect
     blade = what.blades[0] if isinstance(what, Rub) else what.blade
     return blade.retuned(ratio * float(blade.omega[blade.omega > 0.0].min()) / (2.0 * np.pi))
 
 
 def study_text(own: Drawing, series: Array, draw: int) -> str:
-    """The casing's study with the drawn harmonics in the place of its imperfections."""
+    """The casing's study with the drawn harmonics as imperfections."""
     given = own.given
     tables = given.study.file.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
     top = series.shape[1] // 2
@@ -70,7 +70,7 @@ def study_text(own: Drawing, series: Array, draw: int) -> str:
 
 
 def scene_text(found: Chance, own: Drawing, u: Any, series: Array, draw: int) -> str:
-    """The scene with the drawn numbers, at the speed at which contact grows most."""
+    """The scene with the drawn numbers, at the speed of the largest growth."""
     given = own.given
     data, _ = scene_data(given.path)
     for name in ("chance", "sweep"):

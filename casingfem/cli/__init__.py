@@ -1,4 +1,4 @@
-"""The command line: `casingfem COMMAND FILE`. The only place that knows both packages."""
+"""The command line: `casingfem COMMAND FILE`. Only this package imports both casingfem and contact."""
 
 import click
 

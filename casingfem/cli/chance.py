@@ -1,4 +1,4 @@
-"""Command chance: how likely random casings interact with their blades."""
+"""Command chance: probability that random casings interact with their blades."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,8 +24,8 @@ def chance(file: Path, processes: int | None, scheduler: str | None, as_json: bo
     """Probability of dangerous speeds of SCENE over random casings, blades, clearances and friction.
 
     [chance] of SCENE names the study of the casing, whose random imperfections are drawn. With --out DIR finished draws
-    are kept in DIR/draws: the same command goes on where a run was stopped. DIR also gets tables, a page, and the worst
-    casings as studies and scenes that run by themselves.
+    are stored in DIR/draws, so the same command continues a stopped run. DIR also gets tables, a page, and the worst
+    casings as self-contained studies and scenes.
     """
     from casingfem.chance.evaluate import Drawing
     from casingfem.chance.load import load_chance

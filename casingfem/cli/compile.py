@@ -1,4 +1,4 @@
-"""`casingfem compile`: the machine code of all contact loops ahead of use, into a directory that others may read."""
+"""`casingfem compile`: compile all contact loops before they are needed, into a directory that others may read."""
 
 import os
 import time
@@ -22,7 +22,7 @@ from casingfem.io.side_by_side import usable_cores
 @click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
 @with_exit_codes
 def compile_loops(into: Path | None, kinds: tuple[str, ...], workers: int | None, as_json: bool) -> None:
-    """Compile the contact loops of all kinds of run now, so that no first run waits for them.
+    """Compile the contact loops of all kinds of run now, so that no first run has to wait.
 
     With --into, set NUMBA_CACHE_DIR to that directory wherever the loops are used; there it may be read-only.
     """

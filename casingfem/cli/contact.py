@@ -47,7 +47,7 @@ def contact(file: Path, as_json: bool, out: Path | None, history: bool, pictures
     """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle.
 
     --out DIR gets the result, one picture of force, gap and motion over time, and the forces as a table. `casingfem
-    report` shows all pictures on one page. After a stop the same command goes on where the run was.
+    report` shows all pictures on one page. After a stop the same command continues the run.
     """
     run_scene(file, "contact", as_json, out, history=history, pictures=pictures)
 
@@ -59,12 +59,12 @@ def contact(file: Path, as_json: bool, out: Path | None, history: bool, pictures
 @PICTURES
 @options
 def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool, pictures: bool) -> None:
-    """Run SCENE: a turning casing against one blade tip (rim), or many places of many blades (rub); or a rotor.
+    """Run SCENE: a rotating casing against one blade tip (rim), or many tips of many blades (rub); or a rotor.
 
     --out DIR gets the result, one picture of force, gap and motion over time, and the forces as a table. `casingfem
-    report` shows all pictures on one page. A run that diverges stops there, keeps all it has, and ends with exit code
-    3, or 0 with on_limit = "flag". After a stop the same command goes on where the run was. --vtu writes one VTKHDF
-    file a body and needs a basis that recovers its nodes: recovery = true in [reduce] of its study.
+    report` shows all pictures on one page. A diverging run stops, keeps its results, and ends with exit code 3, or 0
+    with on_limit = "flag". After a stop the same command continues the run. --vtu writes one VTKHDF file for each body
+    and needs a basis that recovers its nodes: recovery = true in [reduce] of its study.
     """
     if vtu and out is None:
         raise click.UsageError("found --vtu without --out DIR, expected a folder to write to")
@@ -81,7 +81,7 @@ def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool, p
 def stability(file: Path, as_json: bool, out: Path | None) -> None:
     """Growth over speed of a contact that stays closed, or of a rotor: SCENE is a pair, a rim with speed.scan, a rotor.
 
-    Of a rotor: growth without contact; on its casing synchronous rub with its growth, and dry backward whirl.
+    For a rotor: growth without contact; with a casing also synchronous rub with its growth, and dry backward whirl.
     """
     from contact.scene.stability import load_stability
     from contact.stability.growth_map import StabilityMap
@@ -110,8 +110,8 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
     """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub, a disk or a rotor.
 
-    Poles of closed contact propose speeds, and state which motion grows. The scene is run at each of them, at its own
-    speed and at --runs speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice
+    Poles of closed contact propose speeds and the growing motion. The scene is run at each of these speeds, at its own
+    speed, and at --runs speeds evenly over the range; the runs decide. The range is speed.scan, by default up to twice
     the scene's speed. --out DIR gets the table, its picture and the page interactions.html.
     """
     from contact.scene.stability import load_interactions
@@ -140,12 +140,12 @@ def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None
 @SCENE
 @options
 def cycles(file: Path, as_json: bool, out: Path | None) -> None:
-    """Periodic motions of SCENE over frequency, force or speed: how large, kept or not, where they jump.
+    """Periodic motions of SCENE over frequency, force or speed: amplitude, stability, and where they jump.
 
-    SCENE is a patch with [drive] in place of [scheme], or a rim, a rub or a disk with a range of speed, clearance or
-    friction in place of a run. [basins] asks which of these motions random starts reach.
+    SCENE is a patch with [drive] instead of [scheme], or a rim, a rub or a disk with a range of speed, clearance or
+    friction instead of a run. [basins] finds which of these motions random starts reach.
 
-    With --out DIR: cycles.csv, .npz, .json, .png and the page cycles.html; the same command goes on after a stop.
+    With --out DIR: cycles.csv, .npz, .json, .png and the page cycles.html; the same command continues after a stop.
     """
     from contact.scene.cycles import load_cycles
 
@@ -193,9 +193,9 @@ def cycles_files(
 
 
 def traces_of(scene: "CyclesScene", found: "Cycles") -> "list[Trace]":
-    """The largest orbit of each stretch of one stability over its period, of the first DRAWN stretches.
+    """For the first DRAWN intervals of equal stability: the largest orbit over its period.
 
-    An orbit that cannot be followed in parts, such as one that chatters, is left out.
+    An orbit that cannot be followed in parts, such as one with chatter, is left out.
     """
     from itertools import groupby
 
@@ -217,7 +217,7 @@ def run_scene(
     file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool = False,
     pictures: bool = False,
 ) -> None:  # fmt: skip
-    """Load, run and deliver a scene; a run that failed or diverged delivers its results up to that step."""
+    """Load and run a scene and write its results; for a failed or diverged run, those up to that step."""
     if pictures and out is None:
         raise click.UsageError("found --pictures without --out DIR, expected a folder to write to")
     from contact import RotatingRim, Rub, load_scene
@@ -253,7 +253,7 @@ def run_scene(
 
 
 def say_left_out(names: object, command: str, as_json: bool, out: Path | None) -> None:
-    """Name on stderr the histories that the JSON document is without, and where they are."""
+    """Name on stderr the histories that are left out of the JSON document, and where they are."""
     if isinstance(names, dict) and names and (as_json or out is not None):
         counted = ", ".join(f"{name} ({count:,} numbers)" for name, count in names.items())
         there = "" if out is None else f"; {out / command}.npz has them"
@@ -261,16 +261,16 @@ def say_left_out(names: object, command: str, as_json: bool, out: Path | None) -
 
 
 def require_solved(command: str, result: "Result", broken: "NumericsError | None") -> None:
-    """End with exit code 3 where a run failed, or has a flag that states it."""
+    """End with exit code 3 if a run failed, or has a flag of failure."""
     failures = [str(flag) for flag in result.flags if flag.failed]
     if broken is not None or failures:
         fail(f"{command}: the numerics failed: {broken or failures[0]}", NUMERICS_FAILED)
 
 
 def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) -> "tuple[Result, NumericsError | None]":
-    """Run a scene; of one that failed or diverged its result so far, and why.
+    """Run a scene; for a failed or diverged run, its result so far and the reason.
 
-    `part` is the file of a run under way, from which it goes on; with one, states are kept, to be drawn.
+    `part` is the file of an unfinished run, from which it continues; with it, states are stored for pictures.
     """
     from contact import NumericsError
     from contact.prepared import prepared
@@ -290,7 +290,10 @@ def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) ->
 
 
 def is_scene(file: Path) -> bool:
-    """Whether a file is a contact scene: TOML with [scene]. The reader of studies reports files that are neither."""
+    """Whether a file is a contact scene, that is TOML with [scene].
+
+    The reader of studies reports files of neither kind.
+    """
     from contact.io.toml import read_toml
 
     try:

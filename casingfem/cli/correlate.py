@@ -1,4 +1,4 @@
-"""A test against a study: correlate, measured shapes with its modes; locate, loose bolts or masses by a table."""
+"""Commands that compare a test with a study: correlate (mode shapes), locate (loose bolts or masses)."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, out: Path | None) -> None:
     """Correlate the mode shapes of SHAPES with the modes of STUDY.
 
-    SHAPES is a universal file with sets 55, or identified.npz of `casingfem identify --out`. Sensors are at the
+    SHAPES is a universal file with data sets 55, or identified.npz of `casingfem identify --out`. Sensors are at the
     points of the file, which must lie on the wall; on an imported mesh at its nearest nodes.
     """
     from casingfem.experiment.correlation.correlate import correlate as compare

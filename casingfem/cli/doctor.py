@@ -24,7 +24,7 @@ PRODUCT = "import numpy as np; assert (np.ones((1000, 40)).T @ np.ones((1000, 8)
 @click.command()
 @options
 def doctor(as_json: bool, out: Path | None) -> None:
-    """Versions, cores, BLAS and its threads, whether numba compiles, and which extras are there."""
+    """Versions, cores, BLAS and its threads, whether numba compiles, and installed extras."""
     document: dict[str, Any] = {
         "python": platform.python_version(),
         "platform": platform.platform(),
@@ -41,7 +41,7 @@ def doctor(as_json: bool, out: Path | None) -> None:
 
 
 def installed(name: str) -> str | None:
-    """Version of a package, None if it is not there."""
+    """Version of a package, None if it is not installed."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:
@@ -60,7 +60,7 @@ def blas() -> str:
 
 
 def products() -> dict[str, object]:
-    """Whether numpy multiplies matrices on this processor, tried in a process of its own."""
+    """Whether numpy's matrix product works on this processor, tested in a separate process."""
     done = subprocess.run([sys.executable, "-c", PRODUCT], capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return {"right": True}
@@ -88,7 +88,7 @@ def numba_compiles() -> dict[str, object]:
 
 
 def machine_code() -> dict[str, object]:
-    """Directories of compiled contact loops that are read, the one that is written, and how many loops they contain."""
+    """Directories of compiled contact loops that are read, the one that is written, and their numbers of loops."""
     from contact.jit import machine_code
 
     read, written = list(machine_code.directories()), machine_code.writable()
@@ -107,14 +107,14 @@ def extras() -> dict[str, dict[str, object]]:
 
 
 def extra_lines(name: str, found: dict[str, Any]) -> list[str]:
-    """An extra in words, and how to install it where it is not."""
+    """Description of an extra, with the install command if it is missing."""
     state = "installed" if found["installed"] else f"not installed ({', '.join(found['missing'])})"
     lines = [f"{'extra ' + name:<30} {state}: {found['for']}"]
     return lines if found["installed"] else [*lines, f"{'':<30} {found['install']}"]
 
 
 def text(document: dict[str, Any]) -> str:
-    """The findings, one a line."""
+    """The findings, one on each line."""
     lines = []
     for key, value in document.items():
         if key == "extras":

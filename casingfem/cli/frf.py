@@ -58,9 +58,9 @@ def frf(
 ) -> None:
     """Frequency responses of the time records RECORDS (.uff, .wav, .mat, .npz, .csv) of a hammer or shaker test.
 
-    Each hit is found by its pulse. Double, cut and clipped hits are left out; each is named. DIR gets the responses and
-    their coherence with the geometry of the records (frfs.uff) for `casingfem identify`, and the page frfs.html: hits,
-    windows, responses, coherence.
+    Each hit is found by its pulse. Double, truncated and clipped hits are left out and listed. DIR gets the responses
+    and their coherence with the geometry of the records (frfs.uff) for `casingfem identify`, and the page frfs.html:
+    hits, windows, responses, coherence.
     """
     from casingfem.experiment.frf.records.channels import read_channels
     from casingfem.experiment.frf.records.estimate import estimate

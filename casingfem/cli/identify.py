@@ -1,4 +1,4 @@
-"""A test: rig makes one on the virtual rig of a study, identify finds modes in measured frequency responses."""
+"""Commands of a test: rig simulates one on the virtual rig of a study, identify finds modes in frequency responses."""
 
 from dataclasses import replace
 from functools import partial
@@ -96,11 +96,11 @@ def identify(
 ) -> None:
     """Modes of the responses FRFS (.uff, .mat, .npz, .h5, .csv, .xlsx): frequency, damping, nodal diameters, angle.
 
-    The program chooses the poles; with --pick you do. Each mode is sure or doubtful. A pair that the data cannot
-    resolve is one mode, and a note names it. DIR gets the frequency table and the shapes (identified.csv,
+    The program chooses the poles; with --pick you choose them. Each mode is sure or doubtful. A pair that the data
+    cannot resolve is one mode, and a note names it. DIR gets the frequency table and the shapes (identified.csv,
     identified.npz) for `casingfem update`, `correlate` and `locate`. It also gets the stabilisation diagram, the fitted
-    responses, and fit.png: mode indicator, fit, residual and coherence over all lines. The page identified.html has
-    them all. With --output-only FRFS is a record of responses to random loads, and the pictures show half spectra of
+    responses, and fit.png: mode indicator, fit, residual and coherence over all lines. The page identified.html shows
+    all of them. With --output-only FRFS is a record of responses to random loads, and the pictures show half spectra of
     their correlations.
     """
     from casingfem.experiment.frf import files as given
@@ -198,7 +198,7 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
     """Test the structure of STUDY on the virtual rig that its [rig] describes.
 
     With --out DIR: frequency responses (frfs.uff with geometry, frfs.npz), their coherence, time records if the study
-    keeps them, the circle scan (scan.npz), the truth behind them (truth.csv), pictures. Everything is marked SYNTHETIC.
+    keeps them, the circle scan (scan.npz), the exact modes (truth.csv), pictures. Everything is marked SYNTHETIC.
     """
     from casingfem.study.rig import run_rig
 
@@ -228,12 +228,12 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
 
 
 def waves_unit(test: "RigTest") -> str:
-    """Unit of the waves' amplitudes: velocities, over the force where the scan has its record."""
+    """Unit of the waves' amplitudes: velocities, divided by force if the scan contains its record."""
     return "m/s" if test.scan is None or test.scan.record.force is None else "(m/s)/N"
 
 
 def words_of_test(test: "RigTest") -> str:
-    """Lines that summarise the test that was simulated."""
+    """Lines that summarise the simulated test."""
     import numpy as np
 
     parts = ["SYNTHETIC: nobody measured this", repr(test.rig), repr(test.truth)]
@@ -250,7 +250,7 @@ def words_of_test(test: "RigTest") -> str:
 
 
 def files_of_test(test: "RigTest", document: dict[str, Any]) -> dict[str, Content]:
-    """Records, truth, document and pictures."""
+    """Records, exact modes, document and pictures."""
     from casingfem.experiment.rig.files import write_rig_uff
     from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
     from casingfem.plot.style import png

@@ -1,4 +1,4 @@
-"""Commands on matrices: import those of another program as a basis, export ours."""
+"""Commands on matrices: import those of another program as a basis, export those of a study."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -13,7 +13,7 @@ TABLE = click.Path(path_type=Path)
 
 
 def node_list(context: click.Context, option: click.Parameter, value: str | None) -> list[int] | None:
-    """Node numbers, as 6,79."""
+    """List of node numbers, such as 6,79."""
     if value is None:
         return None
     parts = [part.strip() for part in value.split(",")]
@@ -56,12 +56,12 @@ def import_matrices(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Reduce the matrices M, K and maybe C, K4 and G of another program to a basis, and state what they are.
+    """Reduce the matrices M, K and maybe C, K4 and G of another program to a basis, and report their properties.
 
     FILE: DMIG cards (.pch, .bdf), OP4, CalculiX's .sti, .mat, HDF5 or npz, or the .mtx files of stiffness and mass.
     A superelement of Nastran: part.op4 part.pch, the latter gives rows (EXTRN), nodes and their axes (GRID, CORD).
     G is a gyroscopic matrix, skew, per rad/s of the speed: name G, or with GYRO or CORIOLIS in it.
-    Reduced sets (Craig-Bampton) are taken alike; their modal dofs are scalars, direction q or 0.
+    Reduced sets (Craig-Bampton) are also accepted; their modal dofs are scalars, direction q or 0.
     """
     from casingfem.errors import InputError
     from casingfem.structure.imported.matrix.read import read_matrices
@@ -112,7 +112,7 @@ def import_matrices(
 def export_matrices(file: Path, form: str, as_json: bool, out: Path | None) -> None:
     """Write the matrices of the structure of STUDY, or of BASIS (an npz), for other programs, SI, to --out DIR.
 
-    A basis becomes channels and scalars; with residual compliance its channels have no mass.
+    A basis is written as channels and scalars; with residual compliance its channels have no mass.
     """
     from casingfem.modal.basis import ModalBasis
     from casingfem.modal.matrices import basis_matrices, structure_matrices

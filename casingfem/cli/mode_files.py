@@ -1,4 +1,4 @@
-"""The files of `casingfem modes`: the table, shapes for ParaView, a universal file; and its modes of a whole wheel."""
+"""Files of `casingfem modes`: the table, shapes for ParaView, a universal file; and modes of a whole wheel."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,14 +36,14 @@ def shape_files(
 
 
 def indices(found: "ModeSet", shown: tuple[int, ...] | None) -> list[int] | None:
-    """The modes chosen, from 0, which must be among those computed."""
+    """Indices of the chosen modes, from 0, which must be among the computed ones."""
     if shown is not None and max(shown) > len(found):
         raise click.UsageError(f"--modes: found {max(shown)}, expected numbers up to the {len(found)} modes computed")
     return None if shown is None else [number - 1 for number in shown]
 
 
 def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma: float) -> str:
-    """The modes as a frequency table with its card, and further columns that only a model has."""
+    """The modes as a frequency table with its comment lines, and further columns that only a model has."""
     from casingfem.experiment.frequency_table import COLUMNS, COMPUTED
 
     source = study.source

@@ -1,4 +1,4 @@
-"""`casingfem example`, `new`, `watch`: examples, a folder to begin with, files run again whenever they are saved."""
+"""`casingfem example`, `new`, `watch`: examples, a start folder, files that are run again whenever they are saved."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -24,10 +24,10 @@ WIDTH = 80  # of the text about an example in the list
 )
 @options
 def example(name: str | None, as_json: bool, out: Path | None) -> None:
-    """Write the example NAME with all it needs, to be run from here; all names if left out.
+    """Write the example NAME with all files it needs, to be run from here; without NAME, list the examples.
 
-    Paths are those of the project's own folder, data/studies and data/scenes, so that the commands of its pages work as
-    they are; with --out DIR they begin with DIR. Nothing is overwritten.
+    Paths are those of the project's own folder, data/studies and data/scenes, so that the commands in the documentation
+    work unchanged; with --out DIR they begin with DIR. Nothing is overwritten.
     """
     known = examples.examples()
     if name is None:
@@ -45,14 +45,14 @@ def example(name: str | None, as_json: bool, out: Path | None) -> None:
 
 
 def listed(known: Mapping[str, examples.AnyExample]) -> str:
-    """A line for each, and how to have one."""
+    """One line for each example, and how to get one."""
     width = max(map(len, known)) + 2
     lines = [f"{e.name:<{width}}{shorten(e.about, WIDTH, placeholder=' ...')}" for e in known.values()]
     return "\n".join([*lines, "casingfem example NAME writes one, with what it needs"])
 
 
 def write(wanted: examples.AnyExample, folder: Path) -> list[Path]:
-    """Write an example and those of the files it needs that are not there yet, from another example."""
+    """Write an example and its missing files, which may be from another example."""
     contents = {file.as_posix(): (examples.DATA / file).read_bytes() for file in wanted.files}
     there = {name for name in contents if (folder / name).exists()}
     same = {name for name in there if (folder / name).is_file() and read_bytes(folder / name) == contents[name]}
@@ -66,9 +66,9 @@ def write(wanted: examples.AnyExample, folder: Path) -> list[Path]:
 @click.argument("name", metavar="NAME", type=click.Path(path_type=Path))
 @options
 def new(name: Path, as_json: bool, out: Path | None) -> None:
-    """A folder NAME with a study, a blade, a scene, a survey and a table to change, which run as they are.
+    """Make a folder NAME with a study, a blade, a scene, a survey and a table, ready to run and to change.
 
-    With --out DIR it is made there.
+    With --out DIR it is made in DIR.
     """
     folder = name if out is None else out / name
     if folder.exists():
@@ -79,7 +79,7 @@ def new(name: Path, as_json: bool, out: Path | None) -> None:
 
 
 def shown(document: dict[str, Any], as_json: bool) -> None:
-    """Print which files were written, and the next command to type."""
+    """Print the written files and the next command to type."""
     lines = [*(f"wrote {path}" for path in document["files"]), "next:", *(f"  {line}" for line in document["next"])]
     deliver(document, "\n".join(lines), as_json=as_json, out=None, files={})
 
@@ -90,9 +90,9 @@ def shown(document: dict[str, Any], as_json: bool) -> None:
 @click.option("--run", "verb", metavar="COMMAND", help="What to run; by what is in FILE if left out.")
 @with_exit_codes
 def watch(file: Path, arguments: tuple[str, ...], verb: str | None) -> NoReturn:
-    """Run a command on FILE, and again whenever FILE or a file that it names is saved; Ctrl-C ends.
+    """Run a command on FILE, and again whenever FILE or a file that it names is saved; end with Ctrl-C.
 
-    OPTIONS, as --out DIR, go to the command. The first run loads what later ones find loaded.
+    OPTIONS, such as --out DIR, are passed to the command. Later runs start faster, since the program stays loaded.
     """
     group = click.get_current_context().find_root().command
     try:
@@ -108,7 +108,7 @@ def watch(file: Path, arguments: tuple[str, ...], verb: str | None) -> NoReturn:
 
 
 def changes(file: Path, sleep: Callable[[float], None] | None = None) -> Iterator[None]:
-    """Once at first, and after each change of a file or of one that it names."""
+    """Yield once at first, and after each change of a file or of one that it names."""
     last = None
     while True:
         now = stamps(file)
@@ -119,7 +119,7 @@ def changes(file: Path, sleep: Callable[[float], None] | None = None) -> Iterato
 
 
 def stamps(file: Path) -> dict[Path, tuple[int, int]]:
-    """When a file and those that it names were changed last, and how large they are; those that are there."""
+    """Time of the last change and size of a file and of the existing files that it names."""
     from contact.io.toml import read_toml
 
     try:
@@ -148,7 +148,7 @@ def verb_of(file: Path) -> str:
 
 
 def run_once(group: click.Command, command: list[str]) -> int:
-    """Run a command in this process; its exit code."""
+    """Run a command in this process; returns its exit code."""
     try:
         group.main(command, prog_name="casingfem", standalone_mode=False)
     except click.ClickException as error:

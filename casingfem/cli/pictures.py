@@ -28,7 +28,7 @@ TOP = 1.2  # times the highest mode: frequencies drawn
 
 
 def with_states(ready: "Prepared") -> "Prepared":
-    """A run that stores states for pictures too, as many as fit into STATES numbers."""
+    """The scene with stored states for pictures, as many as fit into STATES numbers."""
     from dataclasses import replace
 
     from contact.record.record import Record
@@ -41,7 +41,7 @@ def with_states(ready: "Prepared") -> "Prepared":
 def figures(
     scene: "Scene", result: "Result", rim: "RimMotion | None" = None, casing: "Array | None" = None
 ) -> dict[str, "Figure"]:
-    """All pictures that the run has the data for; `rim` and `casing` are its motions where they are known already."""
+    """All pictures that the run's data allow; `rim` and `casing` are its motions if they are known already."""
     from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
     from casingfem.plot.rotor import figure_rotor_run
     from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
@@ -87,7 +87,7 @@ def figures(
 
 
 def over_time(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) -> dict[str, "Figure"]:
-    """Force, gap and motion over time, as "run"; empty where nothing was recorded."""
+    """Force, gap and motion over time, as "run"; empty if nothing was stored."""
     from casingfem.plot.contact import figure_contact
     from contact.rim_motion import rim_motion
 
@@ -98,7 +98,7 @@ def over_time(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) 
 
 
 def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -> dict[str, "Figure"]:
-    """Pictures of a table of dangerous speeds: over speed, and the map at one speed, the worst one if that is 0."""
+    """Pictures of a table of dangerous speeds: over speed, and the map at one speed, by default the worst one."""
     from casingfem.plot.interaction import figure_interactions, figure_map
 
     drawn = {"interactions": figure_interactions(found)}
@@ -110,7 +110,7 @@ def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -
 
 
 def pairs_of(what: object) -> list[tuple[int, float]]:
-    """Nodal diameters and frequency [Hz] of the casing's modes, one of each pair; empty without a rim."""
+    """Nodal diameters and frequency [Hz] of the casing's modes, one for each pair; empty without a rim."""
     from contact.model.gaps.rub import rub_of
     from contact.stability.of_run import casing_diameters
 
@@ -126,7 +126,7 @@ def pairs_of(what: object) -> list[tuple[int, float]]:
 
 
 def marks_of(what: object) -> "list[Mark]":
-    """Frequencies of blade and casing alone, as spectra mark them."""
+    """Frequencies of blade and casing without contact, for marks in spectra."""
     from casingfem.plot.waves import Mark
     from contact.model.gaps.rub import rub_of
 
@@ -157,9 +157,9 @@ def ledger(result: "Result") -> dict[str, float]:
 
 
 def run_files(scene: "Scene", result: "Result", command: str, *, every: bool = False) -> dict[str, Content]:
-    """Pictures as png and the force history, under the names that --out gives them.
+    """Pictures as png and the force history, under their names for --out.
 
-    The picture of the run over time alone, or with `every` all that the run has the data for.
+    By default only the picture of the run over time; with `every` all pictures that the data allow.
     """
     from casingfem.plot.style import png
 
@@ -173,7 +173,7 @@ def run_files(scene: "Scene", result: "Result", command: str, *, every: bool = F
 
 
 def force_files(result: "Result", command: str) -> dict[str, Content]:
-    """The force history: CSV, and parquet where pyarrow is installed."""
+    """The force history: CSV, and parquet if pyarrow is installed."""
     from contact.histories import force_table
 
     table = force_table(result)
@@ -200,9 +200,11 @@ def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
 
 
 def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Content]:
-    """The files of --vtu: casing.vtkhdf, blade.vtkhdf, ... of bodies in their own frames, tips.vtkhdf in the casing's.
+    """Files of --vtu: casing.vtkhdf, blade.vtkhdf, ...
 
-    Raises InputError where no body's basis has a recovery, and where no states were stored.
+    of bodies in their own frames, tips.vtkhdf in the casing's frame.
+
+    Raises InputError if no body's basis has a recovery, or no states were stored.
     """
     from casingfem.export.meshes import frames, motion_files, point_files
     from contact.base.errors import InputError

@@ -1,8 +1,8 @@
 """Progress of a long command on stderr: current work, elapsed time, estimated remaining time.
 
-A terminal gets one line that changes. A file or a pipe gets whole lines, the first after two seconds, then fewer and
-fewer. `CASINGFEM_PROGRESS=off` turns both off. A command states its steps; what a step reports
-(`contact.io.progress`) is shown behind them, with the time left of that step.
+On a terminal one line changes. A file or a pipe gets whole lines, the first after two seconds, then less and less
+often. `CASINGFEM_PROGRESS=off` turns both off. A command states its steps; what a step reports (`contact.io.progress`)
+is shown after it, with the remaining time of that step.
 """
 
 import os
@@ -21,7 +21,7 @@ SWITCH = "CASINGFEM_PROGRESS"
 
 
 def duration(seconds: float) -> str:
-    """Return a time in words.
+    """A time in words.
 
     >>> duration(7.4), duration(200.0), duration(7500.0)
     ('7 s', '3 min 20 s', '2 h 5 min')
@@ -35,8 +35,8 @@ def duration(seconds: float) -> str:
 class ProgressMessage:
     """Progress display of a long command; `say` changes the text and the finished share.
 
-    The remaining time is the time since the first share divided by what was done since, times what is left. Where
-    `say` gives no share, the share that the computation reports to `tell` counts.
+    The remaining time is the time since the first reported share, divided by the progress since then, times the rest.
+    If `say` gives no share, the share that the computation reports to `tell` is used.
 
     >>> with ProgressMessage("modes") as working:
     ...     working.say("modes: assembling")
@@ -83,14 +83,14 @@ class ProgressMessage:
     def tell(self, words: str, done: float | None = None, most: bool = False) -> None:
         """Show the progress of the current step; its share counts if that of the command is unknown.
 
-        `most`: the share is that of the most there can be, so that less time may be left.
+        `most`: the share refers to the largest possible number of steps, so that less time may remain.
         """
         self._detail, self._most = words, most
         if not self._whole:
             self._reach(done)
 
     def _reach(self, done: float | None) -> None:
-        """Keep the share; one that falls is that of another step, timed from now on."""
+        """Store the share; a smaller share belongs to another step, which is timed from now on."""
         if done is None:
             self._since = None
         elif self._since is None or self._done is None or done < self._done:

@@ -1,4 +1,4 @@
-"""`casingfem recover DIR`: finish, restore or remove files of a killed writer in a folder."""
+"""`casingfem recover DIR`: complete, restore or remove files of a killed writer in a folder."""
 
 from pathlib import Path
 
@@ -17,10 +17,10 @@ SHOWN = 6  # names of files
 @click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
 @with_exit_codes
 def recover(folder: Path, as_json: bool) -> None:
-    """Finish the set of result files in DIR whose writer was killed, or put the files before it back.
+    """Complete the set of result files in DIR whose writer was killed, or restore the previous files.
 
-    Old files come back where a new one is damaged. Only files that the manifest of the set names are touched, and none
-    of them where one was changed since.
+    Old files are restored if a new one is damaged. Only files that the manifest of the set names are changed, and none
+    if one was modified since.
     """
     found = recovered(folder)
     former = (folder / FORMER).is_dir() and not (folder / FORMER).is_symlink()
@@ -52,6 +52,6 @@ def words(folder: Path, found: Recovery, former: bool) -> str:
 
 
 def listed(names: tuple[str, ...]) -> str:
-    """Some names, and how many more."""
+    """Some names, and the number of further ones."""
     more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
     return ", ".join(names[:SHOWN]) + more

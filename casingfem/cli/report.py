@@ -1,4 +1,4 @@
-"""`casingfem report`: one page on studies and scenes."""
+"""`casingfem report`: one page about studies and scenes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Part(NamedTuple):
-    """The page on one file, facts for the JSON document, and the run of a scene with the error that ended it."""
+    """The page about one file, facts for the JSON document, and the run of a scene with any error that ended it."""
 
     page: "Page"
     facts: dict[str, Any]
@@ -25,7 +25,7 @@ class Part(NamedTuple):
 
 
 def write_report(files: Sequence[Path], as_json: bool, folder: Path) -> None:
-    """Write the page; of a run that failed or diverged too, which then ends with exit code 3."""
+    """Write the page, also for a failed or diverged run, which then ends with exit code 3."""
     from casingfem.plot.page import render_pages
 
     names = [STORES["report"]] if len(files) == 1 else [f"part{k}.{STORES['report']}" for k in range(1, len(files) + 1)]
@@ -56,7 +56,7 @@ def study_part(file: Path) -> Part:
 
 
 def scene_part(file: Path, store: Path) -> Part:
-    """Run a scene, which goes on from `store`, and make its page."""
+    """Run a scene, which continues from `store`, and make its page."""
     from casingfem.cli.scene_page import page
     from contact import load_scene
 

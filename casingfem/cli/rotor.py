@@ -1,4 +1,4 @@
-"""`casingfem campbell` of a scene of a rotor: whirl frequencies over speed, critical speeds, unbalance response."""
+"""`casingfem campbell` for a scene of a rotor: whirl frequencies over speed, critical speeds, unbalance response."""
 
 from pathlib import Path
 

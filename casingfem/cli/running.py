@@ -38,7 +38,7 @@ def options(command: Callable[P, R]) -> Callable[P, R]:
 
 
 def free_way(context: click.Context, parameter: click.Parameter, out: Path | None) -> Path | None:
-    """--out, refused before anything is computed where a file is in its way."""
+    """The --out option; a file in its place is refused before any computation."""
     way = None if out is None else in_the_way(out.parent if out.suffix == ".npz" else out)
     if way is not None:
         fail(f"{out}: {way}", BAD_INPUT)
@@ -46,7 +46,7 @@ def free_way(context: click.Context, parameter: click.Parameter, out: Path | Non
 
 
 def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
-    """Turn errors into messages on stderr and exit codes; nothing else is caught."""
+    """Convert errors to messages on stderr and exit codes; nothing else is caught."""
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -75,7 +75,7 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
 
 
 def what_is_safe(command: str | None, out: object) -> str:
-    """One sentence after Ctrl-C: which results are kept, and how to continue."""
+    """One sentence after Ctrl-C: which results are stored, and how to continue."""
     store = STORES.get(command or "")
     if isinstance(out, Path) and store:
         return f"stopped: what is finished is safe in {out / store}; the same command goes on from there"
@@ -85,7 +85,7 @@ def what_is_safe(command: str | None, out: object) -> str:
 
 
 def is_own_error(error: Exception) -> bool:
-    """Whether an error is one of the two packages' own, meant for the user."""
+    """Whether an error belongs to one of the two packages, and is meant for the user."""
     modules = {base.__module__.partition(".")[0] for base in type(error).__mro__}
     return bool(modules & {"casingfem", "contact"}) or singular(error)
 
@@ -106,7 +106,7 @@ def fail(message: str, code: int) -> NoReturn:
 def deliver(
     document: Mapping[str, Any], text: str, *, as_json: bool, out: Path | None, files: Mapping[str, Content]
 ) -> None:
-    """Write the files, then print the document or the text and where the files went."""
+    """Write the files, then print the document, or the text and the paths of the files."""
     written: list[Path] = []
     if out is not None and files:
         from casingfem.cli.tables import parquets
@@ -130,7 +130,7 @@ def collected() -> list[dict[str, str]]:
 
 @contextmanager
 def collecting() -> Iterator[None]:
-    """Print and keep warnings about the model while a command runs; others go the usual way."""
+    """Print and keep warnings about the model while a command runs; other warnings are handled as usual."""
     _collected.clear()
     with warnings.catch_warnings():
         for category in CODED:
@@ -148,7 +148,7 @@ def collecting() -> Iterator[None]:
 
 
 def collect(warning: ModelWarning | SceneWarning) -> None:
-    """Keep and print a warning that was not there before."""
+    """Keep and print a warning that is new."""
     entry = {"code": warning.code, "message": str(warning)}
     if entry not in _collected and sum(other["code"] == warning.code for other in _collected) < MOST:
         _collected.append(entry)
@@ -156,7 +156,7 @@ def collect(warning: ModelWarning | SceneWarning) -> None:
 
 
 def source_of(file: Path) -> dict[str, str]:
-    """Name and hash of an input file and the versions of the program: the provenance on a page."""
+    """Name and hash of an input file and the versions of the program, as shown on a page."""
     from contact.version import versions
 
     return {"file": file.name, "sha256": hashlib.sha256(read_bytes(file)).hexdigest(), **versions()}

@@ -1,4 +1,4 @@
-"""The page on a scene that was run: results of the run, dangerous speeds, limits of the rim."""
+"""The page about a scene: results of the run, dangerous speeds, limits of the rim."""
 
 import math
 from collections.abc import Callable
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> "Page":
-    """The page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
+    """The page about a scene; for rims, rubs and disks with the table of dangerous speeds and a film."""
     from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.pages.scene import scene_page
     from contact.histories import rub_film
@@ -44,7 +44,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
 
 
 def table_of(file: Path) -> "tuple[Interactions | None, str]":
-    """The table of dangerous speeds of a scene, or why there is none."""
+    """The table of dangerous speeds of a scene, or the reason why there is none."""
     from contact.base.errors import InputError
     from contact.scene.stability import load_interactions
 
@@ -55,7 +55,7 @@ def table_of(file: Path) -> "tuple[Interactions | None, str]":
 
 
 def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "Ran":
-    """The page's statements on a run, all contacts together."""
+    """Results of a run for the page, all contacts together."""
     from casingfem.plot.pages.scene import Ran
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub

@@ -1,4 +1,4 @@
-"""`casingfem schema`: the keys of study.toml and scene.toml, on a screen or as JSON schema; `explain`: the codes."""
+"""`casingfem schema`: keys of study.toml and scene.toml, as text or JSON schema; `explain`: error codes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def keys_of(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
-    """The tables that begin with this, for the shell."""
+    """Tables whose names begin with a text, for completion in the shell."""
     from contact.io.tables import keys
 
     known = {*roots(), "scene", *(name for model in roots().values() for name in keys(model))}
@@ -28,7 +28,7 @@ def keys_of(context: click.Context, parameter: click.Parameter, text: str) -> li
 @click.argument("key", required=False, shell_complete=keys_of)
 @options
 def schema(key: str | None, as_json: bool, out: Path | None) -> None:
-    """The table or key KEY of study.toml and scene.toml on a screen; the names of all tables if left out.
+    """Describe the table or key KEY of study.toml and scene.toml; without KEY, list the names of all tables.
 
     KEY is written as in a file: chart, support.base, update.parameter. Kinds of tables and of scenes may be part of it:
     chart.frustum, rub.contact; study, scene and a kind of scene name all their tables. Without KEY, --json and --out
@@ -51,7 +51,7 @@ def schema(key: str | None, as_json: bool, out: Path | None) -> None:
 
 
 def overview() -> str:
-    """The tables of each kind of file, a line each."""
+    """Tables of each kind of file, one on each line."""
     from contact.io.tables import keys, members
 
     lines = ["Tables by kind of file; `casingfem schema KEY` explains one, --json prints the JSON schemas."]
@@ -91,7 +91,7 @@ def explained(key: str) -> list[dict[str, Any]]:
 
 
 def walked(root: "Model", path: Sequence[str]) -> tuple[Any, ...]:
-    """The table models that a path leads to, or the last key with its model; empty where it leads nowhere."""
+    """The table models at the end of a path, or the last key with its model; empty for a wrong path."""
     from contact.io.tables import keys, kinds, members
 
     found, named = [root], False
@@ -113,7 +113,7 @@ def walked(root: "Model", path: Sequence[str]) -> tuple[Any, ...]:
 
 
 def explanation(key: str, end: tuple[Any, ...], files: list[str]) -> dict[str, Any]:
-    """One table, its kinds, or one key."""
+    """Description of one table, its kinds, or one key."""
     from contact.io.tables import keys, kinds
 
     where = "" if files == ["study"] else f" ({', '.join(files)})"
@@ -139,7 +139,7 @@ def listed(title: str, model: "Model") -> dict[str, Any]:
 
 
 def headline(model: "Model") -> str:
-    """The first sentence of a table's docstring, without the name that is before it."""
+    """First sentence of a table's docstring, without the table's name."""
     text = " ".join((model.__doc__ or "").partition("\n\n")[0].split())
     head, mark, rest = text.partition(": ")
     return rest if mark and head.startswith("[") else text
@@ -153,7 +153,7 @@ def headline_of(end: tuple[Any, ...]) -> str:
 
 
 def described(name: str, info: Any, wide: int) -> list[str]:
-    """A key: its meaning, its allowed values, its default. A table's fit on one line where that has at most 80."""
+    """A key: its meaning, allowed values and default. A table's key gets one line if that has at most 80 characters."""
     from contact.io.tables import type_words
 
     meaning, values = f"  {name:<{wide}}  {info.description}", f"{type_words(info)}; {kept(info)}"
@@ -177,7 +177,7 @@ def kept(info: Any) -> str:
 @click.argument("code", required=False, shell_complete=lambda *given: [c for c in CATALOGUE if c.startswith(given[2])])
 @options
 def explain(code: str | None, as_json: bool, out: Path | None) -> None:
-    """The cause of an error or warning by its CODE, and the remedy; all codes if left out."""
+    """Print cause and remedy of an error or warning by its CODE; without CODE, of all codes."""
     wanted = list(CATALOGUE) if code is None else [code.strip("[]")]
     for name in wanted:
         if name not in CATALOGUE:

@@ -40,7 +40,7 @@ def chart_study(file: Path) -> "Study":
 
 
 def numbers(context: click.Context, option: click.Parameter, value: str | None) -> tuple[int, ...] | None:
-    """Mode numbers, as 1,2,5: from 1, each once, in the order given."""
+    """List of mode numbers, such as 1,2,5: from 1, each once, in the given order."""
     if value is None:
         return None
     parts = [part.strip() for part in value.split(",")]
@@ -62,10 +62,10 @@ def numbers(context: click.Context, option: click.Parameter, value: str | None) 
 def modes(
     file: Path, as_json: bool, out: Path | None, vtu: bool, uff: bool, shown: tuple[int, ...] | None, sigma: float
 ) -> None:
-    """Modes of the structure of STUDY, labelled and counted.
+    """Modes of the structure of STUDY, with their labels and counts.
 
-    --out DIR draws the frequencies, and the rim of a casing. Its modes.csv is a frequency table, which `casingfem
-    locate` and `update` take; it is marked COMPUTED.
+    --out DIR gets pictures of the frequencies and of the rim of a casing, and modes.csv. This is a frequency table for
+    `casingfem locate` and `update`, marked COMPUTED.
     """
     from casingfem.modal.modes import modes as compute
     from casingfem.study import MeshStudy
@@ -111,10 +111,10 @@ def modes(
 def campbell(
     file: Path, as_json: bool, out: Path | None, to_hz: float | None, steps: int, count: int, orders: int
 ) -> None:
-    """Frequencies of the turning structure of STUDY over speed, and where engine orders meet them.
+    """Frequencies of the rotating structure of STUDY over speed, and their crossings with engine orders.
 
-    The structure is a shell on a chart or an imported part; both need a [rotation]. Of a scene of kind rotor: whirl
-    frequencies, critical speeds and the orbit under its unbalance.
+    The structure is a shell on a chart or an imported part; both need a [rotation]. For a scene of kind rotor: whirl
+    frequencies, critical speeds and the orbit due to its unbalance.
     """
     import numpy as np
 
@@ -152,7 +152,7 @@ def campbell(
 )
 @options
 def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterior: str | None) -> None:
-    """Fit the parameters of STUDY to its measured frequency table, and mode shapes where it names them.
+    """Fit the parameters of STUDY to its measured frequency table, and to mode shapes if it names them.
 
     --out DIR gets the document, the updated study, and the page update.html.
     """
@@ -193,7 +193,7 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
 def reduce(file: Path, as_json: bool, out: Path | None) -> None:
     """Reduce the structure of STUDY to a modal basis at its interface.
 
-    The basis is written to --out DIR, else beside STUDY if its key reduce.out names the file.
+    The basis is written to --out DIR, by default next to STUDY if its key reduce.out names the file.
     """
     from casingfem.study.tasks import run_reduce
 
@@ -227,9 +227,9 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @options
 def report(files: tuple[Path, ...], as_json: bool, out: Path | None) -> None:
-    """Write report.html on FILE, a study or a contact scene, to --out DIR (here if left out).
+    """Write report.html about FILE, a study or a contact scene, to --out DIR (by default here).
 
-    A scene is run. Of several files the page has one part each: a blade, its casing, the scenes of both.
+    A scene is run. With several files the page has a part for each: a blade, its casing, the scenes of both.
     """
     from casingfem.cli.report import write_report
 

@@ -1,4 +1,4 @@
-"""Many runs: sweep, of one scene over the keys that its [sweep] varies; mistune, draws of a casing's random fields."""
+"""Many runs: sweep varies keys of one scene; mistune draws a casing's random fields."""
 
 from collections import Counter
 from pathlib import Path
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
     """Run SCENE over the keys that its [sweep] varies: one table, one picture, one page.
 
-    With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
-    Runs that are refused, fail or diverge are rows with the reason, counted on stderr. The exit code is 0 if at least
-    one run is done, 3 if none is.
+    With --out DIR every finished run is stored in DIR/store, so the same command continues an interrupted sweep. Runs
+    that are refused, fail or diverge are rows with the reason, counted on stderr. The exit code is 0 if at least one
+    run succeeds, else 3.
     """
     from contact.sweep.plan import load_sweep
     from contact.sweep.sweep import run_sweep
@@ -86,7 +86,7 @@ def words(found: "SweepResult", seconds: float) -> str:
 def motion_words(
     keys: "Sequence[str]", rows: "Sequence[Mapping[str, Any]]", values: "Sequence[Sequence[object]]"
 ) -> list[str]:
-    """Lines on the motions that grow, are bounded, decay; the fastest growth with its interval, wave and source."""
+    """Lines on growing, bounded and decaying motions; the fastest growth with its interval, wave and source."""
     count = Counter(str(row["motion"]) for row in rows if row.get("motion"))
     if not count:
         return []
@@ -105,7 +105,7 @@ def motion_words(
 
 
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
-    """The table, the document, the page, and the picture where numbers were varied."""
+    """The table, the document, the page, and a picture if numbers were varied."""
     from casingfem.plot.pages.sweep import sweep_page
     from contact.sweep.columns import MEASURED
     from contact.sweep.sweep import table
@@ -136,7 +136,7 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
 def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: Path | None) -> None:
     """Splits and orientations of the pairs of STUDY over draws of its random imperfections.
 
-    With --out DIR finished draws are kept in DIR/draws: the same command goes on where a run was broken off.
+    With --out DIR finished draws are stored in DIR/draws, so the same command continues an interrupted run.
     """
     from casingfem.study.mistuning import run_mistune
 

@@ -1,4 +1,4 @@
-"""Tables as files: CSV, and parquet beside it where pyarrow is installed."""
+"""Tables as files: CSV, and also parquet if pyarrow is installed."""
 
 import csv
 import io
@@ -12,7 +12,7 @@ from contact.io.outfiles import Content
 
 
 def csv_text(rows: Iterable[Mapping[str, Any]], card: str = "", columns: Iterable[str] = ()) -> str:
-    r"""Rows as CSV under their names, or those of `columns`, each line of the card above; none and nan are empty cells.
+    r"""Rows as CSV under their names, or those of `columns`, after comment lines; None and nan become empty cells.
 
     >>> csv_text([{"mode": 1, "freq_hz": 371.2}, {"mode": 2, "freq_hz": float("nan")}], "COMPUTED")
     '# COMPUTED\nmode,freq_hz\n1,371.2\n2,\n'
@@ -28,7 +28,7 @@ def csv_text(rows: Iterable[Mapping[str, Any]], card: str = "", columns: Iterabl
 
 
 def parquets(files: Mapping[str, Content]) -> dict[str, Content]:
-    """The tables among some files as parquet too, where pyarrow, which is nobody's dependency, is installed."""
+    """Also the tables among some files as parquet, if the optional package pyarrow is installed."""
     if find_spec("pyarrow") is None:
         return {}
     tables = {name: text for name, text in files.items() if name.endswith(".csv") and isinstance(text, str)}
@@ -36,7 +36,7 @@ def parquets(files: Mapping[str, Content]) -> dict[str, Content]:
 
 
 def of_csv(text: str) -> Callable[[Path], None]:
-    """Writer of the table of a CSV text, its card left out."""
+    """Writer of the table in a CSV text, without its comment lines."""
     body = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("#")).encode("utf-8")
 
     def write(path: Path) -> None:
@@ -47,7 +47,7 @@ def of_csv(text: str) -> Callable[[Path], None]:
 
 
 def of_columns(columns: Mapping[str, Any]) -> Callable[[Path], None]:
-    """Writer of a table by its columns."""
+    """Writer of a table given by its columns."""
 
     def write(path: Path) -> None:
         arrow: Any = import_module("pyarrow")

@@ -1,4 +1,4 @@
-"""Measured data: frequency tables and their correlation with a model."""
+"""Measured data: frequency tables, frequency responses, mode shapes, and their correlation with a model."""
 
 import lazy_loader
 

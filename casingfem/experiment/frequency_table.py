@@ -58,19 +58,19 @@ class FrequencyTable(Reported):
 
     Parameters
     ----------
-    mode : the test's own mode numbers, each once
-    n : nodal diameters, -1 where the test does not state it
+    mode : mode numbers of the test, each once
+    n : nodal diameters, -1 if the test does not state them
     freq_hz, sigma_hz : frequency and its standard uncertainty, Hz
     angle_deg : orientation of an antinode, deg, nan where unknown
     zeta : damping ratio, nan where unknown
-    card : source lines, without the '#'; the first one is marked SYNTHETIC when nobody measured it
-    path : where it was read from
-    extra : further columns of the file by name, as text: kept, written again, and used by nobody
+    card : comment lines, without the '#'; the first one is marked SYNTHETIC if the data are not measured
+    path : the file that was read
+    extra : further columns of the file by name, as text: stored and written again, but not used
 
     Raises
     ------
     InputError
-        Values out of range, repeated mode numbers, arrays of different lengths, no rows.
+        Values are out of range, mode numbers repeat, arrays differ in length, or there are no rows.
 
     Examples
     --------
@@ -119,7 +119,7 @@ class FrequencyTable(Reported):
         synthetic: bool = False,
         path: str = "table",
     ) -> FrequencyTable:
-        """Build from arrays or scalars broadcast to the frequencies; ``synthetic`` marks the card."""
+        """Build from arrays or scalars broadcast to the frequencies; ``synthetic`` marks the first comment line."""
         freq = np.atleast_1d(np.asarray(freq_hz, float))
         lines = tuple(card)
         if synthetic and not (lines and _says_synthetic(lines[0])):
@@ -139,21 +139,21 @@ class FrequencyTable(Reported):
     def from_csv(cls, path: str | os.PathLike[str], *, sigma: float | None = None) -> FrequencyTable:
         """Read mode,n,freq_hz,sigma_hz,angle_deg,zeta; n, angle_deg, zeta may be empty or absent.
 
-        Names of columns are read without regard to case, with units in brackets, by common words, and units are
-        converted: `Frequency [kHz]`, `Nodal diameter`, `Damping [%]` (`casingfem.io.columns`). The table of
-        `casingfem modes --out` is read too, without what it states beyond these. Other columns are kept and used by
-        nobody, unless one resembles a misspelt name of one that is missing. `sigma`, relative to the frequency,
-        represents sigma_hz where the row or the file states nothing.
+        Column names may differ in case, have units in brackets, or be common words; units are converted: `Frequency
+        [kHz]`, `Nodal diameter`, `Damping [%]` (`casingfem.io.columns`). The table of `casingfem modes --out` is read
+        too, without its additional values. Other columns are stored but not used; one that resembles the name of a
+        missing column is refused as misspelt. `sigma`, relative to the frequency, replaces sigma_hz if the row or the
+        file does not state it.
 
         Warns
         -----
         ModelWarning
-            `table-columns`: columns that are used by nobody.
+            `table-columns`: columns that are not used.
 
         Raises
         ------
         InputError
-            Everything that is not exactly such a table, with file, line and column.
+            Every deviation from such a table, with file, line and column.
         """
         csv = named(read(path), TABLE)
         extra = _extra_columns(csv, sigma)
@@ -181,7 +181,7 @@ class FrequencyTable(Reported):
 
     @property
     def synthetic(self) -> bool:
-        """Whether the card's first line is marked SYNTHETIC: no one measured this."""
+        """Whether the first comment line is marked SYNTHETIC: the data are not measured."""
         return bool(self.card) and _says_synthetic(self.card[0])
 
     def groups(self) -> tuple[Group, ...]:
@@ -203,7 +203,7 @@ class FrequencyTable(Reported):
         Raises
         ------
         ValueError
-            A mode number the table does not have; leaving out all rows.
+            A mode number is not in the table, or all rows are left out.
         """
         missing = sorted(set(modes) - set(self.mode.tolist()))
         if missing:
@@ -217,7 +217,7 @@ class FrequencyTable(Reported):
         return int(self.mode.size)
 
     def columns(self) -> dict[str, Any]:
-        """One row a mode, the file's further columns too; n is None and numbers are nan where the test has none."""
+        """One row for each mode, with the file's further columns; n is None and numbers nan if the test has none."""
         return {column.name: column.values(self) for column in TABLE_COLUMNS} | dict(self.extra)
 
     def __repr__(self) -> str:
@@ -275,7 +275,7 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
 
 
 def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
-    """Refuse values out of range, with their lines; -1 represents an empty n only in memory."""
+    """Refuse values out of range, with their lines; only in memory does -1 mean an empty n."""
     written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
     wrong = list[InputError]()
     for row, name in sorted(_faults(columns) + written):

@@ -1,4 +1,4 @@
-"""Find the rows of a frequency table that are the two members of one doublet."""
+"""Rows of a frequency table that are the two members of one doublet."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -13,20 +13,20 @@ WIDEST_SPLIT = 0.15
 
 @dataclass(frozen=True, slots=True)
 class Single:
-    """One row on its own: n = 0, unlabelled, or its partner was not measured."""
+    """A single row: n = 0, unlabelled, or without a measured partner."""
 
     row: int
     n: int
 
     @property
     def rows(self) -> tuple[int, ...]:
-        """The row as a tuple, as a Doublet has it."""
+        """The row as a tuple, as in Doublet."""
         return (self.row,)
 
 
 @dataclass(frozen=True, slots=True)
 class Doublet:
-    """Two rows (lower, upper) of one n that are one split mode."""
+    """Two rows (lower, upper) of the same n that form a split pair."""
 
     rows: tuple[int, int]
     n: int
@@ -38,10 +38,9 @@ Group: TypeAlias = Single | Doublet
 def grouped(n: IntArray, freq_hz: FloatArray, angle_deg: FloatArray) -> tuple[Group, ...]:
     """Group rows (rows,) into doublets and singles, ascending in frequency.
 
-    Among the rows of one n >= 1 in ascending order, neighbours closer than 15 % may be a
-    doublet, the closest first, each row once.  If both orientations are known they must
-    differ by about 90/n deg (modulo 180/n, nearer to that than to 0).  All other rows,
-    n = 0 and n = -1 (no label) among them, stay single.
+    Among the rows of one n >= 1 in ascending order, neighbours closer than 15 % may be a doublet, the closest first,
+    each row once. If both orientations are known they must differ by about 90/n deg (modulo 180/n, nearer to that than
+    to 0). All other rows, including n = 0 and n = -1 (no label), stay single.
 
     Examples
     --------
@@ -71,7 +70,7 @@ def grouped(n: IntArray, freq_hz: FloatArray, angle_deg: FloatArray) -> tuple[Gr
 
 
 def _orthogonal(a: float, b: float, n: int) -> bool:
-    """Whether two orientations [deg] may be those of a doublet; unknown ones may."""
+    """Whether two orientations [deg] may belong to a doublet; true if one is unknown."""
     if np.isnan(a) or np.isnan(b):
         return True
     period = 180.0 / n

@@ -1,4 +1,4 @@
-"""Round the circumference: orientations from sensors on a circle, and scans by a running laser spot."""
+"""Measurements around the circumference: orientations from sensors on a circle, and scans by a moving laser spot."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""The lines of a circle scan: where they are, whether a record distinguishes them, their fit and the noise beside."""
+"""Spectral lines of a circle scan: frequencies, resolution, fit, and the noise around them."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -19,7 +19,7 @@ BESIDE = (3, 30)  # bins beside a line whose residual is its noise floor
 
 
 def line_frequencies(tones: Sequence[float], n: IntArray, rate: float, runout: int = 0) -> FloatArray:
-    """|f + n W| of all tones and orders, then k W of the run-out [Hz].
+    """Frequencies |f + n W| of all tones and orders, then k W of the run-out [Hz].
 
     >>> line_frequencies([100.0], np.array([-2, 2]), 3.0, runout=1).tolist()
     [94.0, 106.0, 0.0, 3.0]
@@ -29,7 +29,7 @@ def line_frequencies(tones: Sequence[float], n: IntArray, rate: float, runout: i
 
 
 def closest(freq: FloatArray) -> tuple[int, int, float]:
-    """The two lines that are closest together, and their distance [Hz]."""
+    """The two closest lines, and their distance [Hz]."""
     rank = np.argsort(freq, kind="stable")
     gaps = np.diff(freq[rank])
     k = int(gaps.argmin()) if len(gaps) else 0
@@ -39,7 +39,7 @@ def closest(freq: FloatArray) -> tuple[int, int, float]:
 def clear_rate(
     tones: Sequence[float], n: IntArray, rate: float, seconds: float, fs: float, runout: int = 0
 ) -> float | None:
-    """The rate nearest to `rate` at which all lines are at least two bins apart, None if there is none nearby."""
+    """The rate nearest to `rate` at which all lines are at least two bins apart; None if there is none nearby."""
     for factor in sorted(TRIED, key=lambda f: abs(np.log(f))):
         freq = line_frequencies(tones, n, rate * factor, runout)
         if closest(freq)[2] * seconds >= 2.0 * RESOLVED and freq.max() < 0.5 * fs:
@@ -53,7 +53,7 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
     Raises
     ------
     InputError
-        Too few turns; lines above fs/2; two lines closer than one bin.
+        The record has too few turns, lines above fs/2, or two lines closer than one bin.
     """
     turns = abs(rate) * seconds
     if turns < TURNS:
@@ -76,7 +76,7 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
 
 
 def name(line: int, tones: Sequence[float], n: IntArray) -> str:
-    """A line in words."""
+    """Description of a line."""
     if line >= len(tones) * len(n):
         return f"the run-out's harmonic {line - len(tones) * len(n)}"
     order = int(n[line % len(n)])
@@ -86,8 +86,8 @@ def name(line: int, tones: Sequence[float], n: IntArray) -> str:
 class LineFit(NamedTuple):
     """Complex amplitudes of lines, their uncertainty, the noise floor near them, (lines,), and the residual.
 
-    `left` is the residual's rms over that of white noise with the residual's median spectrum: 1 where only noise is
-    left, more where there are lines that were not fitted.
+    `left` is the residual's rms over that of white noise with the residual's median spectrum: 1 if only noise remains,
+    more if there are lines that were not fitted.
     """
 
     amplitude: Array
@@ -124,7 +124,7 @@ def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> LineF
 
 
 def columns(record: ScanRecord, omega: FloatArray, order: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
-    """Parts of the record, and there Re and -Im of e^(i (omega t + n theta)), (samples, 2 lines)."""
+    """Blocks of the record, each with Re and -Im of e^(i (omega t + n theta)), (samples, 2 lines)."""
     for start in range(0, len(record.velocity), BLOCK):
         part = slice(start, min(start + BLOCK, len(record.velocity)))
         time = np.arange(part.start, part.stop) / record.fs
@@ -133,15 +133,15 @@ def columns(record: ScanRecord, omega: FloatArray, order: FloatArray) -> Iterato
 
 
 def white_level(residual: FloatArray) -> FloatArray:
-    """Power spectrum (Hann) that is the variance for white noise, (count/2 + 1,)."""
+    """Power spectrum (Hann), scaled so that white noise has its variance, (count/2 + 1,)."""
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(len(residual)) / len(residual))
     return np.asarray(np.abs(np.fft.rfft(residual * window)) ** 2 / np.sum(window**2))
 
 
 def noise_beside(power: FloatArray, count: int, fs: float, freq: FloatArray) -> FloatArray:
-    """Variance that white noise as strong as the residual beside each line would have, (lines,).
+    """Variance of white noise as strong as the residual around each line, (lines,).
 
-    From the median of the spectrum beside the line: what else is there does not count.
+    The median of the spectrum around the line is used, which ignores other lines.
     """
     centre = np.rint(freq * count / fs).astype(np.int64)
     away = np.arange(BESIDE[0], BESIDE[1] + 1)

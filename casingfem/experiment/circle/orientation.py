@@ -1,9 +1,9 @@
-"""Sensors on a circle: which n a shape has, how pure it is, where its antinode lies, and how sure that is.
+"""Sensors on a circle: n of a shape, purity, angle of its antinode, and the uncertainty of the angle.
 
 A shape with n nodal diameters has a cos n theta + b sin n theta at the sensors; sensors may be missing or uneven, so
-(a, b) comes by least squares. Two n that are alike at the sensors (n and 24 - n on 24 even ones) cannot be
-distinguished; the labels end below the first such n. An n whose sine or cosine no sensor sees (12 on 24 even ones) is
-none.
+(a, b) is found by least squares. Two n with equal values at the sensors (n and 24 - n on 24 even ones) cannot be
+distinguished; the labels end below the first such n. An n whose sine or cosine vanishes at all sensors (12 on 24 even
+ones) is not used.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ SETTLED = 5e-3  # relative change of every v_m in a round that ends it
 
 
 class Label(NamedTuple):
-    """Nodal diameters of a shape (-1: none fits), their share of its energy, its antinode [rad] (nan where n < 1)."""
+    """Nodal diameters of a shape (-1: none fits), their share of its energy, its antinode [rad] (nan if n < 1)."""
 
     n: int
     purity: float
@@ -40,7 +40,7 @@ class Label(NamedTuple):
 
 
 class Others(NamedTuple):
-    """Variances v_m of the other waves of a shape, and how many numbers of each the sensors show, both (waves,)."""
+    """Variances v_m of the other waves of a shape, and how many components of each the sensors resolve, (waves,)."""
 
     variance: FloatArray
     shown: FloatArray
@@ -81,7 +81,9 @@ class Circle:
         return max(self.orders, default=-1)
 
     def alike(self, n: int) -> IntArray:
-        """The two waves above all labels that resemble n most at the sensors, (2,): S - n and S + n on S even ones.
+        """The two waves above all labels that are most similar to n at the sensors, (2,).
+
+        S - n and S + n on S even ones.
 
         >>> Circle.of(np.arange(16) * np.pi / 8).alike(7).tolist()
         [9, 23]
@@ -91,7 +93,7 @@ class Circle:
         return np.sort(above[np.argsort(-np.round(shares, 6), kind="stable")[:2]])
 
     def label(self, shape: FloatArray) -> Label:
-        """The n of a shape (sensors,), whose sine and cosine take most energy, and the angle of its antinode.
+        """The n of a shape (sensors,) whose sine and cosine contain most energy, and the angle of its antinode.
 
         >>> theta = np.array([0.0, 0.5, 1.1, 1.5, 2.1, 2.9, 3.3, 4.2, 5.0, 5.7])
         >>> found = Circle.of(theta).label(np.cos(3 * theta - 0.6))
@@ -112,13 +114,13 @@ class Circle:
     ) -> tuple[float, float]:
         """Antinode [rad] of a shape (sensors,) with this covariance (sensors, sensors), and its uncertainty.
 
-        All waves but n, up to 64, are random, each of a size that the shape itself shows, times `sizes` (65,) where
-        they are given. They turn the antinode, and so enter its uncertainty (`others_of`). This is so for waves far
-        above the largest label too: on few sensors they resemble the label, and the shape does not show them apart.
-        1.96 sigma is the 95 % interval of Student's t. Its degrees of freedom f follow from those of the variances
-        V_m = v_m |what the antinode reads of wave m|^2 of the total T (Satterthwaite, Biometrics Bulletin 2, 1946,
-        110): nu + the numbers of the wave that the sensors show, and for the common scale half of the numbers besides
-        n, less those of one wave,
+        All waves except n, up to 64, are random, with sizes estimated from the shape itself, times `sizes` (65,) if
+        given. They rotate the antinode, and so add to its uncertainty (`others_of`). This includes waves far above the
+        largest label: on few sensors they resemble the label and cannot be separated from it. 1.96 sigma is the 95 %
+        interval of Student's t. Its degrees of freedom f follow from those of the variances V_m = v_m |sensitivity of
+        the antinode to wave m|^2 of the total T (Satterthwaite, Biometrics Bulletin 2, 1946, 110): nu + the number of
+        resolved components of the wave; for the common scale, half of the components other than n, minus those of one
+        wave,
 
             T^2/f = sum_m V_m^2/(nu + shown_m) + (sum_m V_m)^2/(sensors/2 - 3).
 
@@ -147,7 +149,7 @@ class Circle:
         return angle, sigma * float(stdtrit(1.0 / max(inverse, 1e-9), TAIL) / ndtri(TAIL))
 
     def _rest(self, shape: FloatArray, n: int) -> float:
-        """Sum of squares that an n leaves."""
+        """Residual sum of squares for one n."""
         columns = harmonic(self.theta, n)
         rest = shape - columns @ np.linalg.lstsq(columns, shape, rcond=None)[0]
         return float(rest @ rest)
@@ -173,18 +175,18 @@ def antinode(parts: FloatArray, covariance: FloatArray, n: int) -> tuple[float, 
 
 
 def slope_of(parts: FloatArray, n: int) -> FloatArray:
-    """Derivative of the antinode by (cosine, sine), (2,)."""
+    """Derivative of the antinode with respect to (cosine, sine), (2,)."""
     a, b = parts.tolist()
     return np.asarray(np.array([-b, a]) / (n * (a * a + b * b)), np.float64)
 
 
 def quadrature(first: float, second: float, n: int) -> float:
-    """Distance of two antinodes [rad], 1 for a quarter wave, 0 for the same place."""
+    """Distance of two antinodes [rad], scaled to 1 for a quarter wave and 0 for the same angle."""
     return float(abs(np.sin(n * (first - second))))
 
 
 def reading(own: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Matrix (columns, sensors) that estimates c of a shape = own c + error by generalised least squares.
+    """Matrix (columns, sensors) that estimates c in shape = own c + error by generalised least squares.
 
     >>> reading(np.ones((2, 1)), np.diag([1.0, 3.0])).tolist()
     [[0.75, 0.25]]
@@ -200,27 +202,27 @@ def others_of(
     """Variances v_m of the other waves B_m b_m of a shape (sensors,), of covariance sum of v_m B_m B_m^T.
 
     `own` (sensors, 1 or 2) are the columns A, `others` (sensors, columns) all B_m, `order` (columns,) the m of each,
-    counted from 0. Sensors on an imperfect casing see a shape of one n with a little of many others:
+    counted from 0. On an imperfect casing, a shape of one n contains a little of many others:
 
         shape = A c + sum_m B_m b_m + e,   b_m ~ N(0, v_m I),   e ~ N(0, S),
 
-    S the covariance of the measurement. There are more b_m than sensors; what is known of them is that few are large:
-    b_m has Student's t distribution of nu = 6 degrees of freedom and scale s g_m (Lange, Little and Taylor, J. Am.
-    Stat. Assoc. 84, 1989, 881), which is a normal one whose variance v_m is itself random. g_m are the relative
-    `sizes` (waves,). There are two s, of the waves whose m differs from n by an even and by an `odd` (waves,) number:
-    a wall of even harmonics combines even ones only. Expectation and maximisation in turn, c projected out (restricted
-    likelihood: Patterson and Thompson, Biometrika 58, 1971, 545), w_m the columns of B_m:
+    with the covariance S of the measurement. There are more b_m than sensors, but few are large. So b_m has Student's t
+    distribution with nu = 6 degrees of freedom and scale s g_m (Lange, Little and Taylor, J. Am. Stat. Assoc. 84, 1989,
+    881), which is a normal one whose variance v_m is itself random. g_m are the relative `sizes` (waves,). There are
+    two values of s: for waves whose m differs from n by an even number, and by an `odd` (waves,) number, since a wall
+    with even harmonics couples only even ones. The estimate alternates expectation and maximisation, with c projected
+    out (restricted likelihood: Patterson and Thompson, Biometrika 58, 1971, 545), w_m the columns of B_m:
 
         C = S + sum_m v_m B_m B_m^T,   P = C^-1 - C^-1 A (A^T C^-1 A)^-1 A^T C^-1,
         w_m q_m = E|b_m|^2 = |v_m B_m^T P shape|^2 + w_m v_m - v_m^2 tr(B_m^T P B_m),
         v_m <- (nu s^2 g_m^2 + w_m q_m)/(nu + w_m),   1/s^2 <- mean of g_m^2/v_m.
 
-    The sensors show v_m tr(B_m^T P B_m) numbers of a wave: all of its columns, or none. With more sensors than columns,
-    both are multiplied by S^(-1/2) and projected on the span of the columns: what is orthogonal to it does not depend
-    on v_m.
+    The sensors resolve v_m tr(B_m^T P B_m) components of a wave: from none to all of its columns. With more sensors
+    than columns, both are multiplied by S^(-1/2) and projected on the span of the columns: the orthogonal part does not
+    depend on v_m.
 
-    Taking all others as alike would give the largest of them to the antinode; fitting only the notable ones leaves out
-    that they were chosen for being large, and gives intervals that are too narrow.
+    Equal variances of all others would attribute part of the largest wave to the antinode. Fitting only the largest
+    waves ignores that they were selected for their size, and gives intervals that are too narrow.
     """
     if len(shape) > own.shape[1] + others.shape[1]:
         shape, own, others, covariance = _within_columns(shape, own, others, covariance)

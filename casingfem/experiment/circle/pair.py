@@ -1,15 +1,15 @@
-"""The two modes of a close pair, both excited, from a circle scan at several tones across them.
+"""The two modes of a close pair, both excited, from a circle scan at several tones across the pair.
 
 Real modes of one order n make V_+-n = (C -+ i S)/2 with C and S the cosine and sine parts of the wave, per newton
 
     C, S = sum_k (a_k, b_k) i omega/(omega_k^2 - omega^2 + 2 i zeta_k omega_k omega) + i omega (c, s)
 
-a_k, b_k real, (c, s) what other modes bring, slow across the pair. Given omega_k, zeta_k the rest is linear: variable
-projection (Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973, 413). The member k has its antinode at
+with a_k, b_k real and (c, s) from other modes, nearly constant across the pair. For given omega_k, zeta_k the rest is
+linear: variable projection (Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973, 413). The antinode of member k is at
 psi_k = atan2(b_k, a_k)/n.
 
-One resonance has four unknowns less, and a double of equal damping is one. Two are there where they lower the sum of
-squares by more than noise would, by an F test: what noise adds to a double resembles a member too.
+A single resonance has four unknowns less. Two are accepted if they reduce the sum of squares by more than noise would,
+by an F test, since noise can also resemble a second member.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ LEVEL = 1e-3  # how often noise may make two of a double, at most
 class Pair:
     """A pair, lower member first: frequencies [Hz], damping ratios, antinodes [deg], each with its sigma, (2,).
 
-    `split` and `split_sigma` [Hz]; `misfit` is the rms of the residual over the noise: 1 where the model is right.
+    `split` and `split_sigma` [Hz]; `misfit` is the rms of the residual over the noise: 1 for a correct model.
     """
 
     n: int
@@ -54,15 +54,12 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     Parameters
     ----------
     scan
-        Demodulated at six tones or more, across the pair, per newton or at equal forces in phase.
+        Demodulated at six or more tones across the pair, per newton or at equal forces in phase.
     n
         The pair's order, 1 or more.
 
-    Raises
-    ------
-    InputError
-        Too few tones, an order that was not fitted, or data that do not distinguish two members: one frequency and
-        damping fit them as well but for noise.
+    Raises ------ InputError There are too few tones, the order was not fitted, or the data do not distinguish two
+    members: a single frequency and damping fits equally well within noise.
 
     Examples
     --------
@@ -99,9 +96,9 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
 
 
 def require_two(n: int, tones: FloatArray, data: Array, sigma: FloatArray, misfit: float) -> None:
-    """Refuse data that one resonance fits as well as two, which leave `misfit`.
+    """Refuse data that one resonance fits as well as two, whose fit leaves `misfit`.
 
-    A second one could be in many places, of which the fit takes the best: each counts as a test of its own.
+    A second resonance could be at many frequencies, of which the fit takes the best, so each counts as a separate test.
     """
     residual = linear_part(tones, fitted_poles(tones, data, sigma, 1), data, sigma)[1]
     one, freedom = float(residual @ residual), residual.size - 10
@@ -141,7 +138,7 @@ def described(n: int, poles: FloatArray, parts: FloatArray, covariance: FloatArr
 
 
 def basis(tones: FloatArray, poles: FloatArray, sigma: FloatArray) -> Array:
-    """The resonances and the slow rest, over the noise, (tones, members + 1)."""
+    """The resonances and the slow remainder, over the noise, (tones, members + 1)."""
     freq, log_zeta = np.split(poles, 2)
     omega, own, zeta = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * freq, np.exp(log_zeta)
     h = 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
@@ -162,7 +159,7 @@ def linear_part(tones: FloatArray, poles: FloatArray, data: Array, sigma: FloatA
 
 
 def fitted_poles(tones: FloatArray, data: Array, sigma: FloatArray, members: int = 2) -> FloatArray:
-    """Frequencies [Hz], then ln zeta, of the best fit with a number of members, from a grid of starts."""
+    """Frequencies [Hz], then ln zeta, of the best fit with a number of members, from a grid of starting points."""
     grid = np.linspace(tones[0], tones[-1], STARTS)
     starts = [np.r_[freq, np.log([zeta] * members)] for freq, zeta in product(combinations(grid, members), ZETAS)]
     cost = [np.sum(linear_part(tones, start, data, sigma)[1] ** 2) for start in starts]
@@ -184,7 +181,7 @@ def fitted_poles(tones: FloatArray, data: Array, sigma: FloatArray, members: int
 
 
 def jacobian(tones: FloatArray, poles: FloatArray, parts: FloatArray, sigma: FloatArray) -> FloatArray:
-    """Of the model over the noise: f1, f2, ln zeta1, ln zeta2, then a1, a2, c, b1, b2, s; (equations, 10)."""
+    """Jacobian of the model over the noise: f1, f2, ln zeta1, ln zeta2, then a1, a2, c, b1, b2, s; (equations, 10)."""
     columns = []
     for k in range(4):
         step = np.zeros(4)

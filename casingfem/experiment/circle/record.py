@@ -17,7 +17,7 @@ from contact.io.npz import write_npz
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ScanRecord:
-    """Record of the vibrometer while its spot ran around the casing; arrays are read-only.
+    """Vibrometer record while its spot moves around the casing; arrays are read-only.
 
     Attributes
     ----------
@@ -26,11 +26,11 @@ class ScanRecord:
     velocity
         Along the beam [m/s], (samples,).
     angle
-        The spot's angle on the casing [rad], running on, (samples,): `turning` or `from_tacho`.
+        The spot's unwrapped angle on the casing [rad], (samples,): from `turning` or `from_tacho`.
     tones
         Frequencies of the excitation [Hz], ascending.
     force
-        Excitation [N], (samples,), or None: waves are then not per newton, their phase that of cos(omega t).
+        Excitation [N], (samples,), or None; then waves are not per newton, and their phase is relative to cos(omega t).
     card
         Source lines.
 
@@ -71,23 +71,23 @@ class ScanRecord:
 
     @property
     def rate(self) -> float:
-        """Mean rate at which the spot turns on the casing [turns/s], signed."""
+        """Mean rate of rotation of the spot on the casing [turns/s], signed."""
         return float((self.angle[-1] - self.angle[0]) / (2.0 * np.pi * (len(self.angle) - 1)) * self.fs)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write an npz file of plain arrays with its card, whole or not at all."""
+        """Write an npz file of plain arrays with its comment lines, whole or not at all."""
         names = ("fs", "velocity", "angle", "tones", *(() if self.force is None else ("force",)))
         arrays = {name: np.asarray(getattr(self, name)) for name in names}
         return write_npz(path, {"card": np.asarray(self.card, dtype=np.str_), **arrays})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> ScanRecord:
-        """Read what `save` wrote, without pickle.
+        """Read a file written by `save`, without pickle.
 
         Raises
         ------
         InputError
-            A file that lacks an array, or is no npz file.
+            The file lacks an array, or is not npz.
         """
         data = read_npz(path, {"fs", "velocity", "angle", "tones", "card"}, kinds={"card": "text"})
         dims = {name: data[name].ndim for name in ("fs", "tones", "card")}
@@ -109,7 +109,7 @@ class ScanRecord:
 
 
 def turning(rate: float, fs: float, count: int, *, first_angle: float = 0.0) -> FloatArray:
-    """Angles [rad] of a spot that turns at a known rate [turns/s], one for each of `count` samples.
+    """Angles [rad] of a spot that rotates at a known rate [turns/s], one for each of `count` samples.
 
     >>> turning(0.25, 1.0, 3).round(4).tolist()
     [0.0, 1.5708, 3.1416]
@@ -120,7 +120,7 @@ def turning(rate: float, fs: float, count: int, *, first_angle: float = 0.0) -> 
 def from_tacho(
     pulses: ArrayLike, fs: float, count: int, *, per_turn: int = 1, first_angle: float = 0.0, direction: int = 1
 ) -> FloatArray:
-    """Angles [rad] from the instants [s] of a tacho's pulses; between pulses the spot is taken to turn evenly.
+    """Angles [rad] from the times [s] of a tachometer's pulses; between pulses the rotation is taken as uniform.
 
     Parameters
     ----------
@@ -131,12 +131,12 @@ def from_tacho(
     first_angle
         Angle at the first pulse.
     direction
-        1 where the angle grows, -1 where it falls.
+        1 for an increasing angle, -1 for a decreasing one.
 
     Raises
     ------
     InputError
-        Pulses that do not ascend, or do not span the record.
+        The pulses do not ascend, or do not span the record.
 
     Examples
     --------

@@ -1,13 +1,13 @@
-"""Demodulation of a continuous circle scan: one laser spot that runs round a vibrating casing.
+"""Demodulation of a continuous circle scan: one laser spot that moves around a vibrating casing.
 
-On a wave V(theta) = sum_n V_n e^(i n theta), excited at omega, a spot at theta(t) sees
+On a wave V(theta) = sum_n V_n e^(i n theta), excited at omega, a spot at theta(t) measures
 
     v(t) = Re sum_n V_n e^(i (omega t + n theta(t)))
 
-for a spot turning at W lines at omega +- n W; a standing wave A cos n(theta - psi) e^(i phase) makes both alike,
-V_+-n = (A/2) e^(i phase) e^(-+i n psi), and their ratio shows what travels (Stanbridge & Ewins, Mech. Syst. Signal
-Process. 13, 1999, 255). All lines are fitted at once by least squares at their exact frequencies, so that a record need
-not contain whole turns or periods: nothing leaks.
+For a spot rotating at W there are lines at omega +- n W. For a standing wave A cos n(theta - psi) e^(i phase) both are
+equal, V_+-n = (A/2) e^(i phase) e^(-+i n psi), and their ratio gives the travelling part (Stanbridge & Ewins, Mech.
+Syst. Signal Process. 13, 1999, 255). All lines are fitted at once by least squares at their exact frequencies, so that
+a record need not contain whole turns or periods, and there is no leakage.
 """
 
 from __future__ import annotations
@@ -53,23 +53,11 @@ class Wave(NamedTuple):
 class CircleScan(Reported):
     """Result of a circle scan; arrays are read-only.
 
-    Attributes
-    ----------
-    tones, n
-        Frequencies [Hz] (tones,) and orders, negative ones first, (lines,).
-    V
-        Complex amplitudes V_n of each tone, (tones, lines).
-    sigma
-        Standard uncertainty of their real and of their imaginary parts, (tones, lines).
-    floor
-        Amplitude spectrum of the noise beside each line: rms in one bin of the record, (tones, lines).
-    rate
-        Mean rate of the spot [turns/s].
-    left
-        Rms of what the lines leave over that of the noise alone: above 1.5 there are orders or tones not fitted, which
-        leak into those that are.
-    card
-        Source lines of the record.
+    Attributes ---------- tones, n Frequencies [Hz] (tones,) and orders, negative ones first, (lines,). V Complex
+    amplitudes V_n of each tone, (tones, lines). sigma Standard uncertainty of their real and of their imaginary parts,
+    (tones, lines). floor Amplitude spectrum of the noise beside each line: rms in one bin of the record, (tones,
+    lines). rate Mean rate of the spot [turns/s]. left Rms of the residual over that of the noise alone; above 1.5,
+    orders or tones that were not fitted leak into the fitted ones. card Source lines of the record.
 
     Examples
     --------
@@ -105,7 +93,7 @@ class CircleScan(Reported):
         Raises
         ------
         InputError
-            An order that was not fitted.
+            The order was not fitted.
         """
         if n not in self.n or n < 0:
             raise InputError(f"order n = {n}: expected one of {sorted({abs(k) for k in self.n.tolist()})}")
@@ -118,11 +106,11 @@ class CircleScan(Reported):
         return [self.wave(tone, n) for tone in range(len(self.tones)) for n in orders]
 
     def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a wave, those in the noise too (`seen` shows)."""
+        """One plain dictionary for each wave, also those within the noise (`seen` is false for them)."""
         return [wave._asdict() for wave in self.waves()]
 
     def shape(self, tone: int, theta: ArrayLike) -> Array:
-        """The deflection V(theta) at angles [rad], complex, from the lines that are seen."""
+        """The deflection V(theta) at angles [rad], complex, from the lines above the noise."""
         angles = np.asarray(theta, np.float64)
         there = np.abs(self.V[tone]) > SEEN * self.sigma[tone]
         return np.asarray(np.exp(1j * np.multiply.outer(angles, self.n)) @ np.where(there, self.V[tone], 0.0))
@@ -176,7 +164,7 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
 
 
 def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int = 0) -> CircleScan:
-    """All waves of some orders at all tones of a record, with their uncertainty from the noise beside the lines.
+    """All waves of some orders at all tones of a record, with their uncertainty from the noise around the lines.
 
     Parameters
     ----------
@@ -186,12 +174,12 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
         Highest n, or the orders n to search for. A wave of another order leaks into these as 1/(turns of the record);
         `left` shows it.
     runout
-        Harmonics of the turn, 0 to this one, that are fitted beside: run-out and speckle repeat every turn.
+        Highest harmonic of the turn that is also fitted, since run-out and speckle repeat every turn.
 
     Raises
     ------
     InputError
-        Lines of different waves that fall together, a record too short to distinguish lines W apart, lines above fs/2.
+        Lines of different waves coincide, the record is too short to resolve lines W apart, or lines are above fs/2.
 
     Examples
     --------

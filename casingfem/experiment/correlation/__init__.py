@@ -1,4 +1,4 @@
-"""Measured modes against computed ones: pairing, assurance criteria, expansion."""
+"""Comparison of measured with computed modes: pairing, assurance criteria, expansion."""
 
 import lazy_loader
 

@@ -1,7 +1,7 @@
-"""Measured shapes against a model's modes: which is which, how alike, where they differ, and the whole shapes.
+"""Measured shapes against a model's modes: pairs, similarity, differences by sensor, and complete shapes.
 
-Shapes pair by frequency and shape together (`correlation.pair`): |log f_measured/f_computed| + 1 - MAC, the MAC in the
-plane of a doublet, at most `reach` off in frequency; no shape is paired at a MAC so low that it is better left out.
+Shapes pair by frequency and shape together (`correlation.pair`): |log f_measured/f_computed| + 1 - MAC, with the MAC in
+the plane of a doublet, and a frequency error of at most `reach`. A shape with a very low MAC is left unpaired.
 """
 
 from collections.abc import Callable
@@ -62,9 +62,9 @@ class Correlation(Reported):
     Attributes
     ----------
     modes, measured, sensors
-        Both sides, and where the sensors are on the shell.
+        Both sides, and the positions of the sensors on the shell.
     pairing
-        Matches, and what is left unpaired on both sides.
+        Matches, and the unpaired modes of both sides.
     mac
         Of every measured shape with every computed mode, (measured, modes).
     alike
@@ -72,11 +72,11 @@ class Correlation(Reported):
     nco
         Normalised cross-orthogonality with the model's mass reduced to the sensors, (measured, modes).
     mass_by
-        How that was reduced: "SEREP" or "Guyan".
+        Method of this reduction: "SEREP" or "Guyan".
     comac, ecomac
         Of every channel over the paired shapes, (channels,).
     expansion
-        The measured shapes on the model's modes.
+        The measured shapes expanded in the model's modes.
 
     Examples
     --------
@@ -117,12 +117,12 @@ class Correlation(Reported):
         }
 
     def of_pairs(self, value: Callable[[int, int, int, float], Any]) -> list[Any]:
-        """A value of row, mode, n and plane of each measured shape; None for a shape without a mode."""
+        """A value for each measured shape, from its row, mode, n and plane; None for a shape without a mode."""
         paired = self.paired()
         return [value(row, *paired[row]) if row in paired else None for row in range(len(self.measured.freq_hz))]
 
     def to_json(self) -> dict[str, object]:
-        """Plain lists and numbers."""
+        """Plain lists and numbers for JSON."""
         at = self.sensors
         columns = at.labels.astype(int), at.directions.round(6), at.distance, self.comac, self.ecomac
         channels = [
@@ -168,11 +168,11 @@ def correlate(
     Raises
     ------
     ModelError
-        sensor-far, sensor-twice, expansion-modes.
+        sensor-far, sensor-twice or expansion-modes.
     InputError
-        Nothing pairs.
+        No shape pairs with a mode.
     ValueError
-        A mass that is neither, or Guyan's without a system.
+        The mass is neither of these, or "Guyan" without a system.
 
     Examples
     --------
@@ -225,13 +225,13 @@ def correlate(
 
 
 def seen_mac(measured: FloatArray, computed: FloatArray, mass: FloatArray | None = None) -> FloatArray:
-    """MAC (measured, modes); 0 for modes that the sensors do not see.
+    """MAC (measured, modes); 0 for modes without motion at the sensors.
 
     With the mass reduced to the sensors, (channels, channels), it is the normalised cross-orthogonality
 
         NCO_ij = |a_i^T M_s b_j|^2/((a_i^T M_s a_i) (b_j^T M_s b_j)),
 
-    0 for modes that have no mass there, as those that SEREP left out.
+    0 for modes without reduced mass, such as those that SEREP left out.
     """
     size = np.linalg.norm(computed, axis=0) if mass is None else np.einsum("ci,cd,di->i", computed, mass, computed)
     seen = size > 1e-9 * size.max()
@@ -241,20 +241,20 @@ def seen_mac(measured: FloatArray, computed: FloatArray, mass: FloatArray | None
 
 
 def plane_of(match: Match, modes: ModeSet) -> list[int]:
-    """The modes of a match, with the doublets' other members."""
+    """The modes of a match, with the other members of doublets."""
     whole = {mode for pair in modes.doublets if set(pair) & set(match.modes) for mode in pair}
     return sorted(whole | set(match.modes))
 
 
 def alike(match: Match, modes: ModeSet, measured: FloatArray, computed: FloatArray) -> float:
-    """MAC of a match: of the planes where the model has a doublet."""
+    """MAC of a match; for a doublet that of the planes."""
     return subspace_mac(measured[:, list(match.rows)], computed[:, plane_of(match, modes)])
 
 
 def partners(
     matches: tuple[Match, ...], modes: ModeSet, measured: FloatArray, computed: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Paired shapes, measured ones of unit length, and their nearest in the planes of their modes."""
+    """Paired shapes: measured ones of unit length, and the nearest ones in the planes of their modes."""
     rows = [measured[:, list(match.rows)] for match in matches]
     near = [nearest_in_plane(part, computed[:, plane_of(k, modes)]) for part, k in zip(rows, matches, strict=True)]
     lengths = [np.linalg.norm(part, axis=0) for part in rows]

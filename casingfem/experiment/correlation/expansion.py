@@ -4,8 +4,9 @@ SEREP (O'Callahan, Avitabile and Riemer, IMAC 1989): with the model's shapes at 
 
     q = Phi_s^+ psi,   u = Phi q,   smoothed psi = Phi_s q.
 
-Noise in psi grows at most by the condition number of Phi_s; what the modes cannot show is left out and stated. The
-error at a sensor that is left out follows without another fit, e = (I - H)^-1 r over its channels, H = Phi_s Phi_s^+.
+Noise in psi grows at most by the condition number of Phi_s. The part outside the modes is left out and its size is
+stated. The error at an omitted sensor follows without another fit, e = (I - H)^-1 r over its channels, H = Phi_s
+Phi_s^+.
 """
 
 from collections.abc import Sequence
@@ -36,13 +37,13 @@ class Expansion:
     coordinates
         q, (k, measured).
     smoothed
-        The measured shapes as the modes show them at the channels, (channels, measured).
+        Projections of the measured shapes on the modes at the channels, (channels, measured).
     condition
         Condition number of the modes at the channels.
     outside
-        Part of each measured shape, in length, that the modes cannot show, (measured,).
+        Relative length of the part of each measured shape outside the modes, (measured,).
     left_out
-        Relative error at each sensor predicted from all others, over the rms of the shape, (sensors, measured).
+        Error at each sensor when predicted from all others, over the rms of the shape, (sensors, measured).
     """
 
     modes: IntArray
@@ -71,12 +72,9 @@ def expand(
 ) -> Expansion:
     """Expand measured shapes (channels, measured) by the model's shapes at the channels (channels, modes).
 
-    Parameters
-    ----------
-    labels
-        Number of each channel's sensor, (channels,): what is left out together.
-    modes
-        Modes to use; if left out as many of the lowest as stay conditioned to 100, two thirds of the channels at most.
+    Parameters ---------- labels Sensor number of each channel, (channels,); the channels of a sensor are left out
+    together. modes Modes to use; by default as many of the lowest as keep the condition number below 100, at most two
+    thirds of the number of channels.
 
     Raises
     ------
@@ -111,7 +109,7 @@ def expand(
 
 
 def well_conditioned(at_sensors: FloatArray, worst: float = WORST) -> list[int]:
-    """The lowest modes in order, without those that would make the shapes at the channels worse conditioned."""
+    """The lowest modes in order, without those that would worsen the condition of the shapes at the channels."""
     chosen: list[int] = []
     most = max(1, 2 * len(at_sensors) // 3)
     for mode in range(at_sensors.shape[1]):
@@ -127,7 +125,7 @@ def well_conditioned(at_sensors: FloatArray, worst: float = WORST) -> list[int]:
 def left_out_errors(U: FloatArray, measured: FloatArray, labels: IntArray) -> FloatArray:
     """Prediction error of every sensor from the others, over the rms of each shape, (sensors, measured).
 
-    nan where the others do not determine the modes.
+    nan if the others do not determine the modes.
     """
     residual = measured - U @ (U.T @ measured)
     rms = np.sqrt(np.mean(measured**2, axis=0))
@@ -144,7 +142,7 @@ def left_out_errors(U: FloatArray, measured: FloatArray, labels: IntArray) -> Fl
 def guyan_mass(system: System | MeshSystem, sensors: Sensors) -> FloatArray:
     """M_s (channels, channels) by static condensation to the channels.
 
-    M_s = G^T M G (Guyan, AIAA J. 3, 1965, 380), good below the first mode that the sensors do not see.
+    M_s = G^T M G (Guyan, AIAA J. 3, 1965, 380), accurate below the first mode without motion at the sensors.
     G = K^-1 P (P^T K^-1 P)^-1: the shape of least strain energy for given motions u = P^T x at the channels.
 
     Raises

@@ -1,4 +1,4 @@
-"""Assurance criteria of mode shapes: of vectors, of planes of doublets, and channel by channel."""
+"""Assurance criteria of mode shapes: for vectors, for planes of doublets, and channel by channel."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def mac(A: ArrayLike, B: ArrayLike, M: Any = None) -> FloatArray:
 
 
 def subspace_mac(A: ArrayLike, B: ArrayLike, M: Any = None) -> float:
-    """Mean squared cosine between the spaces spanned by A and B: 1 when the smaller lies in the larger.
+    """Mean squared cosine between the spaces spanned by A and B: 1 if the smaller lies in the larger.
 
     trace(P_A P_B)/k, P the M-orthogonal projectors and k = min(m1, m2).  It does not change when the
     members of a doublet are rotated in their plane, where MAC may take any value; for one shape
@@ -84,7 +84,7 @@ def _shapes(A: ArrayLike, B: ArrayLike) -> tuple[Array, Array]:
 
 
 def _orthonormal(A: Array, M: Any) -> Array:
-    """Return an M-orthonormal basis of the columns of A."""
+    """An M-orthonormal basis of the columns of A."""
     basis, triangle, _ = qr(A, mode="economic", pivoting=True)
     diagonal = np.abs(np.diag(triangle))
     if diagonal.size < A.shape[1] or diagonal[-1] <= 1e-12 * diagonal[0]:
@@ -98,8 +98,8 @@ def _orthonormal(A: Array, M: Any) -> Array:
 def nearest_in_plane(measured: ArrayLike, plane: ArrayLike) -> FloatArray:
     """Least-squares approximation of measured shapes (channels, m) by computed ones (channels, k).
 
-    As computed partner of a measured shape it takes a rotated doublet for no difference; of a single mode it is the
-    mode itself, scaled.
+    As the computed partner of a measured shape, it ignores a rotation within a doublet. For a single mode it is the
+    scaled mode.
 
     >>> nearest_in_plane([[1.0], [1.0], [0.5]], [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]).ravel().tolist()
     [1.0, 1.0, 0.0]
@@ -109,10 +109,10 @@ def nearest_in_plane(measured: ArrayLike, plane: ArrayLike) -> FloatArray:
 
 
 def comac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
-    """COMAC of each channel over paired shapes (channels, m), in [0, 1]; nan where one side never moves.
+    """COMAC of each channel over paired shapes (channels, m), in [0, 1]; nan for a channel without motion on one side.
 
     COMAC_c = (sum_k |a_ck b_ck|)^2/(sum_k a_ck^2 sum_k b_ck^2)   (Lieven and Ewins, IMAC 1988)
-    Low values can mean a small amplitude as well as an error: read them beside `ecomac`.
+    Low values can mean a small amplitude as well as an error: compare them with `ecomac`.
 
     >>> comac([[1.0, 2.0], [1.0, -1.0]], [[1.0, 2.0], [1.0, 3.0]]).round(3).tolist()
     [1.0, 0.8]
@@ -123,10 +123,10 @@ def comac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
 
 
 def ecomac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
-    """Enhanced COMAC of each channel: 0 where all shapes agree; each shape has unit length and the signs agree.
+    """Enhanced COMAC of each channel, 0 if all shapes agree; shapes have unit length and matching signs.
 
     ECOMAC_c = sum_k |a_ck - b_ck|/(2 m)   (Hunt, IMAC 1992)
-    A sensor that is turned over is conspicuous here, but not in COMAC.
+    A sensor with the wrong sign shows here, but not in COMAC.
 
     >>> ecomac([[1.0], [1.0]], [[1.0], [-1.0]]).round(3).tolist()
     [0.0, 0.707]
@@ -143,7 +143,7 @@ def paired(measured: ArrayLike, computed: ArrayLike) -> tuple[FloatArray, FloatA
     Raises
     ------
     ValueError
-        Shapes that are not paired, or zero.
+        The shapes are not paired, or one is zero.
     """
     a, b = np.asarray(measured, float), np.asarray(computed, float)
     if a.ndim != 2 or a.shape != b.shape or not a.size:

@@ -1,4 +1,4 @@
-"""The outcome of pairing: which rows of a frequency table are which modes, how sure; in which unit the rows are."""
+"""Result of pairing: the mode of each row of a frequency table, its confidence, and the unit of the rows."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ ALIKE = 0.2  # relative: models before an update are not better than that
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Match:
-    """Rows of the table and the modes they are: one and one, or a doublet and a doublet (lower, upper).
+    """Rows of the table and their modes: one and one, or a doublet and a doublet (lower, upper).
 
     Parameters
     ----------
     rows, modes : indices into the table and the mode set, of equal length
-    n : nodal diameters, -1 where neither side states it
-    confidence : 1 - (cost of this match)/(cost of the next best), in [0, 1]; 0 when another fits as well
+    n : nodal diameters, -1 if neither side states it
+    confidence : 1 - (cost of this match)/(cost of the next best), in [0, 1]; 0 if another fits equally well
     measured_hz, computed_hz : frequencies of rows and modes
     """
 
@@ -74,7 +74,7 @@ class Pairing(Reported):
 
     @property
     def rms(self) -> float:
-        """Root mean square of the relative frequency error over the paired rows; nan without any."""
+        """Root mean square of the relative frequency error over the paired rows; nan without pairs."""
         errors = [c / m - 1 for k in self.matches for m, c in zip(k.measured_hz, k.computed_hz, strict=True)]
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
@@ -92,7 +92,7 @@ class Pairing(Reported):
         ]
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a paired row of the table, rows and modes counted from 1."""
+        """One plain dictionary for each paired row of the table, with rows and modes counted from 1."""
         return records_of(self.COLUMNS, self.pairs())
 
     def __repr__(self) -> str:
@@ -107,7 +107,7 @@ class Pairing(Reported):
 
 
 def listed(names: Sequence[object]) -> str:
-    """The first names on a line, and how many more there are."""
+    """The first names in one line, and the number of further ones."""
     return ", ".join(map(str, names[:SHOWN])) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
 
 
@@ -117,19 +117,20 @@ def modes_of(table: FrequencyTable, rows: Iterable[int]) -> tuple[int, ...]:
 
 
 def unpaired_words(modes: Sequence[int], of: str = "table") -> list[str]:
-    """The line that names rows that no mode pairs with, by their mode numbers; none where all pair."""
+    """The line that names rows without a mode, by their mode numbers; empty if all pair."""
     return [f"no mode pairs with {of} modes {listed(modes)}: they took no part"] if modes else []
 
 
 def other_unit(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> str:
-    """The unit in which the table agrees with the lowest computed modes; "" where that is none but maybe Hz.
+    """The unit in which the table agrees with the lowest computed modes; "" if there is none except maybe Hz.
 
-    The lowest row of n nodal diameters is beside the lowest such mode, the k-th row without n beside the k-th mode.
+    The lowest row with n nodal diameters is compared with the lowest such mode, the k-th row without n with the k-th
+    mode.
 
     Parameters
     ----------
     freq, n
-        Computed frequencies in Hz, ascending, and nodal diameters (modes,); None where modes have no label.
+        Computed frequencies in Hz, ascending, and nodal diameters (modes,); None for modes without labels.
     """
     if freq[0] <= 0.0:
         return ""  # of a part that floats
@@ -145,7 +146,7 @@ def other_unit(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> s
 
 
 def refuse_unpaired(table: FrequencyTable, freq: FloatArray, n: IntArray | None, reach: float) -> NoReturn:
-    """State that no row pairs with a computed mode, and why where the table is in another unit.
+    """Raise an error that no row pairs with a computed mode, with the reason if the table is in another unit.
 
     Raises
     ------

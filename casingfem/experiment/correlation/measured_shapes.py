@@ -1,4 +1,4 @@
-"""Mode shapes as a test has them: values at points of space in known directions, with their frequencies.
+"""Measured mode shapes: values at points in known directions, with their frequencies.
 
 They come from universal files with sets 55, or are the modes that `casingfem identify` found.
 """
@@ -40,16 +40,16 @@ class MeasuredShapes:
     labels
         Number of every channel's point, (channels,): channels of one sensor share it.
     sigma
-        Noise of each shape, rms over the shape's own rms; nan where the test does not state it, (modes,).
+        Rms noise of each shape over the shape's own rms; nan if the test does not state it, (modes,).
     n
-        Nodal diameters, -1 where the test does not state it, (modes,).
+        Nodal diameters, -1 if the test does not state them, (modes,).
     path
-        Where it was read from.
+        The file that was read.
 
     Raises
     ------
     InputError
-        Arrays that do not fit, values that are not finite, a shape that is zero, frequencies not ascending.
+        Arrays do not fit each other, values are not finite, a shape is zero, or frequencies do not ascend.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class MeasuredShapes:
             raise self.error(f"mode {mode + 1} zero everywhere", "shapes that the sensors see")
 
     def error(self, found: str, expected: str) -> InputError:
-        """An error that names this file, to be raised."""
+        """An error that names this file, ready to be raised."""
         return InputError(self.path, found=found, expected=expected)
 
     @classmethod
@@ -137,13 +137,10 @@ class MeasuredShapes:
     def from_uff(cls, path: str | os.PathLike[str]) -> MeasuredShapes:
         """Read the mode shapes of a universal file: sets 55 at the nodes of a set 15 or 2411.
 
-        Translations x, y, z; directions that no mode ever moves in were not measured and are left out.
+        Translations x, y, z; directions without motion in any mode count as not measured and are left out.
 
-        Raises
-        ------
-        InputError
-            A file that is damaged; no modes, no nodes, nodes in a coordinate system of their own, shapes of different
-            nodes.
+        Raises ------ InputError The file is damaged; it has no modes or no nodes, nodes in local coordinate systems, or
+        shapes at different nodes.
         """
         return uff_shapes(read_uff(path))
 
@@ -154,7 +151,7 @@ class MeasuredShapes:
 
     @property
     def real(self) -> FloatArray:
-        """Shapes made real: each turned in the complex plane to where its values lie along one line."""
+        """Shapes made real: each is rotated in the complex plane until its values lie along one line."""
         turn = np.exp(-0.5j * np.angle(np.sum(self.values.astype(complex) ** 2, axis=0)))
         return np.asarray((self.values * turn).real if np.iscomplexobj(self.values) else self.values)
 
@@ -218,7 +215,7 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
     Raises
     ------
     InputError, InputError, InputError
-        Another ending; what the readers refuse; an identification whose sensors have no places.
+        The ending is unknown, the reader refuses the file, or the sensors of the identification have no positions.
 
     Examples
     --------
@@ -245,15 +242,15 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
 
 
 def identified_shapes(found: Identified, path: str = "identified") -> MeasuredShapes:
-    """The shapes of identified modes at the places of their sensors, with n and uncertainties.
+    """Shapes of identified modes at the positions of their sensors, with n and uncertainties.
 
-    Directions 1, 2, 3 are radial, hoop and axial where the sensors are around an axis (they have angles), else x, y,
-    z; a sign turns them over. The noise of a shape of unit norm is sqrt(sum sigma_shapes^2).
+    Directions 1, 2, 3 are radial, hoop and axial if the sensors are around an axis (they have angles), else x, y, z; a
+    minus sign reverses them. The noise of a shape of unit norm is sqrt(sum sigma_shapes^2).
 
     Raises
     ------
     InputError
-        No modes, sensors without places or without a direction.
+        There are no modes, or sensors without position or direction.
 
     Examples
     --------

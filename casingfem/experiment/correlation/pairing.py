@@ -1,8 +1,8 @@
 """Pairing of measured and computed modes; a doublet is paired as a whole.
 
-Both sides are sequences in ascending frequency: groups of one row or of a doublet's two, slots of one mode or of a
-doublet's two. A group goes to a slot, or is left out; the order is kept. It is the optimal assignment on a line, except
-that a doublet is one thing.
+Both sides are sequences in ascending frequency: groups of one row or of two in a doublet, slots of one mode or of two
+in a doublet. A group is assigned to a slot or left out, and the order is preserved. It is the optimal assignment on a
+line, with each doublet as a unit.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ WORST_SHAPE = 0.5
 
 
 class ModeSet(Protocol):
-    """The data of computed modes that pairing needs: three arrays, ascending in frequency."""
+    """Interface of computed modes for pairing: three arrays, ascending in frequency."""
 
     @property
     def freq(self) -> FloatArray:
@@ -42,7 +42,7 @@ class ModeSet(Protocol):
 
     @property
     def nodal_diameters(self) -> IntArray:
-        """Nodal diameters, -1 where they mean nothing, (m,)."""
+        """Nodal diameters, -1 if they are not defined, (m,)."""
 
     @property
     def doublets(self) -> tuple[tuple[int, int], ...]:
@@ -52,14 +52,12 @@ class ModeSet(Protocol):
 def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac: ArrayLike | None = None) -> Pairing:
     """Pair measured rows with computed modes.
 
-    The cost of a row is |log(f_measured/f_computed)|, of a doublet twice that of its root mean
-    square, plus 1 - MAC where that is given.  Rows labelled n are aligned, in order, with
-    the modes of that n, measured doublets with computed doublets; a single row goes to a
-    single mode or to a member of a doublet, by its angle where the two are well apart in
-    frequency, else to the nearer.  Rows without a label (and, on structures
-    without nodal diameters, all rows) then share the modes that are left: in order of
-    frequency, or with shape_mac by the optimal assignment.  Two rows that end in one doublet
-    are one match.
+    The cost of a row is |log(f_measured/f_computed)|, of a doublet twice that of its root mean square, plus 1 - MAC if
+    that is given. Rows labelled n are aligned, in order, with the modes of that n, measured doublets with computed
+    doublets; a single row goes to a single mode or to a member of a doublet, by its angle if the two are well apart in
+    frequency, else to the nearer. Rows without a label (and, on structures without nodal diameters, all rows) then
+    share the remaining modes: in order of frequency, or with shape_mac by the optimal assignment. Two rows in the same
+    doublet form one match.
 
     Parameters
     ----------
@@ -114,7 +112,7 @@ def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac
 
 
 class _Cost:
-    """Cost of the pairing of rows with modes; inf where the labels or the reach forbid it."""
+    """Cost of pairing rows with modes; inf if the labels or the reach forbid it."""
 
     def __init__(self, modes: ModeSet, table: FrequencyTable, reach: float, shape_mac: ArrayLike | None) -> None:
         if not reach > 0.0:
@@ -144,13 +142,13 @@ class _Cost:
         return len(rows) * (error + self.unlike(rows, modes)) if error <= self.limit else float("inf")
 
     def members(self, rows: Indices, modes: Indices) -> Indices:
-        """Return as many modes as rows: of a doublet for one row, the member that it represents."""
+        """As many modes as rows: for one row and a doublet, the member that the row represents."""
         if len(rows) == len(modes):
             return modes
         return (member_of(modes, self.modes, self.table, rows[0]),)
 
     def unlike(self, rows: Indices, modes: Indices) -> float:
-        """1 - MAC of the spaces: a doublet's members may be rotated, so they count together."""
+        """1 - MAC of the spaces: a doublet's members may be rotated, so they are compared together."""
         if self.shapes is None:
             return 0.0
         plane = [mode for slot in {self.slot_of[mode] for mode in modes} for mode in slot]
@@ -158,9 +156,10 @@ class _Cost:
 
 
 def member_of(doublet: Sequence[int], modes: ModeSet, table: FrequencyTable, row: int) -> int:
-    """The member of a computed doublet that a single row represents: by its angle where that is clear, else the nearer.
+    """The member of a computed doublet that a single row represents: by its angle if that is clear, else the nearer.
 
-    A wrong frequency can lie at the other member, 90 deg/n away. Computed angles mean little where the split is small.
+    A row with a wrong frequency may be closer to the other member, 90 deg/n away. Computed angles mean little if the
+    split is small.
     """
     first, second = (int(mode) for mode in doublet)
     turned = np.asarray(getattr(modes, "angle_deg", np.full(len(modes.freq), np.nan)), float)[[first, second]]
@@ -173,7 +172,7 @@ def member_of(doublet: Sequence[int], modes: ModeSet, table: FrequencyTable, row
 
 
 def _slots(modes: ModeSet) -> list[Indices]:
-    """Return doublets and single modes in ascending (mean) frequency."""
+    """Doublets and single modes in ascending (mean) frequency."""
     paired = {mode for doublet in modes.doublets for mode in doublet}
     singles: list[Indices] = [(mode,) for mode in range(len(modes.freq)) if mode not in paired]
     doublets: list[Indices] = [(int(a), int(b)) for a, b in modes.doublets]
@@ -183,7 +182,7 @@ def _slots(modes: ModeSet) -> list[Indices]:
 def _assigned(
     rows: Sequence[int], modes: Sequence[int], cost: _Cost, shapes: FloatArray
 ) -> list[tuple[Indices, Indices]]:
-    """Assign rows to modes at the least total cost; as many spare columns as rows represent no mode."""
+    """Assign rows to modes at the least total cost; as many extra columns as rows mean "no mode"."""
     prices = np.full((len(rows), len(modes) + len(rows)), cost.left_out)
     for i, row in enumerate(rows):
         for j, mode in enumerate(modes):
@@ -193,7 +192,7 @@ def _assigned(
 
 
 def _pairing(found: Sequence[tuple[Indices, Indices]], slots: Sequence[Indices], cost: _Cost) -> Pairing:
-    """Join rows that share a doublet, and state how sure each match is."""
+    """Join rows that share a doublet, and compute the confidence of each match."""
     row_of = {mode: row for rows, modes in found for row, mode in zip(rows, modes, strict=True)}
     freq, measured = cost.modes.freq, cost.table.freq_hz
     matches = []
@@ -221,7 +220,7 @@ def _pairing(found: Sequence[tuple[Indices, Indices]], slots: Sequence[Indices],
 
 
 def _confidence(rows: Indices, modes: Indices, slots: Sequence[Indices], cost: _Cost) -> float:
-    """Return 1 - best/second best; leaving the rows out is an alternative too."""
+    """1 - best/second best cost, where leaving the rows out also counts as an alternative."""
     others = [slot for slot in slots if len(slot) >= len(rows) and not set(slot) & set(modes)]
     second = min([cost(rows, slot) for slot in others] + [cost.worst * len(rows)])
     best = cost(rows, modes)
@@ -231,17 +230,17 @@ def _confidence(rows: Indices, modes: Indices, slots: Sequence[Indices], cost: _
 def align(
     groups: Sequence[Indices], slots: Sequence[Indices], cost: Cost, *, left_out: float, skipped: Sequence[float]
 ) -> list[tuple[Indices, Indices]]:
-    """Return the cheapest list of (rows, modes).
+    """The cheapest list of (rows, modes).
 
     Parameters
     ----------
     groups, slots : row indices and mode indices, one or two each
-    cost : of giving rows to modes, inf where forbidden; one row may be given to a slot of two
+    cost : of assigning rows to modes, inf if forbidden; one row may be assigned to a slot of two
     left_out : cost of each row without a mode
-    skipped : (slots,) cost of each slot left without rows below the last one that has some
+    skipped : (slots,) cost of each empty slot below the last used one
 
     Moves beyond one to one: two single rows fill a doublet; a measured doublet takes two
-    neighbouring single modes, or gives one row to one mode and leaves out the other.
+    neighbouring single modes, or assigns one row to one mode and leaves out the other.
 
     Examples
     --------

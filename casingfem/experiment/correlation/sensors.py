@@ -29,9 +29,9 @@ class Sensors:
     Attributes
     ----------
     a, b
-        Chart parameters of the nearest points, (channels,); nan on imported parts, whose nearest nodes are taken.
+        Chart parameters of the nearest points, (channels,); nan on imported parts, where the nearest nodes are used.
     distance
-        How far the surface is from the sensor [m], (channels,).
+        Distance of the surface from the sensor [m], (channels,).
     directions
         Unit vectors, (channels, 3).
     labels
@@ -82,16 +82,16 @@ def sensors_on(
     *,
     tolerance: float | None = None,
 ) -> Sensors:
-    """Put sensors on a shell.
+    """Locate sensors on a shell.
 
     Parameters
     ----------
     points, directions
         Positions [m] and unit vectors, (channels, 3).
     labels
-        Number of the point of each channel; each its own if left out.
+        Point number of each channel; by default each channel has its own.
     tolerance
-        Largest distance from the surface [m]; 2 % of the shell's size if left out.
+        Largest distance from the surface [m]; by default 2 % of the shell's size.
 
     Raises
     ------
@@ -142,12 +142,12 @@ def sensors_at_nodes(
     *,
     tolerance: float | None = None,
 ) -> Sensors:
-    """Put sensors on an imported part, each at the nearest node.
+    """Locate sensors on an imported part, each at the nearest node.
 
     Raises
     ------
     ModelError
-        sensor-far, for one further than `tolerance` [m], by default 2 % of the part's size, from every node.
+        sensor-far, for a sensor farther than `tolerance` [m], by default 2 % of the part's size, from every node.
     """
     from scipy.spatial import cKDTree  # loaded with the first sensors, not by every study
 
@@ -163,7 +163,7 @@ def sensors_at_nodes(
 
 
 def refuse_far(where: FloatArray, numbers: IntArray, distance: FloatArray, allowed: float, what: str) -> None:
-    """Refuse sensors that are away from the structure."""
+    """Refuse sensors that are too far from the structure."""
     if distance.max() > allowed:
         worst = int(distance.argmax())
         place = where[worst].round(4).tolist()
@@ -172,14 +172,17 @@ def refuse_far(where: FloatArray, numbers: IntArray, distance: FloatArray, allow
 
 
 def surface_samples(shell: Shell) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Parameters on a tensor of places, and the surface there (3, places)."""
+    """Parameters on a tensor grid of points, and the surface there (3, points)."""
     lines = [np.linspace(float(np.real(low)), float(np.real(high)), SAMPLES) for low, high in shell.chart.bounds]
     a, b = (part.ravel() for part in np.meshgrid(*lines, indexing="ij"))
     return a, b, np.real(shell.geometry(a, b).surface.x)
 
 
 def nearest(shell: Shell, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Chart parameters of the surface's points nearest to some points (k, 3): from samples, by Gauss-Newton steps."""
+    """Chart parameters of the points of the surface nearest to some points (k, 3).
+
+    From samples, then Gauss-Newton steps.
+    """
     a, b, x = surface_samples(shell)
     start = np.array([np.argmin(np.sum((x - point[:, None]) ** 2, axis=0)) for point in points])
     at = np.stack([a[start], b[start]])

@@ -1,4 +1,4 @@
-"""Measured functions: sets of frequency responses, their files, their estimation from records."""
+"""Measured functions: sets of frequency responses, their files, and their estimation from records."""
 
 import lazy_loader
 

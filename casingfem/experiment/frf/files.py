@@ -1,6 +1,6 @@
-"""Frequency responses from a file of any kind that is read, and the angles of their points.
+"""Frequency responses from files of all supported kinds, and the angles of their points.
 
-In HDF5 the arrays of `FrfSet` are data sets, kind, unit, form and card attributes of the file.
+In HDF5 the arrays of `FrfSet` are data sets; kind, unit, form and card are attributes of the file.
 """
 
 import os
@@ -38,14 +38,14 @@ SAID = ("kind", "unit", "form", "card")
 def read_frfs(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None = None) -> FrfSet:
     """Frequency responses of a universal file, npz, MATLAB file, HDF5, a csv table or a workbook, by the file's ending.
 
-    A workbook has the rows of a csv table, on its first sheet or on that of `file.xlsx#Sheet`. An npz is one of
-    `FrfSet.save`, or has the layout of `loose_arrays`, as MATLAB files have. `arrays` states names of the file's own,
-    as in {"freq_hz": "Freq_domain", "frf": "Hf_chan_2"}.
+    A workbook has the rows of a csv table, on its first sheet or on that of `file.xlsx#Sheet`. An npz is that of
+    `FrfSet.save`, or has the layout of `loose_arrays`, like MATLAB files. `arrays` gives the file's own names, such as
+    {"freq_hz": "Freq_domain", "frf": "Hf_chan_2"}.
 
     Raises
     ------
     InputError
-        An unknown ending; what the readers refuse.
+        The ending is unknown, or the reader refuses the file.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def read_frfs(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None 
 
 
 def _require_file(path: str | os.PathLike[str]) -> None:
-    """Refuse a path that is no file, whatever its ending."""
+    """Refuse a path that is not a file, whatever its ending."""
     try:
         if os.path.lexists(path):
             open_file(path).close()
@@ -83,7 +83,7 @@ def _require_file(path: str | os.PathLike[str]) -> None:
 
 
 def _loose(path: str | os.PathLike[str], arrays: Mapping[str, str] | None = None) -> dict[str, Array] | None:
-    """Arrays of a MATLAB file or npz, under the names stated; None of an npz that `FrfSet.save` wrote."""
+    """Arrays of a MATLAB file or npz, under the stated names; None for an npz that `FrfSet.save` wrote."""
     stored = read_mat(path) if Path(path).suffix.lower() == ".mat" else read_npz(path)
     if arrays:
         return renamed(stored, arrays, str(path))
@@ -91,12 +91,12 @@ def _loose(path: str | os.PathLike[str], arrays: Mapping[str, str] | None = None
 
 
 def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
-    """Coherence, ordinary or multiple, of a universal file or an npz of `FrfSet.save`; None where there is none.
+    """Coherence, ordinary or multiple, from a universal file or an npz of `FrfSet.save`; None if there is none.
 
     Raises
     ------
     InputError
-        An unknown ending; what the readers refuse.
+        The ending is unknown, or the reader refuses the file.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
 
 
 def file_coherence(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None = None) -> FrfSet | None:
-    """Coherence that is beside the responses in a file of several kinds; None where there is none."""
+    """Coherence in the same file as the responses, for several kinds of file; None if there is none."""
     ending = Path(path).suffix.lower()
     if ending in LOOSE:
         stored = _loose(path, arrays)
@@ -142,7 +142,7 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
     Raises
     ------
     InputError
-        Other columns, a point twice, a radius below zero, cells that are no numbers.
+        There are other columns, a repeated point, a negative radius, or cells that are not numbers.
 
     Examples
     --------
@@ -175,12 +175,12 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
 
 
 def read_picks(path: str | os.PathLike[str]) -> FloatArray:
-    r"""Frequencies [Hz] picked by hand: the column freq_hz of a csv; other columns are of no matter.
+    r"""Frequencies [Hz] picked by hand: the column freq_hz of a csv; other columns are ignored.
 
     Raises
     ------
     InputError
-        No such column, cells that are no numbers.
+        There is no such column, or cells are not numbers.
 
     Examples
     --------
@@ -198,15 +198,15 @@ def read_picks(path: str | os.PathLike[str]) -> FloatArray:
 
 
 def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
-    """Measured functions of an HDF5 file: x (lines,), responses (channels, lines), the four places (channels,).
+    """Measured functions of an HDF5 file: x (lines,), responses (channels, lines), four place arrays (channels,).
 
-    Places that are missing are 0 for every channel. The file's attributes `kind` ("frf" if missing), `unit` and
+    Missing places are 0 for every channel. The file's attributes `kind` ("frf" if missing), `unit` and
     `card` state what they are.
 
     Raises
     ------
     InputError
-        h5py is not installed; a file that is no HDF5, lacks a data set or the unit; what `FrfSet` refuses.
+        h5py is not installed; the file is not HDF5, or lacks a data set or the unit; or `FrfSet` refuses the data.
     """
     _h5py(path)
     try:
@@ -232,7 +232,7 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
 
 
 def _contents(path: Path) -> dict[str, Any]:
-    """Data sets and attributes (in a child)."""
+    """Data sets and attributes, read in a child process."""
     h5py = _h5py(path)
     with h5py.File(path, "r") as file:
         arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
@@ -240,7 +240,7 @@ def _contents(path: Path) -> dict[str, Any]:
 
 
 def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:
-    """Write a file that `read_hdf5` reads, whole or not at all; numbers are kept bit for bit."""
+    """Write a file for `read_hdf5`, whole or not at all; numbers are stored bit for bit."""
     h5py = _h5py(path)
 
     def store(part: Path) -> None:

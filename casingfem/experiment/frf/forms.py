@@ -28,7 +28,7 @@ _FORCE = r"(k|m|da)?N|lbf?|kgf|V"
 
 
 def power_of_unit(unit: str) -> int | None:
-    """Power of j omega by the unit of a response; None without a unit, ValueError for one of something else.
+    """Power of j omega from the unit of a response; None without a unit, ValueError for other quantities.
 
     >>> power_of_unit("(m/s^2)/N"), power_of_unit("mm/s"), power_of_unit("NONE")
     (2, 1, None)
@@ -44,22 +44,22 @@ def power_of_unit(unit: str) -> int | None:
 
 
 def form_of_codes(function: Function) -> str:
-    """The form that the codes of the ordinate and its denominator state; "" where they leave it open."""
+    """The form according to the codes of ordinate and denominator; "" if they leave it open."""
     over = function.axes.denominator.kind
     return RESPONSES.get(function.axes.ordinate.kind, "") if over in (FORCE, *UNKNOWN) else ""
 
 
 def unit_of(function: Function) -> str:
-    """Unit of the ordinate over that of its denominator, "" where the file has none."""
+    """Unit of the ordinate over that of its denominator, "" if the file has none."""
     ends = function.axes.ordinate, function.axes.denominator
     above, below = (axis.unit if axis.unit.upper() != "NONE" else "" for axis in ends)
     return f"({above or 1})/({below})" if below else above
 
 
 def quantity_of(function: Function) -> str:
-    """Quantity of a response without a unit that is not motion over force, by its codes; "" if they leave it open.
+    """Quantity of a response without a unit that is not motion over force, from its codes; "" if they leave it open.
 
-    It replaces a unit: no form follows from it, so that a user has to state one.
+    It replaces the unit. Since no form follows from it, the user has to state one.
     """
     kinds = function.axes.ordinate.kind, function.axes.denominator.kind
     if unit_of(function) or form_of_codes(function) or all(kind in UNKNOWN for kind in kinds):

@@ -33,23 +33,17 @@ _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
 class FrfSet:
     """Measured functions over one abscissa; arrays are read-only.
 
-    Parameters
-    ----------
-    kind : "frf" or "spectrum" over frequencies [Hz], or "time" over seconds
-    x : abscissa (lines,), ascending
-    responses : (channels, lines), complex; real for time records. Over frequencies nan represents a missing number
-    response_point, response_direction, reference_point, reference_direction
-        Where each channel was measured, and what it refers to, (channels,): node, and 1, 2, 3 for x, y, z, 4, 5, 6
-        for turns, 0 without direction, signed.
-    unit : unit of the responses, as the file has it
-    form : "receptance", "mobility" or "accelerance" where the file states it beside a unit, "" where it does not
-    card : source lines
-    path : where it was read from
+    Parameters ---------- kind : "frf" or "spectrum" over frequencies [Hz], or "time" over seconds x : abscissa
+    (lines,), ascending responses : (channels, lines), complex; real for time records. Over frequencies, nan means a
+    missing number response_point, response_direction, reference_point, reference_direction Place of response and
+    reference of each channel, (channels,): node; and direction 1, 2, 3 for x, y, z, 4, 5, 6 for rotations, 0 without
+    direction, with sign. unit : unit of the responses, as the file has it form : "receptance", "mobility" or
+    "accelerance" if the file states it besides a unit, else "" card : source lines path : the file that was read
 
     Raises
     ------
     InputError
-        Arrays that do not belong together, values that are not finite, an abscissa that does not ascend.
+        Arrays do not belong together, values are not finite, or the abscissa does not ascend.
 
     Examples
     --------
@@ -141,7 +135,7 @@ class FrfSet:
         Raises
         ------
         InputError, InputError
-            A file that cannot be read whole; no such functions; functions that do not belong in one set.
+            The file cannot be read completely, has no such functions, or its functions do not belong to one set.
         """
         file = read_uff(path)
         found = file.functions
@@ -157,7 +151,7 @@ class FrfSet:
 
     @classmethod
     def from_functions(cls, functions: Sequence[Function], kind: Kind, path: str = "functions") -> FrfSet:
-        """Put functions of a universal file together."""
+        """Combine functions of a universal file into a set."""
         first = functions[0]
         units = [unit_of(each) or (quantity_of(each) if kind == "frf" else "") for each in functions]
         forms = [form_of_codes(each) if kind == "frf" else "" for each in functions]
@@ -180,14 +174,13 @@ class FrfSet:
     def from_csv(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read rows of freq_hz (or time_s), the four places, real, imag; a card line `unit: ...` is required.
 
-        Empty cells of real and imag are missing numbers of responses.
-        Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra, `form: mobility` states
-        what the responses are where the unit does not.
+        Empty cells of real and imag are missing values. Rows of a channel are consecutive. A card line `kind: spectrum`
+        makes them spectra; `form: mobility` states the form of responses if the unit does not.
 
         Raises
         ------
         InputError
-            Everything that is not exactly such a table, with file, line and column.
+            Every deviation from such a table, with file, line and column.
         """
         csv = read(path)
         entries = dict(part.split(":", 1) for part in csv.card if ":" in part)
@@ -233,7 +226,7 @@ class FrfSet:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FrfSet:
-        """Read what `save` wrote, without pickle."""
+        """Read a file written by `save`, without pickle."""
         wanted = {"kind", "x", "responses", *PLACES, "unit", "card"}
         texts: dict[str, ArrayKind] = dict.fromkeys(("kind", "unit", "form", "card"), "text")
         kinds: dict[str, ArrayKind] = texts | {"responses": "complex"}
@@ -288,7 +281,7 @@ def _kind(word: str, path: str) -> Kind:
 
 
 def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
-    """Number of lines of every channel, which must be over the same abscissas."""
+    """Number of lines of every channel; all must have the same abscissas."""
     ends = np.r_[starts[1:], len(x)]
     lines = int(ends[0])
     for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
@@ -299,7 +292,7 @@ def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
 
 
 def _check_abscissa(function: Function, kind: Kind, k: int, path: str) -> None:
-    """Refuse functions over something else than seconds, or Hz."""
+    """Refuse functions over anything except seconds or Hz."""
     axis = function.axes.abscissa
     wanted, number, unit, *more = ("time", TIME, "s", "sec") if kind == "time" else ("frequency", FREQUENCY, "Hz")
     if axis.kind not in (0, number) or axis.unit.lower() not in ("", "none", unit.lower(), *more):

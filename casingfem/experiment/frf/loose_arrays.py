@@ -1,9 +1,9 @@
-"""Frequency responses in files of plain arrays that other programs write: MATLAB's .mat, .npz.
+"""Frequency responses in files of plain arrays from other programs: MATLAB's .mat, .npz.
 
 The layout: `freq_hz` (lines,), `frf` (channels, lines) or (channels, references, lines), complex; optional `coherence`
-of the same shape, `form` or `unit`, `points` and `directions` (channels,), `references` (references,) or
-(references, 2), points and directions. The lines may be the first axis too, as MATLAB's columns are. Without points
-channels count from 1, without directions these are 0.
+of the same shape, `form` or `unit`, `points` and `directions` (channels,), `references` (references,) or (references,
+2), points and directions. The lines may also be the first axis, like MATLAB's columns. Without points, channels are
+numbered from 1; without directions, these are 0.
 """
 
 import os
@@ -35,12 +35,10 @@ EXPECTED = "freq_hz (lines,) and frf (channels, lines) or (channels, references,
 
 
 def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = False) -> FrfSet | None:
-    """The responses among named arrays, or their coherence, None where there is none.
+    """The responses in named arrays, or their coherence; None if there is none.
 
-    Raises
-    ------
-    InputError
-        No frequencies or responses, with the names found; two arrays of one meaning; shapes that do not fit.
+    Raises ------ InputError There are no frequencies or responses (the message lists the names found), two arrays have
+    the same meaning, or shapes do not fit.
     """
     arrays = by_meaning(stored, NAMES, path)
     if coherence and "coherence" not in arrays:
@@ -75,12 +73,12 @@ def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = Fals
 
 
 def renamed(stored: Mapping[str, Array], names: Mapping[str, str], path: str) -> dict[str, Array]:
-    """Arrays with `names` (meaning: name in the file) under their meanings; other arrays of these meanings left out.
+    """Arrays with `names` (meaning: name in the file) under their meanings, without other arrays of these meanings.
 
     Raises
     ------
     InputError
-        A meaning that there is not, a name that the file has not.
+        A meaning is unknown, or the file does not have a name.
     """
     unknown = [meaning for meaning in names if meaning not in NAMES]
     if unknown:
@@ -95,12 +93,12 @@ def renamed(stored: Mapping[str, Array], names: Mapping[str, str], path: str) ->
 
 
 def read_mat(path: str | os.PathLike[str]) -> dict[str, Array]:
-    """Arrays of numbers and text of a MATLAB file, version 5 to 7.3, by name; fields of a struct by `struct.field`.
+    """Arrays of numbers and text in a MATLAB file, version 5 to 7.3, by name; fields of a struct as `struct.field`.
 
     Raises
     ------
     InputError
-        A file that is none or is damaged; one of version 7.3 without h5py installed.
+        The file is not a MATLAB file or is damaged, or it has version 7.3 and h5py is not installed.
     """
     try:
         return arrays_of(Path(path), __name__, "mat_contents")
@@ -132,7 +130,7 @@ def _flat(tree: Mapping[str, Any], above: str = "") -> dict[str, Array]:
 
 
 def _version_73(path: Path) -> dict[str, Any]:
-    """Groups and data sets of an HDF5 file as MATLAB writes them: axes reversed, complex numbers in two fields."""
+    """Groups and data sets of an HDF5 file in MATLAB's layout: axes reversed, complex numbers in two fields."""
     try:
         import h5py
     except ImportError:
@@ -153,7 +151,7 @@ def _version_73(path: Path) -> dict[str, Any]:
 
 
 def by_meaning(stored: Mapping[str, Array], names_of: Mapping[str, Collection[str]], path: str) -> dict[str, Array]:
-    """Arrays by their meaning; a field of a struct counts by its own name."""
+    """Arrays by their meaning; a field of a struct is recognised by its own name."""
     arrays = dict[str, Array]()
     for meaning, names in names_of.items():
         found = [name for name in stored if name.rpartition(".")[2].lower() in names]
@@ -172,7 +170,7 @@ def _numbers(array: Array, name: str, path: str) -> Array:
 
 
 def _lines_last(values: Array, lines: int, path: str) -> Array:
-    """Values (channels, references, lines), whichever end the lines are at."""
+    """Values (channels, references, lines), from arrays with the lines at either end."""
     ends = [axis for axis in {0, values.ndim - 1} if values.ndim and values.shape[axis] == lines]
     if values.ndim not in (1, 2, 3) or len(ends) != 1:
         found = f"frf {values.shape} for {lines} frequencies"

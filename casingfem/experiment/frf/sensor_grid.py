@@ -45,7 +45,7 @@ def sensor_grid(
     Raises
     ------
     InputError
-        A sensor without a channel to one of the references, a channel twice, a sensor without angle.
+        A sensor has no channel to one of the references, a channel is repeated, or a sensor has no angle.
     """
     responses = np.column_stack([frfs.response_point, frfs.response_direction])
     references = np.column_stack([frfs.reference_point, frfs.reference_direction])
@@ -86,14 +86,14 @@ def angles_of(places: Mapping[int, FloatArray]) -> dict[int, float]:
 
 
 def form_of(frfs: FrfSet, form: str | None) -> int | None:
-    """Power of j omega by which responses exceed receptances: as stated, or from the unit and the set's own form.
+    """Power of j omega of the responses relative to receptances: as stated, or from the unit and the set's own form.
 
-    None without either.
+    None if neither is known.
 
     Raises
     ------
     InputError
-        A unit of something else than a motion; a unit and a form of the file that contradict each other.
+        The unit is not one of motion, or unit and form of the file contradict each other.
 
     >>> form_of(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="(m/s^2)/N"), None)
     2
@@ -116,5 +116,5 @@ def form_of(frfs: FrfSet, form: str | None) -> int | None:
 
 
 def radial_signs(grid: SensorGrid) -> Array:
-    """Sign of each sensor, (sensors,): a negative direction turns the response over."""
+    """Sign of each sensor, (sensors,): a negative direction reverses the response."""
     return np.where(grid.directions < 0, -1.0, 1.0)

@@ -1,4 +1,4 @@
-"""The virtual test rig: records that a test would have made, all marked SYNTHETIC."""
+"""The virtual test rig: simulated records of a test, all marked SYNTHETIC."""
 
 import lazy_loader
 

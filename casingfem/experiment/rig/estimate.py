@@ -1,4 +1,4 @@
-"""Frequency responses of a record of the test rig, as an analyser makes them of its blocks."""
+"""Frequency responses from a record of the test rig, by averages over its blocks as in an analyser."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ def estimate(
     overlap: float = 0.5,
     band: tuple[float, float] | None = None,
 ) -> Estimate:
-    """Averages over the record's own blocks, lines 1/T apart, without the line at 0 Hz.
+    """Averages over the blocks of the record, on lines 1/T apart, without the line at 0 Hz.
 
     Parameters
     ----------
     window
-        "hann" for stationary forces; "rectangular" for bursts and taps that die out within the block.
+        "hann" for stationary forces; "rectangular" for bursts and taps that decay within the block.
     overlap
-        Part that neighbouring blocks share, 0 to 0.9; 0 where blocks must begin with their bursts or taps.
+        Overlap of neighbouring blocks, 0 to 0.9; 0 if blocks must begin with their bursts or taps.
     band
-        Frequencies kept [Hz]; all below fs/2.56 if left out.
+        Frequencies kept [Hz]; by default all below fs/2.56.
 
     Raises
     ------
     InputError
-        Fewer averages than drives, H2 with several drives, unknown words.
+        There are fewer averages than drives, H2 is requested with several drives, or a word is unknown.
 
     Examples
     --------

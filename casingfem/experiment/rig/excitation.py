@@ -1,6 +1,6 @@
 """Excitation of a structure: random, burst random, impact, stepped sine, each with `force(time, rng)`.
 
-Forces have no content above their band, so that samples of them state everything about them.
+Forces have no content above their band, so that their samples define them completely.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ RAMP = 0.05  # part of a burst, or of a dwell's step, in which it rises and fall
 
 
 class Excitation(Protocol):
-    """Interface of a force that a record can use."""
+    """Interface of a force for a simulated record."""
 
     @property
     def highest(self) -> float:
-        """Frequency [Hz] above which there is nothing to speak of."""
+        """Frequency [Hz] above which the force is negligible."""
 
     def force(self, time: FloatArray, block: float, rng: np.random.Generator) -> FloatArray:
-        """Force [N] at evenly spaced instants [s], (samples,); a periodic force has the period `block` seconds."""
+        """Force [N] at evenly spaced times [s], (samples,); a periodic force has the period `block` seconds."""
 
 
 def require(name: str, value: float, least: float = 0.0) -> None:
@@ -40,7 +40,7 @@ def require_band(band: tuple[float, float]) -> None:
 
 
 def band_noise(count: int, step: float, band: tuple[float, float], rng: np.random.Generator) -> FloatArray:
-    """Gaussian noise of rms 1 inside a band [Hz], none outside: independent lines of a Fourier series."""
+    """Gaussian noise of rms 1 inside a band [Hz] and 0 outside: independent lines of a Fourier series."""
     freq = np.fft.rfftfreq(count, step)
     lines = (freq >= band[0]) & (freq <= band[1]) & (freq > 0.0)
     if not lines.any():
@@ -53,7 +53,7 @@ def band_noise(count: int, step: float, band: tuple[float, float], rng: np.rando
 
 
 def bump(phase: FloatArray) -> FloatArray:
-    """Smooth window: 1 where phase is inside 0 to 1, with cosine ramps of `RAMP` at both ends, 0 outside."""
+    """Smooth window: 1 for phases between 0 and 1, with cosine ramps of `RAMP` at both ends, 0 outside."""
     rise = np.clip(np.minimum(phase, 1.0 - phase) / RAMP, 0.0, 1.0)
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * rise))
 
@@ -85,7 +85,9 @@ class Random:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BurstRandom(Random):
-    """Random force during the first `part` of every block, then silence: no leakage where the answer has died out.
+    """Random force during the first `part` of every block, then zero.
+
+    No leakage if the response decays within the block.
 
     The ramps of its bursts smear the upper end of the band by a few Hz.
 
@@ -109,7 +111,7 @@ class BurstRandom(Random):
 class Impact:
     """A hammer: one pulse F = peak (1 - cos(2 pi t/width))/2 in every block, `delay` [s] after its start.
 
-    Its spectrum has the first zero at 2/width and stays 31 dB below beyond it.
+    Its spectrum has its first zero at 2/width and is at least 31 dB down beyond it.
 
     >>> Impact(peak=50.0, width=1e-3).highest
     2000.0
@@ -130,7 +132,7 @@ class Impact:
         return 2.0 / self.width
 
     def force(self, time: FloatArray, block: float, rng: np.random.Generator) -> FloatArray:
-        """The pulses; nothing about them is random."""
+        """The pulses, which are not random."""
         phase = (np.mod(time, block) - self.delay) / self.width
         inside = (phase > 0.0) & (phase < 1.0)
         return np.asarray(np.where(inside, 0.5 * self.peak * (1.0 - np.cos(2.0 * np.pi * phase)), 0.0))
@@ -138,9 +140,9 @@ class Impact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepSine:
-    """A sine of `amplitude` [N] whose frequency steps through `freq` [Hz], one block each; its phase runs on.
+    """A sine of `amplitude` [N] whose frequency steps through `freq` [Hz], one for each block, with continuous phase.
 
-    One frequency makes a dwell.
+    With a single frequency it is a dwell.
 
     >>> StepSine(amplitude=2.0, freq=(371.0, 371.5)).highest
     371.5
@@ -156,11 +158,11 @@ class StepSine:
 
     @property
     def highest(self) -> float:
-        """The highest of them."""
+        """The highest frequency."""
         return max(self.freq)
 
     def force(self, time: FloatArray, block: float, rng: np.random.Generator) -> FloatArray:
-        """The sine, risen smoothly at the start."""
+        """The sine, with a smooth rise at the start."""
         index = np.minimum((time / block + 1e-9).astype(np.int64), len(self.freq) - 1)
         step = float(time[1] - time[0])
         phase = 2.0 * np.pi * step * np.r_[0.0, np.cumsum(np.asarray(self.freq)[index])[:-1]]

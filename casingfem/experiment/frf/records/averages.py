@@ -1,11 +1,11 @@
-"""Spectra averaged over blocks, and the frequency responses that they give.
+"""Spectra averaged over blocks, and the frequency responses estimated from them.
 
     H1 = G_xf G_ff^-1,  H2 = G_xx G_fx^-1,  Hv = (G_xf/|G_xf|) sqrt(G_xx/G_ff),
     coherence = G_xf G_ff^-1 G_fx/G_xx
 
 (Bendat & Piersol, Random Data, 4th ed., 2010, chapters 6 and 7; Hv: Rocklin, Crowley and Vold, Proc. 3rd IMAC, 1985,
-272). H1 is right where the noise is on the responses, H2 where it is on a single force, Hv = sqrt(H1 H2) in size where
-it is on both.
+272). H1 is unbiased with noise on the responses, H2 with noise on a single force; Hv, with |Hv| = sqrt(H1 H2), suits
+noise on both.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Averages(NamedTuple):
 
 
 def check_options(window: str, estimator: str, overlap: float, drives: int) -> None:
-    """Refuse options that permit no estimate."""
+    """Refuse options that do not allow an estimate."""
     for name, word, words in (("window", window, get_args(Window)), ("estimator", estimator, get_args(Estimator))):
         if word not in words:
             raise InputError(f"{name}: found {word!r}, expected {' or '.join(words)}")
@@ -41,7 +41,7 @@ def check_options(window: str, estimator: str, overlap: float, drives: int) -> N
 
 
 def block_spectra(values: FloatArray, block: int, window: Window, overlap: float) -> Array:
-    """Windowed transforms of blocks with a number of samples, (channels, averages, lines)."""
+    """Windowed transforms of blocks with this number of samples, (channels, averages, lines)."""
     step = max(1, round(block * (1.0 - overlap)))
     blocks = np.lib.stride_tricks.sliding_window_view(values, block, axis=1)[:, ::step]
     shape = hann(block, sym=False) if window == "hann" else np.ones(block)

@@ -30,7 +30,7 @@ class ChannelTable:
 
 
 def direction_of(word: str) -> int | None:
-    """A direction of universal files, None for another word; r is the one direction of a radial sensor, without a sign.
+    """Direction number of universal files, None for other words; r is the direction of a radial sensor, without a sign.
 
     >>> direction_of("x"), direction_of("-z"), direction_of("2"), direction_of("r"), direction_of("-r")
     (1, -3, 2, 0, None)
@@ -50,13 +50,13 @@ def direction_of(word: str) -> int | None:
 def read_channels(path: str | os.PathLike[str]) -> ChannelTable:
     """Read a csv or workbook with the columns channel, kind, point, unit and, if wanted, direction and factor.
 
-    `channel` is the name in the file, or a number from 1; `kind` is force or response; `factor` turns a number of the
-    file into the unit.
+    `channel` is the name in the file, or a number from 1; `kind` is force or response; `factor` converts a number of
+    the file to the unit.
 
     Raises
     ------
     InputError
-        Other columns, words that are no kind or direction, a channel twice, a factor of 0.
+        There are other columns, invalid kinds or directions, a repeated channel, or a factor of 0.
     """
     csv = read(path)
     for name in (*csv.header, *NEEDED):
@@ -98,12 +98,12 @@ def _wrong(
 
 
 def described(block: RecordBlock, table: ChannelTable | None) -> RecordBlock:
-    """The block with the channels that the table names, in its units; unchanged without a table.
+    """The block with the channels and units that the table states; unchanged without a table.
 
     Raises
     ------
     InputError
-        A channel of the table that the block does not have.
+        The block does not have a channel of the table.
     """
     if table is None:
         return block

@@ -1,8 +1,8 @@
 """Frequency responses of time records: hammer tests hit by hit, shaker tests block by block.
 
-1. `hits`: pulses of the force are triggers; double, cut and clipped hits are left out, with the reason.
-2. `windows`: the force is kept about its pulse; an exponential window falls on force and responses alike.
-3. `averages`: H1, H2 or Hv over the hits or blocks, and the coherence.
+1. `hits`: pulses of the force are triggers; double, truncated and clipped hits are left out, with the reason. 2.
+`windows`: the force is set to zero away from its pulse; an exponential window multiplies force and responses. 3.
+`averages`: H1, H2 or Hv over the hits or blocks, and the coherence.
 """
 
 from __future__ import annotations
@@ -37,30 +37,18 @@ def estimate(
 ) -> Estimate:
     """Frequency responses of time records of a hammer or a shaker test.
 
-    Parameters
-    ----------
-    takes
-        Forces and responses that were sampled together: a record for each hit, or long records with many.
-    test
-        "hammer" or "shaker"; None decides by the peak of the force over its rms.
-    estimator
-        "H1", "H2" or "Hv"; with several forces at once H1.
-    exponential
-        Time constant [s] of an exponential window; `identify` takes its damping off again. Hammer only.
-    seconds
-        Length of a block [s]; None takes a record for each hit as it is, long records up to the next hit, of a
-        shaker's record a twentieth.
-    before
-        Pre-trigger [s] of a hit in a long record; None takes 2 % of the block.
-    window, overlap
-        Of the blocks of a shaker test: "hann", or "rectangular" for bursts that die out within the block.
-    band
-        Frequencies kept [Hz]; all up to fs/2.56 if None.
+    Parameters ---------- takes Forces and responses that were sampled together: a record for each hit, or long records
+    with many. test "hammer" or "shaker"; None decides by the peak of the force over its rms. estimator "H1", "H2" or
+    "Hv"; with several forces at once H1. exponential Time constant [s] of an exponential window; `identify` subtracts
+    its damping. Hammer tests only. seconds Length of a block [s]. None: a record with one hit is one block, in long
+    records a block ends at the next hit; for a shaker a twentieth of the record. before Pre-trigger [s] of a hit in a
+    long record; None: 2 % of the block. window, overlap Window and overlap of the blocks of a shaker test: "hann", or
+    "rectangular" for bursts that decay within the block. band Frequencies kept [Hz]; all up to fs/2.56 if None.
 
     Raises
     ------
     InputError
-        Takes of several rates or channels, no hit that can be used, options that contradict each other.
+        Records differ in rate or channels, no hit is usable, or options contradict each other.
 
     Examples
     --------
@@ -110,7 +98,7 @@ def _check(
 
 
 def _kind(takes: tuple[Take, ...]) -> Test:
-    """Hammer where the peak of the force is many times its rms."""
+    """Kind of test: hammer if the peak of the force is many times its rms, else shaker."""
     peaks = []
     for take in takes:
         for row in take.force.responses:

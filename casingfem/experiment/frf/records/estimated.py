@@ -14,9 +14,9 @@ RECORD = 7  # lines of a header in a universal file
 
 
 class Hit(NamedTuple):
-    """A hit: take and instant [s], peak [N], width [s] at a tenth of it, part of the ringing left at the record's end.
+    """A hit: record and time [s], peak [N], width [s] at a tenth of it, part of the ringing left at the record's end.
 
-    `fault` gives the reason it was left out, "" where it was used.
+    `fault` is the reason why it was left out, "" if it was used.
     """
 
     take: str
@@ -28,7 +28,7 @@ class Hit(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """One block as a picture shows it: time from the trigger [s], force, responses, and the two windows.
+    """One block for a picture: time from the trigger [s], force, responses, and the two windows.
 
     time, force, force_window, response_window (samples,); responses (channels, samples).
     """
@@ -48,19 +48,19 @@ class Estimate(Reported):
     ----------
     frfs
         The responses; the card names estimator, window and averages, and the line `exponential_window_s` the time
-        constant of an exponential window, which `identify` takes off the damping.
+        constant of an exponential window, whose damping `identify` subtracts.
     coherence
         Ordinary coherence of each channel, multiple with several forces; None with fewer than two averages.
     averages
-        Averages of each reference.
+        Number of averages of each reference.
     hits
-        Hits of a hammer test, with those that were left out.
+        Hits of a hammer test, including those that were left out.
     left
-        Part of the ringing (amplitude) that is left when the records end, before any window; 0 of a shaker test.
+        Part of the ringing amplitude that remains when the records end, before any window; 0 for a shaker test.
     notes
-        What was found in the records, in words.
+        Findings about the records, as text.
     shown
-        The first block that was used.
+        The first used block.
 
     Examples
     --------
@@ -85,7 +85,7 @@ class Estimate(Reported):
         return tuple(hit for hit in self.hits if not hit.fault)
 
     def records(self) -> list[dict[str, Any]]:
-        """One row a hit; of a shaker test one row for each channel."""
+        """One row for each hit; for a shaker test, one row for each channel."""
         if self.hits:
             return [
                 {

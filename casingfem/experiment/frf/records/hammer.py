@@ -66,7 +66,7 @@ def hammer_frfs(
 
 
 def _samples(used: list[Piece], hits: list[Hit], take: Take) -> int:
-    """Samples of all blocks: an even number, that of the shortest."""
+    """Number of samples of all blocks: an even number, that of the shortest."""
     if not used:
         words = "; ".join(f"hit {k + 1}: {hit.fault}" for k, hit in enumerate(hits[:MOST_NAMED]))
         raise InputError(take.name, found=words, expected="at least one hit that can be used")
@@ -92,7 +92,7 @@ def _points(used: list[Piece], samples: int, tau: float | None, estimator: Estim
 
 
 def _averaged(blocks: list[Block], estimator: Estimator) -> Averages:
-    """Averages over the hits in which each channel is not clipped; 0 for a channel that always is."""
+    """Averages over the hits in which each channel is not clipped; 0 for a channel that is always clipped."""
     whole = np.array([block.whole for block in blocks])  # (hits, channels)
     x = np.fft.rfft(np.stack([block.responses for block in blocks], axis=1), axis=-1)
     f = np.fft.rfft([[block.force for block in blocks]], axis=-1)
@@ -140,7 +140,7 @@ def _negative(hits: list[Hit]) -> Iterator[str]:
 
 
 def _ringing(left: float, seconds: float, tau: float | None) -> Iterator[str]:
-    """Notes on the end of the records and on the damping that an exponential window adds."""
+    """Notes on the end of the records, and on the damping that an exponential window adds."""
     if left * (1.0 if tau is None else np.exp(-seconds / tau)) >= ENDED:
         duration, window = longer(left, seconds)
         yield (
@@ -154,7 +154,7 @@ def _ringing(left: float, seconds: float, tau: float | None) -> Iterator[str]:
 
 
 def _weak(shown: Shown, fs: float, lines: FloatArray) -> Iterator[str]:
-    """Lines at which the hammer gives little force."""
+    """Note on lines at which the hammer gives little force."""
     force = np.abs(np.fft.rfft(shown.force * shown.force_window))
     x = lines_of(len(shown.force), fs)
     weak = x[(force < WEAK * force.max()) & (x >= lines[0]) & (x <= lines[-1])]
@@ -166,7 +166,7 @@ def _weak(shown: Shown, fs: float, lines: FloatArray) -> Iterator[str]:
 
 
 def _clipped(used: list[Piece], samples: int) -> Iterator[str]:
-    """Channels that are clipped in hits that count."""
+    """Note on channels that are clipped in used hits."""
     found = dict[tuple[int, int], int]()
     for piece in used:
         for k in piece.clipped_responses(samples).tolist():
@@ -180,7 +180,7 @@ def _clipped(used: list[Piece], samples: int) -> Iterator[str]:
 
 
 def _reciprocal(frfs: FrfSet, coherence: FrfSet | None) -> tuple[FrfSet, FrfSet | None, tuple[str, ...]]:
-    """A roving hammer's set with hit points as sensors: H_rs = H_sr."""
+    """The set of a roving hammer with hit points as sensors: H_rs = H_sr."""
     hit, fixed = (
         len(np.unique(np.column_stack([getattr(frfs, f"{name}_point"), getattr(frfs, f"{name}_direction")]), axis=0))
         for name in ("reference", "response")

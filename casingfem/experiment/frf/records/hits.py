@@ -1,4 +1,4 @@
-"""Hits in a force record: pulses above the trigger level, second pulses, cut and clipped ones."""
+"""Hits in a force record: pulses above the trigger level, second pulses, truncated and clipped pulses."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Pulse(NamedTuple):
 
 
 def quiet(force: FloatArray) -> tuple[float, float]:
-    """Rest value and standard deviation of a force between its pulses, by the median and its deviation."""
+    """Rest value and standard deviation of a force between its pulses: median and median deviation."""
     rest = float(np.median(force))
     return rest, 1.4826 * float(np.median(np.abs(force - rest)))
 
 
 def pulses(force: FloatArray) -> list[Pulse]:
-    """Pulses of a force record (samples,), ascending in time; none where nothing is above the noise.
+    """Pulses of a force record (samples,), ascending in time; empty if nothing exceeds the noise.
 
     >>> force = np.zeros(100)
     >>> force[20:23], force[60:63] = [2.0, 9.0, 3.0], [1.0, 7.0, 2.0]
@@ -57,7 +57,7 @@ def pulses(force: FloatArray) -> list[Pulse]:
 
 
 def separate(found: list[Pulse], samples: int) -> list[list[Pulse]]:
-    """Pulses of one long record, each hit with those that follow it too soon for another hit.
+    """Pulses of one long record by hit; pulses too soon for another hit belong to the previous one.
 
     >>> [len(hit) for hit in separate([Pulse(k, k + 3, 1.0) for k in (100, 130, 1100, 2100)], 3000)]
     [2, 1, 1]
@@ -76,11 +76,11 @@ def separate(found: list[Pulse], samples: int) -> list[list[Pulse]]:
 
 
 def clipped(values: FloatArray, *, decaying: bool = False) -> IntArray:
-    """Rows of records (channels, samples) that stay at their largest or smallest value as a full converter does.
+    """Rows of records (channels, samples) that stay at their largest or smallest value, like an overloaded converter.
 
-    Three samples in a row have exactly this value, and a step beside them is larger than five of the smallest steps of
-    the channel: a slow peak of a coarse converter has only small steps there. Of a response that decays, three samples
-    anywhere are enough where the channel has a thousand steps or more.
+    The criterion is three consecutive samples with exactly this value, next to a step larger than five of the channel's
+    smallest steps. A slow peak of a coarse converter has only small steps there. For a decaying response, three such
+    samples anywhere are enough if the channel has a thousand steps or more.
 
     >>> sine = np.sin(0.3 * np.arange(90))
     >>> clipped(np.array([sine, np.clip(sine, -0.8, 0.8), 0.0 * sine])).tolist()

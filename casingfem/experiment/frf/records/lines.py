@@ -1,4 +1,4 @@
-"""Steps common to hammer and shaker tests: selected lines, consistent channels, notes on signs and units."""
+"""Common steps of hammer and shaker tests: selected lines, consistent channels, notes on signs and units."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TURNED = -0.5  # mean of Re Y over that of |Re Y| at the drive point, below whic
 
 
 def lines_of(samples: int, fs: float) -> FloatArray:
-    """Lines [Hz] of a transform with a number of samples."""
+    """Lines [Hz] of a transform with this number of samples."""
     return np.asarray(np.fft.rfftfreq(samples, 1.0 / fs), np.float64)
 
 
@@ -33,7 +33,7 @@ def kept_lines(freq: FloatArray, fs: float, band: tuple[float, float] | None) ->
 
 
 def same_channels(takes: list[Take]) -> FrfSet:
-    """The response channels, which all takes of one hit point share."""
+    """The response channels, which must be the same in all records of one hit point."""
     first = takes[0].response
     for take in takes[1:]:
         same = np.array_equal(take.response.response_point, first.response_point)
@@ -48,7 +48,7 @@ def _listed(frfs: FrfSet) -> str:
 
 
 def _turned_over(frfs: FrfSet) -> Iterator[str]:
-    """Drive points at which the structure would give energy to the hammer: a channel is turned over."""
+    """Drive points at which the structure would give energy to the hammer, so that a channel has the wrong sign."""
     try:
         power = power_of_unit(frfs.unit)
     except ValueError:
@@ -69,7 +69,7 @@ def _turned_over(frfs: FrfSet) -> Iterator[str]:
 
 
 def notes_of(frfs: FrfSet, force_unit: str) -> Iterator[str]:
-    """Drive points at which a channel is turned over, and responses or forces without a unit."""
+    """Notes on drive points with a wrong sign, and on responses or forces without a unit."""
     yield from _turned_over(frfs)
     if frfs.unit and not force_unit:
         yield "the force has no unit and is taken for N: state it in the file, as `force 1 x [N]`, or by --channels"

@@ -1,9 +1,9 @@
 """Time records in plain arrays of .mat and .npz files.
 
-The layout: `fs` [Hz] or `time` [s] (samples,); `force` (samples,) or (hits, samples), none of responses alone;
+The layout: `fs` [Hz] or `time` [s] (samples,); `force` (samples,) or (hits, samples), none if there are only responses;
 `response` (channels, samples), (samples,) or (hits, channels, samples); optional `points`, `directions` (channels,),
-`force_point`, `force_direction` (a number, or one for each hit), `unit`, `force_unit`. Samples may be the first axis of
-a matrix too.
+`force_point`, `force_direction` (a number, or one for each hit), `unit`, `force_unit`. Samples may also be the first
+axis of a matrix.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ EXPECTED = "fs or time (samples,), force (samples,) and response (channels, samp
 
 
 def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock]:
-    """The records among named arrays, one block for each hit.
+    """The records in named arrays, one block for each hit.
 
     Raises
     ------
     InputError
-        Missing arrays, with the names found; two arrays of one meaning; shapes that do not fit.
+        Arrays are missing (the message lists the names found), two have the same meaning, or shapes do not fit.
     """
     arrays = by_meaning(stored, NAMES, path)
     if "response" not in arrays or not {"fs", "time"} & arrays.keys():
@@ -70,7 +70,7 @@ def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock
 
 
 def _force(arrays: Mapping[str, Array], response: FloatArray, path: str) -> FloatArray:
-    """Forces (hits, samples); zeros where there is none, for the longest axis of the responses."""
+    """Forces (hits, samples); without forces, zeros over the longest axis of the responses."""
     if "force" not in arrays:
         return np.zeros((1, max(response.shape, default=0)))
     force = np.atleast_2d(np.squeeze(_numbers(arrays["force"], "force", path)))
@@ -80,7 +80,7 @@ def _force(arrays: Mapping[str, Array], response: FloatArray, path: str) -> Floa
 
 
 def _arranged(values: FloatArray, hits: int, samples: int, path: str) -> FloatArray:
-    """Responses (hits, channels, samples)."""
+    """Responses as (hits, channels, samples)."""
     given = values.shape
     if values.ndim == 2 and values.shape[1] != samples and values.shape[0] == samples:
         values = values.T
@@ -95,7 +95,7 @@ def _arranged(values: FloatArray, hits: int, samples: int, path: str) -> FloatAr
 
 
 def _rate(arrays: Mapping[str, Array], samples: int, path: str) -> float:
-    """Samples a second: as given, or by the times."""
+    """Samples per second: as given, or from the times."""
     if "fs" in arrays:
         fs = float(np.ravel(_numbers(arrays["fs"], "fs", path))[0])
     else:

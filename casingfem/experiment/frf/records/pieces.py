@@ -1,4 +1,4 @@
-"""Records cut into hits: where each begins, its pulses, and why one is left out."""
+"""Records cut into hits: start and pulses of each hit, and the reason if it is left out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BEFORE = 0.02  # of a block: the pre-trigger where none is given
 
 
 class Piece(NamedTuple):
-    """One hit in a take: its first sample there, the number of samples, its pulses."""
+    """One hit in a record: its first sample, the number of samples, its pulses."""
 
     take: Take
     start: int
@@ -35,7 +35,7 @@ class Piece(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Force (samples,) and responses (channels, samples) of one hit, windowed, with data for a picture.
+    """Windowed force (samples,) and responses (channels, samples) of one hit, with data for a picture.
 
     `whole` (channels,) are the responses that are not clipped.
     """
@@ -47,7 +47,7 @@ class Block(NamedTuple):
 
 
 def pieces_of(take: Take, seconds: float | None, before: float | None, one: bool) -> Iterator[Piece]:
-    """Each hit of a take; with `one` a record has one hit, and a second pulse in it is a double hit."""
+    """Each hit of a record; with `one` a record has one hit, and a second pulse makes it a double hit."""
     force, count = take.force.responses[0], len(take)
     found = pulses(force)
     hits = [found] if one and seconds is None else separate(found, count)
@@ -67,7 +67,7 @@ def pieces_of(take: Take, seconds: float | None, before: float | None, one: bool
 
 
 def hit_of(piece: Piece) -> Hit:
-    """A hit, with the reason why it is left out."""
+    """A hit, with the reason if it is left out."""
     take, start, samples, found = piece
     force = take.force.responses[0]
     if not found:
@@ -83,7 +83,7 @@ def hit_of(piece: Piece) -> Hit:
 
 
 def fault_of(piece: Piece) -> str:
-    """Why a hit is left out, "" where it is used."""
+    """Reason why a hit is left out, "" if it is used."""
     take, start, samples, found = piece
     fs, pulse = take.fs, found[0]
     if pulse.start - start < 1 or start < 0:
@@ -105,7 +105,7 @@ def fault_of(piece: Piece) -> str:
 
 
 def block_of(piece: Piece, samples: int, tau: float | None) -> Block:
-    """One hit with its windows; the mean before the pulse is taken off the responses."""
+    """One hit with its windows; the mean before the pulse is subtracted from the responses."""
     take, start, _, found = piece
     pulse = Pulse(found[0].start - start, found[0].end - start, found[0].peak)
     force = take.force.responses[0, start : start + samples]

@@ -1,4 +1,4 @@
-"""Time records of a file of any kind that is read."""
+"""Time records from files of all supported kinds."""
 
 from __future__ import annotations
 
@@ -38,20 +38,19 @@ def read_records(
     *,
     channels: str | os.PathLike[str] | None = None,
 ) -> tuple[Take, ...]:
-    r"""Forces and responses of universal files, .wav, .mat, .npz or .csv, each take with its force.
+    r"""Forces and responses of universal files, .wav, .mat, .npz or .csv, in sets that were sampled together.
 
     Parameters
     ----------
     path
         A file, or several of one test.
     channels
-        A table of channels (`channels.read_channels`): what each channel is, where, in which unit. Sound files need
-        one.
+        A table of channels (`channels.read_channels`) with kind, place and unit of each channel. Sound files need one.
 
     Raises
     ------
     InputError
-        An unknown ending, a file larger than 500 MB, what the readers refuse, channels without a force.
+        The ending is unknown, the file is larger than 500 MB, the reader refuses it, or channels have no force.
 
     Examples
     --------
@@ -72,12 +71,12 @@ def read_records(
 
 
 def read_responses(path: str | os.PathLike[str], *, channels: str | os.PathLike[str] | None = None) -> FrfSet:
-    r"""Responses of one long record without forces, for `identify` of responses alone.
+    r"""Responses of one long record without forces, for output-only identification.
 
     Raises
     ------
     InputError
-        As `read_records`; several records in the file, responses in several units, no response.
+        The errors of `read_records`; or the file has several records, responses in several units, or no response.
 
     Examples
     --------
@@ -116,7 +115,7 @@ def read_record_file(path: str | os.PathLike[str], table: ChannelTable | None) -
 
 
 def _blocks(path: str | os.PathLike[str], table: ChannelTable | None) -> tuple[list[RecordBlock], _Beside]:
-    """Blocks of a file as the table describes them."""
+    """Blocks of a file as the channel table describes them."""
     name, ending = str(path), Path(path).suffix.lower()
     _bounded(Path(path))
     beside = _Beside()
@@ -138,14 +137,14 @@ def _blocks(path: str | os.PathLike[str], table: ChannelTable | None) -> tuple[l
 
 
 def _bounded(path: Path) -> None:
-    """Refuse a record of a day before it is read."""
+    """Refuse an excessively long record (of a day) before it is read."""
     if path.is_file() and path.stat().st_size > MOST:
         found = f"{path.stat().st_size / 1e6:.6g} MB"
         raise InputError(str(path), found=found, expected=f"at most {MOST / 1e6:g} MB: cut the record to the test")
 
 
 def _sampled(block: RecordBlock) -> RecordBlock:
-    """The block, refused where it has no samples."""
+    """The block; one without samples is refused."""
     if block.values.shape[1] == 0:
         raise InputError(block.name, found="no samples", expected="a record")
     return block

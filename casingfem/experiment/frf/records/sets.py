@@ -1,4 +1,4 @@
-"""Sets of frequency responses and of coherence from averages of a hammer or a shaker test."""
+"""Sets of frequency responses and of coherence from the averages of a hammer or shaker test."""
 
 from __future__ import annotations
 
@@ -16,21 +16,11 @@ def sets_of(
     take: Take, freq: FloatArray, H: Array, coherence: FloatArray, *, response: tuple[IntArray, IntArray],
     reference: tuple[IntArray, IntArray], card: tuple[str, ...],
 ) -> tuple[FrfSet, FrfSet]:  # fmt: skip
-    """Frequency responses and coherence of a test, with the unit of a take.
+    """Frequency responses and coherence of a test, with the units of a record.
 
-    Parameters
-    ----------
-    take
-        Units and the name in messages.
-    freq
-        Lines [Hz] (lines,).
-    H, coherence
-        Responses (rows, lines); coherence (channels, lines) of the first rows. There are fewer channels than rows
-        where several forces act at once.
-    response, reference
-        Points and directions, (rows,) each.
-    card
-        Header lines of both sets.
+    Parameters ---------- take Gives the units, and the name for messages. freq Lines [Hz] (lines,). H, coherence
+    Responses (rows, lines); coherence (channels, lines) of the first rows. There are fewer channels than rows if
+    several forces act at once. response, reference Points and directions, (rows,) each. card Header lines of both sets.
 
     Raises
     ------
@@ -54,7 +44,7 @@ def sets_of(
 
 
 def _unit(take: Take) -> str:
-    """Unit of a response over a force, "" where the responses have none."""
+    """Unit of a response over a force, "" if the responses have none."""
     unit = take.response.unit
     over = take.force.unit or "N"
     return f"({unit})/{over}" if "/" in unit else f"{unit}/{over}" if unit else ""

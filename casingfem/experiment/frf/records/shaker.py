@@ -54,7 +54,7 @@ def shaker_frfs(
 
 
 def _check_forces(take: Take) -> None:
-    """Refuse a force that does not change, and forces that are one signal."""
+    """Refuse a constant force, and forces that are the same signal."""
     force = np.asarray(take.force.responses)
     away = force - force.mean(axis=1, keepdims=True)
     rms = np.sqrt(np.mean(away**2, axis=1))
@@ -74,7 +74,7 @@ def _off(take: Take) -> str:
 
 
 def _of_drives(take: Take, found: Averages, freq: FloatArray, card: tuple[str, ...], averages: int) -> Estimate:
-    """The estimate of forces that act at once: each response to the first force, then to the next."""
+    """The estimate for simultaneous forces: all responses to the first force, then to the next."""
     force, response = take.force, take.response
     drives, channels = len(force), len(response)
     frfs, coherence = sets_of(

@@ -32,13 +32,10 @@ def read_table(path: str | os.PathLike[str], *, by_names: bool = True) -> list[R
     path
         The table.
     by_names
-        Whether the names of the columns state points and directions. False if a table of channels states them.
+        Whether the column names state points and directions. False if a table of channels states them.
 
-    Raises
-    ------
-    InputError
-        No column of times first, times that are not even, cells that are no numbers, a force or a response whose point
-        or direction cannot be read.
+    Raises ------ InputError The first column is not time, times are not evenly spaced, cells are not numbers, or point
+    or direction of a force or response cannot be read.
     """
     csv = read(path)
     first = NAME.fullmatch(csv.header[0])
@@ -64,7 +61,7 @@ def read_table(path: str | os.PathLike[str], *, by_names: bool = True) -> list[R
 
 
 def channel_of(name: str) -> RecordChannel:
-    """Kind, point, direction and unit that the name of a column states.
+    """Kind, point, direction and unit in the name of a column.
 
     >>> channel_of("force 5 -x [N]")
     RecordChannel(name='force 5 -x [N]', kind='force', point=5, direction=-1, unit='N')
@@ -79,7 +76,7 @@ def channel_of(name: str) -> RecordChannel:
 
 
 def _parts(name: str) -> tuple[str, str, str, str]:
-    """Word, point, direction and unit of a name, empty where it has none."""
+    """Word, point, direction and unit of a name, each empty if missing."""
     whole = NAME.fullmatch(name)
     text, unit = (name, "") if whole is None else (whole["name"], (whole["unit"] or "").strip())
     parts = CHANNEL.fullmatch(text.lower())
@@ -88,7 +85,7 @@ def _parts(name: str) -> tuple[str, str, str, str]:
 
 
 def _place_read(name: str) -> bool:
-    """Whether no digit of the name is left beside its point, and its direction is one.
+    """Whether the digits of the name are only those of its point, and its direction is valid.
 
     >>> _place_read("force 5 -x [N]"), _place_read("force [N]"), _place_read("response 3 q"), _place_read("force 9 -r")
     (True, True, False, False)
@@ -98,7 +95,7 @@ def _place_read(name: str) -> bool:
 
 
 def _rate(csv: StrictCsv, time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
-    """Samples a second of even times."""
+    """Samples per second of evenly spaced times."""
     if len(time) < 2 or not time[-1] > time[0]:
         raise csv.refuse(found=f"{len(time)} rows", expected="times that ascend")
     step = float(time[-1] - time[0]) / (len(time) - 1)

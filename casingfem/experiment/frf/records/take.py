@@ -23,19 +23,19 @@ FORCES = {"n": 1.0, "newton": 1.0, "kn": 1e3, "dan": 10.0, "mn": 1e-3, "lbf": 4.
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Take:
-    """Time records of forces and responses over the same instants.
+    """Time records of forces and responses over the same times.
 
     Parameters
     ----------
     response, force
         Sets of kind "time", (channels, samples); their units are those of the file.
     name
-        What messages call it.
+        Its name in messages.
 
     Raises
     ------
     InputError
-        Sets that are no time records, other instants, instants that are not even, too few samples.
+        The sets are not time records, their times differ or are not evenly spaced, or there are too few samples.
 
     Examples
     --------
@@ -68,7 +68,7 @@ class Take:
 
     @property
     def fs(self) -> float:
-        """Samples a second [Hz]."""
+        """Samples per second [Hz]."""
         return float((len(self) - 1) / (self.response.x[-1] - self.response.x[0]))
 
     def __len__(self) -> int:
@@ -83,7 +83,7 @@ class Take:
 
 
 class RecordChannel(NamedTuple):
-    """A channel of a file: name, kind ("" if the file leaves it open), place and unit."""
+    """A channel of a file: name, kind ("" if unknown), place and unit."""
 
     name: str
     kind: Literal["force", "response", ""] = ""
@@ -111,7 +111,7 @@ def is_force(unit: str) -> bool:
 
 
 def responses_of(block: RecordBlock) -> FrfSet:
-    """The responses of a block, with or without forces beside them."""
+    """The responses of a block, with or without forces."""
     force = np.array([_as_force(c) for c in block.channels], bool)
     if force.all():
         raise InputError(block.name, found="no response", expected="channels of responses")
@@ -123,7 +123,7 @@ def _as_force(channel: RecordChannel) -> bool:
 
 
 def _finite(block: RecordBlock) -> RecordBlock:
-    """The block, refused where a number is not finite or beyond any unit."""
+    """The block; numbers that are not finite or impossible in any unit are refused."""
     spoilt = [c.name for c, row in zip(block.channels, block.values, strict=True) if not np.isfinite(row).all()]
     if spoilt:
         found = f"nan or infinity in {', '.join(spoilt)}"
@@ -137,12 +137,10 @@ def _finite(block: RecordBlock) -> RecordBlock:
 def take_of(block: RecordBlock) -> Take:
     """The forces and the responses of a block.
 
-    A channel whose kind is open is a force where its unit is one, else a response.
+    A channel of unknown kind is a force if its unit is one, else a response.
 
-    Raises
-    ------
-    InputError
-        No force, no response, numbers that are not finite, responses in several units, a unit of another quantity.
+    Raises ------ InputError There is no force or no response, numbers are not finite, responses have several units, or
+    a unit belongs to another quantity.
     """
     force = np.array([_as_force(c) for c in block.channels], bool)
     named = ", ".join(
@@ -162,7 +160,7 @@ def take_of(block: RecordBlock) -> Take:
 
 
 def _units(block: RecordBlock, force: list[bool]) -> None:
-    """Refuse units that are none of a force or none of a motion."""
+    """Refuse force units that are not of force, and response units that are not of motion."""
     wrong = list[InputError]()
     for channel, is_one in zip(block.channels, force, strict=True):
         unit = channel.unit.strip()
@@ -190,7 +188,7 @@ def _motion(unit: str) -> bool:
 
 
 def _set(block: RecordBlock, at: list[int]) -> FrfSet:
-    """Some channels of a block, which have one unit; forces in N."""
+    """Some channels of a block, which must have one unit; forces in N."""
     chosen = [block.channels[k] for k in at]
     values, units = block.values[at], [c.unit.strip() for c in chosen]
     known = [FORCES.get(unit.lower()) for unit in units]
@@ -213,5 +211,5 @@ def _set(block: RecordBlock, at: list[int]) -> FrfSet:
 
 
 def with_card(take: Take, card: tuple[str, ...]) -> Take:
-    """The take whose sets have these source lines."""
+    """The record with these source lines in its sets."""
     return replace(take, response=replace(take.response, card=card), force=replace(take.force, card=card))

@@ -1,4 +1,4 @@
-"""Time records of universal files: functions of kind 1, put together into takes."""
+"""Time records of universal files: functions of kind 1, combined into records that were sampled together."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ Kind = Literal["force", "response", ""]
 
 
 def read_universal(path: str | os.PathLike[str]) -> tuple[list[RecordBlock], UniversalFile]:
-    """Blocks of functions that were sampled together, and the file they are in.
+    """Blocks of functions that were sampled together, and the file that contains them.
 
-    A function that repeats a channel begins another block; where blocks then lack a force or a response, each
-    channel's first record is in the first block, its second in the second.
+    A function that repeats a channel begins another block. If blocks then lack a force or a response, the first block
+    contains the first record of each channel, the second block the second.
 
     Raises
     ------
     InputError
-        A file that cannot be read whole; no time records; records of unequal rates or lengths in one block.
+        The file cannot be read completely, has no time records, or a block has unequal rates or lengths.
     """
     file = read_uff(path)
     functions = [each for each in file.functions if _is_time(each)]
@@ -51,7 +51,7 @@ def _is_time(function: Function) -> bool:
 
 
 def kind_of(function: Function) -> Kind:
-    """Force or response, by the code of the ordinate, else by its unit; "" where both leave it open."""
+    """Force or response, from the code of the ordinate, else from its unit; "" if both leave it open."""
     code, unit = function.axes.ordinate.kind, _unit(function)
     if code == FORCE or (code in UNKNOWN and is_force(unit)):
         return "force"
@@ -68,7 +68,7 @@ def _place(function: Function) -> tuple[str, int, int]:
 
 
 def _in_turn(functions: Sequence[Function]) -> list[list[Function]]:
-    """Groups in the order of the file: one ends where a channel comes again."""
+    """Groups in the order of the file; a group ends where a channel repeats."""
     groups: list[list[Function]] = [[]]
     for function in functions:
         if any(_place(other) == _place(function) for other in groups[-1]):
@@ -114,7 +114,7 @@ def _block(group: Sequence[Function], name: str) -> RecordBlock:
 
 
 def _step(function: Function, name: str, k: int) -> float:
-    """Distance of the samples [s]."""
+    """Sampling interval [s]."""
     x = function.x
     unit = function.axes.abscissa.unit.lower()
     scale = {"ms": 1e-3, "msec": 1e-3}.get(unit, 1.0)

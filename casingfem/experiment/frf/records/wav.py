@@ -20,12 +20,12 @@ EXPECTED = "a WAVE file of 16, 24 or 32 bits, or of floating point"
 
 
 def read_wav(path: str | os.PathLike[str], most: float) -> list[RecordBlock]:
-    """The channels of a sound file, in parts of full scale (whole numbers) or as stored (floating point).
+    """The channels of a sound file, as fractions of full scale (whole numbers) or as stored (floating point).
 
     Raises
     ------
     InputError
-        Another file, another coding, data that are shorter than the file states.
+        The file or its coding is of another kind, or the data are shorter than the file states.
     """
     name = str(path)
     data = read_bytes(path, most=most)
@@ -51,7 +51,7 @@ def read_wav(path: str | os.PathLike[str], most: float) -> list[RecordBlock]:
 
 
 def _chunks(data: bytes, name: str) -> dict[bytes, bytes]:
-    """The parts of a file by their names, each whole."""
+    """The chunks of a file by name, each complete."""
     found, at = dict[bytes, bytes](), 12
     while at + 8 <= len(data):
         key, size = data[at : at + 4], struct.unpack("<I", data[at + 4 : at + 8])[0]

@@ -1,8 +1,8 @@
-"""Windows of hammer records, and the ringing that is left when a record ends.
+"""Windows of hammer records, and the ringing that remains when a record ends.
 
-The force is kept about its pulse and set to its rest value elsewhere: what it shows there is noise. An exponential
-window exp(-(t - t_0)/tau) on force and responses alike gives H(i omega + 1/tau): poles move by -1/tau, residues stay
-(Fladung and Rost, Mech. Syst. Signal Process. 11, 1997, 789). `identify` takes this damping off again.
+The force is unchanged at its pulse and set to its rest value elsewhere, where it is noise. An exponential window
+exp(-(t - t_0)/tau) on force and responses gives H(i omega + 1/tau): poles move by -1/tau, residues do not change
+(Fladung and Rost, Mech. Syst. Signal Process. 11, 1997, 789). `identify` subtracts this damping.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ QUIET = 8  # samples before a pulse that show the noise
 
 
 def force_window(samples: int, pulse: Pulse) -> FloatArray:
-    """1 about a pulse, falling to 0 as a cosine on both sides, (samples,).
+    """Window with value 1 at the pulse and cosine ramps to 0 on both sides, (samples,).
 
     >>> force_window(12, Pulse(4, 5, 1.0)).round(2).tolist()
     [0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0]
@@ -31,7 +31,7 @@ def force_window(samples: int, pulse: Pulse) -> FloatArray:
 
 
 def exponential_window(samples: int, fs: float, pulse: Pulse, tau: float | None) -> FloatArray:
-    """exp(-(t - t_0)/tau), t_0 the start of the pulse; constant before the pulse, 1 without tau, (samples,).
+    """exp(-(t - t_0)/tau), with t_0 the start of the pulse; constant before the pulse, 1 without tau, (samples,).
 
     >>> exponential_window(5, 1.0, Pulse(3, 4, 1.0), 2.0).round(2).tolist()
     [2.72, 2.72, 1.65, 1.0, 0.61]
@@ -43,11 +43,11 @@ def exponential_window(samples: int, fs: float, pulse: Pulse, tau: float | None)
 
 
 def ringing_left(response: FloatArray, pulse: Pulse) -> float:
-    """Part of the ringing (its amplitude) that is left when a record (channels, samples) ends; 0 where none is seen.
+    """Part of the ringing amplitude that remains when a record (channels, samples) ends; 0 if none is measurable.
 
     The amplitude is the rms of all channels over a twentieth of the record at its end and, from the pulse on, the
-    largest such rms; the noise before the pulse is taken off. Exponential decay leads from the middles of both parts to
-    the instants of the pulse and of the end.
+    largest such rms; the noise before the pulse is subtracted. Both are extrapolated exponentially from the middles of
+    these parts to the times of the pulse and of the end.
 
     >>> t = np.arange(4096) / 1024.0 - 0.1
     >>> ring = np.where(t > 0.0, np.exp(-0.5 * t) * np.sin(700.0 * t), 0.0)
@@ -71,9 +71,9 @@ def ringing_left(response: FloatArray, pulse: Pulse) -> float:
 
 
 def longer(left: float, seconds: float) -> tuple[float, float]:
-    """Record length [s], or time constant of a window [s], that leaves one per cent of the ringing.
+    """Record length [s], or time constant of a window [s], for which one per cent of the ringing remains.
 
-    `left` is the share of the ringing after a record of `seconds`. Exponential decay is assumed.
+    `left` is the remaining part of the ringing after a record of `seconds`. Exponential decay is assumed.
 
     >>> [round(value, 3) for value in longer(0.1, 2.0)]
     [4.0, 0.869]

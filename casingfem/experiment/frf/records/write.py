@@ -1,4 +1,4 @@
-"""Responses from records as a universal file that `identify` reads: responses, coherence, geometry."""
+"""Responses from records as a universal file for `identify`: responses, coherence, geometry."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ WINDOW = "exponential_window_s"
 def write_estimate(
     path: str | os.PathLike[str], found: Estimate, nodes: Nodes | None = None, lines: Sequence[TraceLine] = ()
 ) -> Path:
-    """Write sets 151, 164, 2411, 82 and 58b, whole or not at all.
+    """Write data sets 151, 164, 2411, 82 and 58b, whole or not at all.
 
-    The header has the first line of the card (SYNTHETIC, where it is), the line of an exponential window and the line
-    of the estimate; other lines as far as there is room.
+    The header has the first comment line (maybe SYNTHETIC), the line of an exponential window and the line of the
+    estimate; other lines as space permits.
     """
     card = [line for line in found.frfs.card if line]
     kept = [card[-1], *(line for line in card[:-1] if line.startswith(WINDOW))]
