@@ -37,7 +37,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
 
 
 def remedy(extra: str) -> str:
-    """Return the command that installs an extra for the Python that runs, of a checkout or of an installed package.
+    """The command that installs an extra for the running Python, in a checkout or an installed package.
 
     >>> remedy("sampling").partition(" -m ")[2].startswith("pip install ")
     True

@@ -1,7 +1,7 @@
-"""Mode shapes and motions in time as files for ParaView: VTU of shapes at rest, VTKHDF of surfaces that move.
+"""Mode shapes and motions as files for ParaView: VTU for shapes at rest, VTKHDF for moving surfaces.
 
-Every spectral element of order p is drawn as p x p four-noded quadrilaterals on its own nodes, so nodal values are the
-model's own. The arrays of a VTU are binary: base64 of a zlib stream, as VTK's XML formats have it.
+Every spectral element of order p is drawn as p x p four-noded quadrilaterals on its own nodes, so nodal values are
+those of the model. The arrays of a VTU are binary: base64 of a zlib stream, as VTK's XML formats have it.
 """
 
 import base64
@@ -29,9 +29,9 @@ HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="Litt
 
 
 class Drawn(NamedTuple):
-    """A structure to be drawn: nodes (nodes, 3), cells of one kind by VTK's number, lines between nodes.
+    """A structure for drawing: nodes (nodes, 3), cells of one VTK kind, lines between nodes.
 
-    `rows` are the places of the nodes in the modes' fields, `labels` their numbers; `normals` (nodes, 3), pointing
+    `rows` are the indices of the nodes in the modes' fields, `labels` their numbers; `normals` (nodes, 3), pointing
     outward, and `thickness` (nodes,) are those of a wall, None on imported parts.
     """
 
@@ -65,7 +65,7 @@ def drawn_mesh(modes: MeshModes) -> Drawn:
 
 
 def drawn_surface(modes: Modes) -> Drawn:
-    """The undeformed mid-surface of a set of modes; outward is where the chart's first direction points."""
+    """The undeformed mid-surface of a set of modes; outward is the chart's first direction."""
     shell, grid = modes.shell, modes.grid
     geometry = shell.geometry(*grid.nodes)
     normals = frame(geometry.surface).normal
@@ -85,27 +85,26 @@ def mode_files(
     phases: int = PHASES,
     exaggeration: float = EXAGGERATION,
 ) -> dict[str, bytes]:
-    """File name -> content: of each mode k a `mode_k.vtu`, and a `mode_k.vtkhdf` that plays its deformed surfaces.
+    """Files by name: for each mode k `mode_k.vtu`, and `mode_k.vtkhdf` with its animated deformed surfaces.
 
-    The VTU lies undeformed and has, at its points, `displacement` (3 components, mass-normalised, kg^-1/2), of a
-    wall on a chart `normal_displacement` (outward positive) and `thickness` [m], and freq_hz as field data. The series
-    moves the points,
+    The VTU is undeformed. Its points have `displacement` (3 components, mass-normalised, kg^-1/2), on a chart also
+    `normal_displacement` (outward positive) and `thickness` [m]; freq_hz is field data. The series moves the points,
 
         x(t) = X + a cos(2 pi t) u,   a max|u| = exaggeration * diagonal,   t = 0, 1/phases, ...
 
     Parameters
     ----------
     which
-        Indices into the modes, all of them if left out.
+        Indices into the modes, by default all.
     phases
-        Pictures in a period, even: those of the second half are the first half's, backwards.
+        Even number of pictures in a period; those of the second half repeat the first half backwards.
     exaggeration
         Largest displacement drawn, as a part of the structure's diagonal.
 
     Raises
     ------
     ValueError
-        An odd or small number of phases, an exaggeration that is not positive, a mode that is not there.
+        The number of phases is odd or too small, the exaggeration is not positive, or a mode does not exist.
     MissingExtraError
         h5py is not installed.
     """
@@ -121,7 +120,7 @@ def mode_files(
 
 
 def chosen_modes(modes: Modes | MeshModes, which: Sequence[int] | None) -> Sequence[int]:
-    """Indices into the modes, all of them if left out; ValueError for one that is not there."""
+    """Indices into the modes, by default all; ValueError for a mode that does not exist."""
     chosen = range(len(modes)) if which is None else which
     for mode in chosen:
         if not 0 <= mode < len(modes):
@@ -130,7 +129,7 @@ def chosen_modes(modes: Modes | MeshModes, which: Sequence[int] | None) -> Seque
 
 
 def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, exaggeration: float) -> dict[str, bytes]:
-    """The VTU of one mode, and the file that plays it."""
+    """The VTU of one mode, and the file with its animation."""
     shape = modes.fields[surface.rows, :3, mode]
     facts = {"freq_hz": modes.freq[[mode]], "nodal_diameters": modes.nodal_diameters[[mode]].astype(np.int64)}
     name = f"mode_{mode + 1:03d}"
@@ -162,7 +161,7 @@ def point_data(surface: Drawn, shape: FloatArray) -> dict[str, Array]:
 def vtu(
     points: Array, cells: IntArray, at_points: Mapping[str, Array], of_whole: Mapping[str, Array], kind: int = QUAD
 ) -> bytes:
-    """An unstructured grid of cells of one kind with data at its points and data of the whole.
+    """An unstructured grid of cells of one kind, with data at its points and data of the whole.
 
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     >>> vtu(square, np.array([[0, 1, 2, 3]]), {"thickness": np.ones(4)}, {})[:21]
@@ -199,7 +198,7 @@ def array(name: str, values: Array, more: str = "") -> str:
 
 
 def frames(count: int, most: int = FRAMES) -> IntArray:
-    """A limited number of `count` instants, evenly spaced, including the first and the last.
+    """Indices of a limited number of `count` times, evenly spaced, including the first and the last.
 
     >>> frames(3).tolist(), frames(1000, 4).tolist()
     ([0, 1, 2], [0, 333, 666, 999])
@@ -210,19 +209,19 @@ def frames(count: int, most: int = FRAMES) -> IntArray:
 def motion_files(
     name: str, points: FloatArray, cells: Array, time: Sequence[float] | FloatArray, displacement: FloatArray
 ) -> dict[str, bytes]:
-    """File name -> content: `name.vtkhdf`, which plays over time.
+    """File name -> content: `name.vtkhdf`, an animation over time.
 
     Parameters
     ----------
     points
         At rest [m], (nodes, 3).
     cells
-        VTK's number of the kind of each, and its nodes, (cells, 1 + nodes of a cell).
+        VTK cell type and nodes of each, (cells, 1 + nodes of a cell).
     time, displacement
-        Instants [s], (times,), and displacements there [m], (times, nodes, 3).
+        Times [s], (times,), and displacements at them [m], (times, nodes, 3).
 
-    The points are moved by the displacement times a factor, which the file has as `exaggeration`: it makes the
-    largest one a part EXAGGERATION of the body's diagonal. `displacement` at the points is the true one.
+    The points move by the displacement times a factor, stored as `exaggeration`, for which the largest is EXAGGERATION
+    of the body's diagonal. `displacement` at the points is not exaggerated.
 
     >>> list(motion_files("rod", np.eye(3), np.array([[5, 0, 1, 2]]), [0.0, 0.5], np.zeros((2, 3, 3))))
     ['rod.vtkhdf']
@@ -239,6 +238,6 @@ def motion_files(
 def point_files(
     name: str, time: Sequence[float] | FloatArray, places: FloatArray, data: Mapping[str, Array]
 ) -> dict[str, bytes]:
-    """The same of single points (times, points, 3) [m] with data (times, points) at them."""
+    """Files like those of `motion_files` for single points (times, points, 3) [m] with data (times, points)."""
     cells = np.arange(places.shape[1])[:, None]
     return {f"{name}{ENDING}": series_file(time, places, cells, VERTEX, data)}

@@ -27,19 +27,19 @@ def write_modes_uff(
 ) -> Path:
     """Write the modes of a structure so that test software shows them: sets 151, 164 (SI), 15 or 2411, 82, 55.
 
-    Shapes are mass-normalised translations in global directions, modal mass 1; set 55 keeps six digits.
+    Shapes are mass-normalised translations in global directions, modal mass 1; set 55 stores six digits.
 
     Parameters
     ----------
     which
-        Indices into the modes, all of them if left out.
+        Indices into the modes, by default all.
     nodes_set
-        "15", which all test software reads, six digits; "2411" contains them all.
+        "15", which all test software reads, has six digits; "2411" has all.
 
     Raises
     ------
     ValueError
-        A mode that is not there.
+        A mode does not exist.
     """
     chosen, surface = chosen_modes(modes, which), drawn(modes)
     none = np.zeros(len(surface.points), np.int64)
@@ -55,7 +55,7 @@ def write_modes_uff(
 
 
 def drawn_lines(surface: Drawn) -> TraceLine:
-    """The sides of all cells, each drawn once, the pen lifted between them."""
+    """The edges of all cells, each once, as one polyline with breaks."""
     once = surface.labels[np.unique(np.sort(surface.sides, axis=1), axis=0)]
     pen = np.column_stack([once, np.zeros(len(once), np.int64)]).ravel()[:-1]
     return TraceLine(number=1, name="mid-surface", color=LINE_COLOR, nodes=pen)

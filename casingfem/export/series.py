@@ -1,6 +1,6 @@
-"""Motions in time as one file for ParaView: VTKHDF 2.0, an unstructured grid whose points move from step to step.
+"""Motions as one file for ParaView: VTKHDF 2.0, an unstructured grid whose points move from step to step.
 
-The cells are in the file once, points and their data once a step. ParaView 5.12 and newer play it.
+The file contains the cells once, and points and their data once for each step. ParaView 5.12 and newer animate it.
 """
 
 import io
@@ -19,7 +19,7 @@ VERSION = (2, 0)
 
 
 def require_series() -> None:
-    """Raise MissingExtraError where h5py, which writes these files, is not installed."""
+    """Raise MissingExtraError if h5py, which writes these files, is not installed."""
     if find_spec("h5py") is None:
         raise MissingExtraError("--vtu", found="no package h5py", expected=f"it: {remedy('test-data')}")
 
@@ -33,17 +33,17 @@ def series_file(
     Parameters
     ----------
     time
-        Instants [s], (steps,).
+        Times [s], (steps,).
     points
-        Places [m], (pictures, nodes, 3): one picture a step, or those that `order` names.
+        Positions [m], (pictures, nodes, 3): one picture for each step, or those that `order` names.
     cells, kind
-        Nodes of each cell, (cells, nodes of a cell), and VTK's number of their kind.
+        Nodes of each cell, (cells, nodes of a cell), and their VTK cell type.
     at_points
         Values at the points by name, (pictures, nodes) or (pictures, nodes, components).
     of_whole
-        Numbers of the whole motion by name.
+        Values for the whole motion by name.
     order
-        Picture of each step, (steps,), where steps share pictures.
+        Picture of each step, (steps,), if steps share pictures.
 
     Raises
     ------
@@ -93,5 +93,5 @@ def series_file(
 
 
 def kept(group: Any, name: str, values: Array) -> None:
-    """A compressed data set in single precision, which a picture needs no more than."""
+    """A compressed data set in single precision, which is enough for pictures."""
     group.create_dataset(name, data=np.asarray(values, dtype="f4"), compression="gzip", shuffle=True)

@@ -1,4 +1,4 @@
-"""Faults of edges and rotation: supports, bolts, rings, masses, loads, speeds."""
+"""Faults concerning edges and rotation: supports, bolts, rings, masses, loads, speeds."""
 
 EDGES = {
     "bolt-count": ("there is no such number of bolts", "give the number of bolts, 1 to 1000"),

@@ -1,4 +1,4 @@
-"""Faults of meshes, the project's own and imported ones."""
+"""Faults concerning meshes, generated and imported ones."""
 
 MESHES = {
     "cyclic-axis": (

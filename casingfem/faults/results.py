@@ -1,4 +1,4 @@
-"""Faults of requested results and their comparisons: modes, reduction, sensors, study and files."""
+"""Faults concerning requested results and comparisons: modes, reduction, sensors, study and files."""
 
 RESULTS = {
     "expansion-modes": (

@@ -1,4 +1,4 @@
-"""Faults of contact runs: the table of `contact.io.trust`, which judges them."""
+"""Faults concerning contact runs: the table of `contact.io.trust`, which judges them."""
 
 from contact.io.trust import TROUBLES
 

@@ -1,4 +1,4 @@
-"""Faults of surfaces and walls: charts, imperfections, surveys, thickness, strips, material."""
+"""Faults concerning surfaces and walls: charts, imperfections, surveys, thickness, strips, material."""
 
 SURFACES = {
     "blade-shape": (

@@ -1,1 +1,1 @@
-"""Files: strict CSV, arrays that are read only, sets of files written whole or not at all."""
+"""Files: strict CSV, npz arrays, mesh files with includes, workbooks, readers in child processes."""

@@ -1,7 +1,6 @@
 """Array types of all packages, and functions that make arrays and mappings of frozen dataclasses read-only.
 
-Most arrays are real. Those that a sensitivity passes through may be complex (complex step), and are
-annotated `Array`.
+Most arrays are real. Arrays that may be complex for sensitivities (complex step) are annotated `Array`.
 """
 
 import copyreg

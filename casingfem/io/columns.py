@@ -1,7 +1,7 @@
-"""Names of columns as laboratories write them: without regard to case, with units in brackets, by common words.
+"""Column names as laboratories write them: any case, units in brackets, common words.
 
-`Frequency [Hz]`, `freq (Hz)`, `f_Hz`, `f/Hz` and `FREQ_HZ` name one column. A unit is converted; a name whose unit is
-missing or unknown is refused, and so are two names of one quantity.
+`Frequency [Hz]`, `freq (Hz)`, `f_Hz`, `f/Hz` and `FREQ_HZ` name the same column. A unit is converted; a name whose unit
+is missing or unknown is refused, and so are two names of one quantity.
 """
 
 import re
@@ -18,7 +18,7 @@ Units = Mapping[str, tuple[str, float]]
 
 
 class Quantity(NamedTuple):
-    """Words for a quantity; per unit the column's own name and the factor to its unit, none where it has no unit."""
+    """Words for a quantity; for each unit the standard column name and the conversion factor, None without a unit."""
 
     name: str
     words: tuple[str, ...]
@@ -26,7 +26,7 @@ class Quantity(NamedTuple):
 
     @property
     def own(self) -> tuple[str, ...]:
-        """The names that columns of this quantity have inside."""
+        """The standard names for columns of this quantity."""
         return tuple(dict.fromkeys(name for name, _ in self.units.values())) or (self.name,)
 
 
@@ -104,12 +104,12 @@ SECTIONS = (
 
 
 def named(table: StrictCsv, quantities: Sequence[Quantity]) -> StrictCsv:
-    """The table with the columns of some quantities under their own names, their units converted.
+    """The table with the columns of some quantities under standard names, with converted units.
 
     Raises
     ------
     InputError
-        Two columns of one quantity; a column of a quantity without a unit, or with an unknown one.
+        Two columns have the same quantity, or a column lacks a unit or has an unknown one.
     """
     names, factors, wrong = dict.fromkeys(table.header, ""), dict[str, float](), list[InputError]()
     for quantity in quantities:
@@ -145,7 +145,7 @@ def named(table: StrictCsv, quantities: Sequence[Quantity]) -> StrictCsv:
 
 
 def _parts(name: str, quantity: Quantity) -> tuple[str, str]:
-    """Word and unit of a column's name in small letters; the unit is in brackets, or behind _, a blank, / or ,."""
+    """Word and unit of a column's name in lower case; the unit is in brackets, or after _, a blank, / or ,."""
     text = name.strip().lower().replace("μ", "µ")
     bracket = re.fullmatch(r"(.*?)[\s_]*[\[(<](.*)[\])>]", text)
     word, unit = (bracket[1], bracket[2].strip()) if bracket else (text, "")

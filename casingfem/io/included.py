@@ -1,8 +1,8 @@
-"""Lines of mesh files and of those that they include, by Abaqus' *INCLUDE or Nastran's INCLUDE, each with its place.
+"""Lines of mesh files and their included files (*INCLUDE of Abaqus, INCLUDE of Nastran), each with its place.
 
-Editors leave a last line without its end, and so does a copy that was cut off. A number there may be cut short. It is
-whole where the field is full or followed by a blank, or where the number is as wide as all others of its kind. A line
-that nobody reads does not matter. In all other cases nobody can decide.
+Editors may leave a last line without a line end, and so does a truncated copy, in which a number may be truncated too.
+A number is complete if its field is full or a blank follows, or if it is as wide as all others of its kind. A line that
+is not read does not matter. Other cases cannot be decided.
 """
 
 from __future__ import annotations
@@ -29,21 +29,18 @@ NUMBER = re.compile(r"[+-]?\d*\.?\d*([EDed]?[+-]\d+|[EDed]\d+)?")
 
 
 def read_lines(path: Path, read: Collection[str] | None = None) -> list[NumberedLine]:
-    """Lines of a file, those of the files it includes in their places; names are relative to either of the two.
+    """Lines of a file with those of its included files in place; file names are relative to either file.
 
-    `read` names the keywords or cards of which more than the name is read, all if left out.
+    `read` names the keywords or cards whose content is read, by default all.
 
-    Raises
-    ------
-    ModelError
-        Where an included file is not there or includes itself, or the last line of a file is not ended and may be a
-        part of one (`check_last_line`).
+    Raises ------ ModelError An included file is missing or includes itself, or a last line without an end may be
+    truncated (`check_last_line`).
     """
     return [line for _, lines in _files(path, path, (), read) for line in lines]
 
 
 def included_files(path: Path) -> list[Path]:
-    """The files that a file includes, and that these include, in the order of their lines."""
+    """The files that a file includes, directly or indirectly, in the order of their lines."""
     if path.suffix.lower() not in INCLUDES or not path.is_file():
         return []
     return list(dict.fromkeys(file for file, _ in _files(path, path, (), ()) if file != path))
@@ -52,7 +49,7 @@ def included_files(path: Path) -> list[Path]:
 def _files(
     path: Path, main: Path, above: tuple[Path, ...], read: Collection[str] | None
 ) -> Iterator[tuple[Path, list[NumberedLine]]]:
-    """Stretches of lines with the files they are from."""
+    """Ranges of lines with the files that they are from."""
     text = read_loose_text(path)
     pattern, lines = INCLUDES[main.suffix.lower()], list[NumberedLine]()
     check_last_line(text, path.name, abaqus=pattern is ABAQUS, read=read)
@@ -77,20 +74,20 @@ def _files(
 
 
 def _found(name: str, path: Path, main: Path) -> Path | None:
-    """The file of a name, beside the file that includes it or beside the first."""
+    """The file with a name, next to the including file or next to the first."""
     places = (folder / written for folder in (path.parent, main.parent) for written in (name, name.replace("\\", "/")))
     return next((place for place in places if place.is_file()), None)
 
 
 def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str] | None) -> None:
-    r"""Refuse a last line without an end where a part of it may be missing, warn where digits alone may be.
+    r"""Refuse a last line without an end that may be truncated; warn if only digits may be missing.
 
     Parameters
     ----------
     text, name
-        Of the file.
+        Text and name of the file.
     abaqus
-        Keywords and commas, instead of Nastran's cards and fields.
+        Whether the file has Abaqus keywords and commas, not Nastran cards and fields.
     read
         Keywords or names of cards that are read; all if None.
 
@@ -102,7 +99,7 @@ def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str]
     Warns
     -----
     ModelWarning
-        `mesh-last-line` where the last decimal number may have lost digits.
+        `mesh-last-line` if the last decimal number may have lost digits.
 
     >>> check_last_line("GRID,1,,0.5,1.\nMAT1,1,2.", "a.bdf", abaqus=False, read={"GRID"})
     >>> check_last_line("*NODE\n1, 0.5, 1.0\n2, 0.5, 2.0", "a.inp", abaqus=True, read=None)
@@ -131,7 +128,7 @@ def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str]
 
 
 def owner(lines: list[str], abaqus: bool) -> str:
-    """Keyword or name of the card that the last line belongs to; "" where it is not known, or may be cut itself."""
+    """Keyword or card name of the last line; "" if it is unknown or may itself be truncated."""
     for line in reversed(lines):
         if abaqus and line.lstrip()[:1] == "*" and line.lstrip()[:2] != "**":
             head = " ".join(line.strip()[1:].partition(",")[0].upper().split())
@@ -145,7 +142,7 @@ def owner(lines: list[str], abaqus: bool) -> str:
 
 
 def fields(line: str, abaqus: bool) -> list[str]:
-    """Fields between commas, or in Nastran's columns, those that are empty at the end left out."""
+    """Fields between commas, or in Nastran's columns, without empty ones at the end."""
     if abaqus or "," in line:
         return line.rstrip(", \t").split(",")
     line = line.expandtabs(8)
@@ -156,7 +153,7 @@ def fields(line: str, abaqus: bool) -> list[str]:
 def padded(found: list[str], above: list[str]) -> bool:
     """Whether the last number is as wide as all others of its kind in two lines, as programs write them.
 
-    One that ends in its point may have lost digits in any case.
+    A number that ends in its decimal point may have lost digits in any case.
 
     >>> padded(["9", " 1.50", " 0.25"], ["8", " 0.00", " 1.25"]), padded(["9", " 1.5", " 0."], ["8", " 0.", " 0."])
     (True, False)
@@ -168,7 +165,7 @@ def padded(found: list[str], above: list[str]) -> bool:
 
 
 def full(line: str, abaqus: bool) -> bool:
-    """Whether the last number is followed by something, or fills its columns."""
+    """Whether something follows the last number, or it fills its columns."""
     if line[-1] in " \t,":
         return True
     width = 16 if "*" in line[:8] else 8

@@ -1,4 +1,4 @@
-"""Files of arrays (npz), read with all that is wanted or refused; `contact.io.npz` writes them."""
+"""Read files of arrays (npz) completely or refuse them; `contact.io.npz` writes them."""
 
 import os
 from collections.abc import Collection, Mapping
@@ -16,11 +16,8 @@ def read_npz(
 ) -> dict[str, Array]:
     """All arrays of a file by name.
 
-    Raises
-    ------
-    InputError
-        No file, another kind of file, or one without an array that is wanted; `expected` states what it should be.
-        Where `kinds` are given, also for an array of another kind; those that they do not name are real numbers.
+    Raises ------ InputError The file is missing, of another kind, or lacks a required array; `expected` states the
+    expectation. With `kinds`, an array is of another kind; arrays that it does not name must be real numbers.
     """
     try:
         stored = load_npz(path)

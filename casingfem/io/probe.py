@@ -1,8 +1,8 @@
-"""Files that are read in a child process, with bounds on its time and memory.
+"""Read files in a child process with limits on time and memory.
 
-For libraries that loop, fill the memory or crash on a damaged file: no check from outside can detect it, and no
-error of theirs comes back. What may loop or fill the memory the parent reads again (`fault_of`). What may crash it
-never does, as a crash can depend on where in the memory things lie: the child hands over its arrays (`arrays_of`).
+Some libraries loop, exhaust memory or crash on a damaged file without raising an error. After a successful read in the
+child, the parent reads files that may loop or exhaust memory again (`fault_of`). Files that may crash the reader are
+never read in the parent, since a crash can depend on memory addresses; the child returns its arrays (`arrays_of`).
 Either costs the start of a process, 0.5 s.
 """
 
@@ -31,21 +31,21 @@ class UnreadableError(Exception):
 
 
 def fault_of(path: Path, module: str, function: str) -> str:
-    """Fault of a process that calls `module.function(path)`; "" if it ends within its limits.
+    """Fault of a child process that calls `module.function(path)`; "" if it ends within its limits.
 
-    An exception is no fault: the parent will meet it too.
+    An exception is not a fault, since the parent will get it too.
     """
     code, fault = in_child("read", path, module, function, subprocess.DEVNULL)
     return fault if code else ""
 
 
 def arrays_of(path: Path, module: str, function: str) -> dict[str, Array]:
-    """The named arrays that `module.function(path)` returns to a process of its own, none of them of objects.
+    """The named arrays that `module.function(path)` returns in a child process; arrays of objects are refused.
 
     Raises
     ------
     UnreadableError
-        With what the reader raised there, or that it crashed or took too much.
+        The reader raised an error, which is quoted, or crashed, or exceeded its limits.
     """
     with tempfile.TemporaryFile() as stream:
         code, fault = in_child("hand_over", path, module, function, stream)
@@ -56,7 +56,7 @@ def arrays_of(path: Path, module: str, function: str) -> dict[str, Array]:
 
 
 def in_child(task: str, path: Path, module: str, function: str, stdout: IO[bytes] | int) -> tuple[int, str]:
-    """Exit code of a child that does one of the two tasks below, and the name of a crash or a timeout."""
+    """Exit code of a child process that does one of the two tasks below, and the name of a crash or a timeout."""
     size = path.stat().st_size
     seconds, memory = SECONDS + size / PACE, BYTES + ROOM * size
     line = [sys.executable, "-c", CODE.format(task), str(path), module, function, str(seconds), str(memory)]
@@ -71,7 +71,7 @@ def in_child(task: str, path: Path, module: str, function: str, stdout: IO[bytes
 
 
 def read(path: str, module: str, function: str, seconds: str, memory: str) -> None:
-    """Call the reader within bounds (in the child)."""
+    """Call the reader within limits (in the child)."""
     call = bounded(module, function, seconds, memory)
     try:
         call(Path(path))
@@ -82,7 +82,7 @@ def read(path: str, module: str, function: str, seconds: str, memory: str) -> No
 
 
 def hand_over(path: str, module: str, function: str, seconds: str, memory: str) -> None:
-    """Call the reader within limits and write its result to the standard output (in the child)."""
+    """Call the reader within limits and write its result to standard output (in the child)."""
     stream = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever a library prints goes elsewhere
     call = bounded(module, function, seconds, memory)
@@ -92,7 +92,7 @@ def hand_over(path: str, module: str, function: str, seconds: str, memory: str) 
 
 
 def bounded(module: str, function: str, seconds: str, memory: str) -> Callable[[Path], Any]:
-    """The reader, in a process that has bounds from now on."""
+    """The reader, in a process that has limits from now on."""
     call: Callable[[Path], Any] = getattr(importlib.import_module(module), function)
     if os.name == "posix":
         import resource

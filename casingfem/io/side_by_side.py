@@ -1,4 +1,4 @@
-"""The same work on many items: in turn, or in processes of their own; how many cores there are for it."""
+"""The same work on many items: in turn, or in worker processes; and the number of usable cores."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ B = TypeVar("B")
 
 
 def usable_cores() -> int:
-    """Cores that the scheduler gives this process, maybe not all; where it does not state it, those of the machine."""
+    """Number of cores that the scheduler gives this process; if unknown, that of the machine."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Each(Protocol):
-    """Results of a function for each item, in the order of the items, like `map`."""
+    """Interface of `map`: results of a function for each item, in order."""
 
     def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterator[B]:
-        """One after the other, or several at once."""
+        """Apply the function, in turn or in parallel."""
 
 
 @contextmanager
 def side_by_side(workers: int) -> Iterator[Each]:
-    """A number of processes that share the items; `map` of this process for a single worker.
+    """A number of processes that share the items; the built-in `map` for a single worker.
 
-    What they are given, and give back, is pickled. The result is the same as in turn, where this process has one BLAS
-    thread: the others have one, and sums of several threads are rounded differently.
+    Arguments and results are pickled. The results equal those in turn if this process has one BLAS thread, as the
+    workers have: sums of several threads are rounded differently.
     """
     if workers < 2:
         yield map
@@ -43,14 +43,14 @@ def side_by_side(workers: int) -> Iterator[Each]:
 def largest_first(
     each: Each, function: Callable[[A], B], items: Sequence[A], size: Callable[[A], float]
 ) -> Iterator[tuple[int, B]]:
-    """Number and result of each item, the largest first: nobody waits at the end for one that began last."""
+    """Index and result of each item, the largest item first, so that no large one starts last."""
     order = sorted(range(len(items)), key=lambda k: -size(items[k]))
     yield from zip(order, each(function, [items[k] for k in order]), strict=True)
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Processes started inside have one BLAS thread each."""
+    """Within this context, new processes have one BLAS thread each."""
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:

@@ -1,11 +1,9 @@
-"""A strict reader for small measured tables: everything doubtful is an error that names its line.
+"""A strict reader for small measured tables: every ambiguity is an error that names its line.
 
-The format: UTF-8, '#' lines anywhere (the source card), one header row of
-distinct names, then rows with exactly one cell per name, comma separated, numbers
-with a decimal point; or, as spreadsheets of half of Europe write it, separated by
-semicolons or tabs, where numbers may all have a decimal comma.  General readers repair
-or drop what does not fit; a measured table that does not fit must go back to who
-measured it.
+The format: UTF-8, '#' comment lines anywhere, one header row of distinct names, then rows with exactly one cell per
+name, comma separated, numbers with a decimal point; or, as in many European spreadsheets, separated by semicolons or
+tabs, where numbers may all have a decimal comma. General readers repair or drop data that do not fit. Here such data
+are refused, so that the person who measured can correct them.
 """
 
 from __future__ import annotations
@@ -34,10 +32,10 @@ _SEPARATORS = (";", "\t")  # of a header with fewer commas
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StrictCsv:
-    r"""Cells of a well-formed table, still text, with the file's line numbers.
+    r"""Cells of a well-formed table as text, with the line numbers of the file.
 
-    `written` has the names of the file for columns that `columns.named` gave others, `factors` what it converts by.
-    Of a sheet of a workbook, `sheet` is its name, and lines are rows.
+    `written` has the file's names of columns that `columns.named` renamed, `factors` their conversion factors. For a
+    sheet of a workbook, `sheet` is its name, and lines are rows.
 
     Examples
     --------
@@ -58,19 +56,19 @@ class StrictCsv:
     sheet: str = ""
 
     def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> InputError:
-        """Return the reader's error for a row (from 0) and column, to be raised."""
+        """An error about a row (from 0) and column, ready to be raised."""
         line = None if row is None else int(self.lines[row])
         column = None if column is None else self.written.get(column, column)
         return InputError(self.path, sheet=self.sheet, found=found, expected=expected, line=line, column=column)
 
     def refuse_header(self, *, found: str, expected: str, column: str | None = None) -> InputError:
-        """Return the reader's error for the header, or a name in it, to be raised."""
+        """An error about the header, or a name in it, ready to be raised."""
         return InputError(
             self.path, sheet=self.sheet, found=found, expected=expected, line=self.header_line, column=column
         )
 
     def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
-        """Return a column as finite numbers; ``blank`` represents empty cells, refused when None."""
+        """A column as finite numbers; ``blank`` replaces empty cells, which are refused if it is None."""
         values, wrong = np.empty(len(self.lines)), list[InputError]()
         for row, text in enumerate(self.cells[column]):
             try:
@@ -94,7 +92,7 @@ class StrictCsv:
         return value
 
     def integers(self, column: str, *, blank: int | None = None) -> IntArray:
-        """Return a column as whole numbers; ``blank`` represents empty cells, refused when None."""
+        """A column as whole numbers; ``blank`` replaces empty cells, which are refused if it is None."""
         values, wrong = np.empty(len(self.lines), np.int64), list[InputError]()
         for row, text in enumerate(self.cells[column]):
             if not text and blank is not None:
@@ -111,21 +109,21 @@ class StrictCsv:
 
 
 def _or_empty(blank: float | None) -> str:
-    """End of a message about empty cells, where they are allowed."""
+    """End of a message about empty cells, if they are allowed."""
     return "" if blank is None else ", or an empty cell where there is none"
 
 
 def read(path: str | os.PathLike[str]) -> StrictCsv:
     """Read a table from a file; everything that does not fit is refused.
 
-    Workbooks (.xlsx) are read with the extra `excel`: the first visible sheet, or the one of `file.xlsx#Sheet`.
+    Workbooks (.xlsx) are read with the extra `excel`: the first visible sheet, or that of `file.xlsx#Sheet`.
 
     Raises
     ------
     InputError
-        With the line, what was found and what is expected.
+        The table is invalid; the message has the line, the finding and the expectation.
     OSError
-        When there is no such file (FileNotFoundError), or none that can be read; `strerror` states what was found.
+        The file does not exist (FileNotFoundError) or cannot be read; `strerror` states the finding.
     """
     if "\0" in os.fspath(path):
         raise InputError(repr(os.fspath(path)), found="a name with a zero byte", expected="a file")
@@ -146,7 +144,7 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
 
 
 def parse(text: str, path: str) -> StrictCsv:
-    """Parse a table from text; ``path`` is only named in errors."""
+    """Parse a table from text; ``path`` is only used in messages."""
     card, body = list[str](), list[tuple[int, str]]()
     for number, line in _significant_lines(text, path):
         if line.lstrip().startswith("#"):
@@ -173,7 +171,7 @@ def parse(text: str, path: str) -> StrictCsv:
 
 
 def _of_sheet(sheet: Sheet, path: str) -> StrictCsv:
-    """The table of a sheet."""
+    """The table in a sheet."""
     if not sheet.rows:
         expected = "a header with the names of the columns"
         raise InputError(path, sheet=sheet.name, found="no header row", expected=expected)
@@ -188,7 +186,7 @@ def _of_sheet(sheet: Sheet, path: str) -> StrictCsv:
 
 
 class StrictRow(NamedTuple):
-    """Cells of a row with its place."""
+    """Cells of a row with its place in the file."""
 
     path: str
     number: int
@@ -196,7 +194,7 @@ class StrictRow(NamedTuple):
     sheet: str = ""
 
     def refuse(self, found: str, expected: str, column: str | None = None) -> InputError:
-        """Return the error for this row, to be raised."""
+        """An error about this row, ready to be raised."""
         return InputError(self.path, sheet=self.sheet, line=self.number, column=column, found=found, expected=expected)
 
 
@@ -229,7 +227,7 @@ def _row(line: str, number: int, path: str, separator: str, header: Sequence[str
 
 
 def _refuse_title(body: Sequence[tuple[int, str]], separator: str, path: str) -> None:
-    """Refuse a first line that has one cell with text above a line of several names."""
+    """Refuse a first line with a single text cell above a line of several names."""
     (number, first), *rest = body
     if not rest:
         return
@@ -240,7 +238,7 @@ def _refuse_title(body: Sequence[tuple[int, str]], separator: str, path: str) ->
 
 
 def _check_title(first: StrictRow, title: str, below: Sequence[str]) -> None:
-    """Refuse a first row of one cell above a row of several names."""
+    """Refuse a first row with one cell above a row of several names."""
     names = len(below) > 1 and not any(_NUMBER.fullmatch(cell) or _WITH_COMMA.fullmatch(cell) for cell in below)
     if names and sum(map(bool, first.cells)) <= 1:
         found = f"{title!r} above the names of the columns"
@@ -248,7 +246,7 @@ def _check_title(first: StrictRow, title: str, below: Sequence[str]) -> None:
 
 
 def _significant_lines(text: str, path: str) -> Iterator[tuple[int, str]]:
-    """Yield numbered lines that are not blank; a control character means the file is not a text table."""
+    """Yield numbered nonblank lines; a control character means that the file is not a text table."""
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
         _check_printable(line, StrictRow(path, number, ()))
         if line.strip():
@@ -265,7 +263,7 @@ def _check_printable(text: str, row: StrictRow) -> None:
 
 
 def _decimal(rows: Sequence[tuple[str, ...]], lines: Sequence[int], path: str) -> str:
-    """Decimal mark of a table whose cells are not separated by commas; the whole table uses one mark."""
+    """Decimal mark of a table whose cells are not separated by commas; the whole table uses the same mark."""
     marks = ""
     for line, cells in zip(lines, rows, strict=True):
         for cell in cells:

@@ -1,4 +1,4 @@
-"""All that is wrong with a file in one error, so that one correction mends it."""
+"""Combine all faults of a file in one error, so that they can be corrected at once."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ MOST = 20  # problems in words; of further ones the number
 
 
 def together(errors: Sequence[InputError]) -> InputError:
-    """One error of several: a line for each, up to twenty, and the number of further ones.
+    """One error from several: a line for each, up to twenty, and the number of further ones.
 
     >>> print(together([InputError("t.csv", line=k, found="'x'", expected="a number") for k in range(2, 25)][:2]))
     t.csv, line 2: found 'x'; expected a number

@@ -1,4 +1,4 @@
-"""Sheets of Excel workbooks as rows of text: numbers as stored; the place of a cell is sheet and row.
+"""Sheets of Excel workbooks as rows of text: numbers as stored; a cell's place is its sheet and row.
 
 openpyxl, the extra `excel`, reads the cells. Before it opens a workbook, the size of the unpacked parts is bounded and
 document types, which XML expands, are refused.
@@ -36,7 +36,7 @@ DAMAGE = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sheet:
-    """Rows of a sheet that are not empty, with their numbers; all are as wide as the widest one."""
+    """Nonempty rows of a sheet, with their numbers; all are as wide as the widest."""
 
     name: str
     card: tuple[str, ...]
@@ -44,7 +44,7 @@ class Sheet:
 
 
 def file_and_sheet(path: str | os.PathLike[str]) -> tuple[str, str | None]:
-    """The file that `file.xlsx#Sheet` names, and the sheet; of any other name the name and None.
+    """File and sheet of a name like `file.xlsx#Sheet`; for other names the name and None.
 
     >>> file_and_sheet("modal.xlsx#run 2"), file_and_sheet("modal.csv")
     (('modal.xlsx', 'run 2'), ('modal.csv', None))
@@ -62,12 +62,8 @@ def is_workbook(path: str) -> bool:
 def read_sheet(data: bytes, path: str, name: str | None) -> Sheet:
     """Read a sheet of a workbook, the first visible one if `name` is None.
 
-    Raises
-    ------
-    MissingExtraError
-        openpyxl is not installed.
-    InputError
-        No readable workbook, one that unpacks to too much, no such sheet, a formula without a stored value.
+    Raises ------ MissingExtraError openpyxl is not installed. InputError The workbook cannot be read or unpacks to too
+    much data, the sheet does not exist, or a formula has no stored value.
     """
     try:
         from openpyxl import load_workbook
@@ -90,7 +86,7 @@ def read_sheet(data: bytes, path: str, name: str | None) -> Sheet:
 
 
 def _checked(data: bytes, path: str) -> bool:
-    """Refuse a workbook that unpacks to too much or expands; return whether any part has a formula."""
+    """Refuse a workbook that unpacks to too much data; returns whether any part has a formula."""
     formulas = False
     with ZipFile(BytesIO(data)) as archive:
         unpacked = sum(info.file_size for info in archive.infolist())
@@ -159,7 +155,7 @@ def _sheet(sheet: Any, stated: Any, path: str) -> Sheet:
 
 
 def _rows(sheet: Any, stated: Any) -> Iterator[tuple[int, Sequence[Any], Sequence[Any]]]:
-    """Numbered rows of cells with the cells of the same row that have the formulas."""
+    """Numbered rows of cells, with the cells of the same row that have formulas."""
     sheet.reset_dimensions()  # those that a workbook states may be wrong
     if stated is None:
         yield from ((number, cells, ()) for number, cells in enumerate(sheet.iter_rows(), start=1))
@@ -170,7 +166,7 @@ def _rows(sheet: Any, stated: Any) -> Iterator[tuple[int, Sequence[Any], Sequenc
 
 
 def _lost(cell: Any, formulas: Sequence[Any], k: int) -> bool:
-    """Whether a formula has no stored value; an empty text is one."""
+    """Whether a formula has no stored value; an empty text is a value."""
     return cell.value is None and cell.data_type != "str" and k < len(formulas) and formulas[k].data_type == "f"
 
 
@@ -179,7 +175,7 @@ def _in_percent(cell: Any) -> bool:
 
 
 def _text(cell: Any) -> str:
-    """A cell as a table of text has it; Excel has no whole numbers, so that 3.0 is 3."""
+    """A cell in the form of a text table; since Excel has no integers, 3.0 becomes 3."""
     value = cell.value
     if value is None:
         return ""
@@ -193,7 +189,7 @@ def _text(cell: Any) -> str:
 
 
 def cells_name(row: int, column: int) -> str:
-    """Return the name of a cell, its row from 1 and its column from 0.
+    """The name of a cell from its row (from 1) and its column (from 0).
 
     >>> cells_name(3, 1), cells_name(1, 27)
     ('B3', 'AB1')

@@ -9,7 +9,7 @@ Indices = NDArray[np.intp]
 
 
 def assignment(cost: FloatArray) -> tuple[Indices, Indices]:
-    """Rows and columns of the pairs, as many as the shorter side has, whose `cost` (rows, columns) adds up to least.
+    """Rows and columns of the pairs, as many as the shorter side has, with the least sum of `cost` (rows, columns).
 
     >>> rows, columns = assignment(np.array([[4.0, 1.0, 3.0], [2.0, 0.0, 5.0]]))
     >>> rows.tolist(), columns.tolist()

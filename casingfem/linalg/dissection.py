@@ -1,10 +1,10 @@
-"""Nested dissection of a symmetric sparse pattern: an elimination tree whose nodes are separators, by the graph alone.
+"""Nested dissection of a symmetric sparse pattern: an elimination tree of separators, from the graph alone.
 
-Unknowns whose columns have one pattern (those of a node, of an element's interior) are one vertex. The vertices get
-coordinates from their distances to a few far vertices (Harel & Koren, J. Graph Algorithms Appl. 8, 2004, 195), which
-unroll a shell, close or open, as its geometry does; then every part is cut in two along one coordinate, all parts of a
-depth at once (George, SIAM J. Numer. Anal. 10, 1973, 345). Of all cuts along all coordinates the one of least separator
-is taken, so that cuts follow the lines of elements.
+Unknowns whose columns have the same pattern (those of a node, or of an element's interior) form one vertex. The
+vertices get coordinates from their distances to a few far vertices (Harel & Koren, J. Graph Algorithms Appl. 8, 2004,
+195), which unroll a closed or open shell like its geometry. Then every part is cut in two along one coordinate, all
+parts of a depth at once (George, SIAM J. Numer. Anal. 10, 1973, 345). Among the cuts along all coordinates the one with
+the smallest separator is used, so that cuts follow element lines.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class Graph:
 
 
 def spans(starts: IntArray, counts: IntArray) -> IntArray:
-    """Numbers starts[i] to starts[i] + counts[i], one span after the other.
+    """Numbers starts[i] to starts[i] + counts[i], one range after the other.
 
     >>> spans(np.array([5, 0]), np.array([2, 3])).tolist()
     [5, 6, 0, 1, 2]
@@ -126,9 +126,9 @@ def coordinates(graph: Graph) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cuts:
-    """The best cut of each part along one coordinate: its cost, the rank up to which vertices lie below, and the side.
+    """The best cut of each part along one coordinate: its cost, the rank up to which vertices are below, and the side.
 
-    `above` states that the separator is taken from the upper side; `rank` orders the vertices.
+    `above`: the separator is on the upper side; `rank` orders the vertices.
     """
 
     cost: FloatArray
@@ -138,7 +138,7 @@ class Cuts:
 
 
 def best_cuts(x: FloatArray, part: IntArray, weight: IntArray, tail: IntArray, head: IntArray, parts: int) -> Cuts:
-    """The cut of least separator of each part along x; edges join vertices of one part.
+    """The cut with the smallest separator of each part along x; edges join vertices of one part.
 
     A vertex separates the cuts between itself and its farthest neighbour above (or below): sums over those intervals
     give the separators of all cuts at once.

@@ -1,4 +1,4 @@
-"""Modes of K phi = omega^2 M phi, lowest or in a band: shift-invert block Lanczos, certified by Sturm counts."""
+"""Modes of K phi = omega^2 M phi, lowest or in a band: shift-invert block Lanczos, verified by Sturm counts."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -26,17 +26,17 @@ Band: TypeAlias = tuple[float, float]
 
 
 class CountError(NumericsError, ValueError):
-    """More modes were asked for than the model has."""
+    """More modes were requested than the model has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EigenResult:
-    """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
+    """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the verification.
 
-    `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
-    number inside it, counted by the inertia of factorisations, None where that was too large or round-off outweighs
-    what is counted; `products` counts the vectors that the factors solved for. `factor` is that of the scaled problem
-    near 0, where a number of modes was asked for.
+    `sturm_count` is the number of eigenvalues below the last one returned (including its double), for a band the number
+    inside it, counted by the inertia of factorisations. It is None if that was too large or round-off is too large for
+    a count. `products` is the number of vectors that the factors solved for. `factor` is that of the scaled problem
+    near 0, if a number of modes was requested.
     """
 
     eigenvalues: FloatArray
@@ -47,7 +47,7 @@ class EigenResult:
 
     @property
     def freq(self) -> FloatArray:
-        """Frequencies [Hz]; values that round-off puts below zero are zero."""
+        """Frequencies [Hz]; values that round-off makes negative are zero."""
         return np.asarray(np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi))
 
 
@@ -70,9 +70,9 @@ def solve(K: Symmetric, mass: Mass, wanted: int | Band, shift: float, direct: Di
 
 
 def gaps(eigenvalues: FloatArray, count: int, floor: float, clear: float) -> IntArray:
-    """Eigenvalues from number `count` on that a clear gap follows, counted from there.
+    """Eigenvalues from number `count` on that a clear gap follows, numbered from there.
 
-    Eigenvalues below `floor` are zero but for round-off: what parts them counts against the floor.
+    Eigenvalues below `floor` are zero up to round-off; their distances are compared with the floor.
     """
     return np.flatnonzero(np.diff(eigenvalues)[count - 1 :] > clear * np.maximum(eigenvalues[count:], floor))
 
@@ -80,7 +80,7 @@ def gaps(eigenvalues: FloatArray, count: int, floor: float, clear: float) -> Int
 def gap_after(
     eigenvalues: FloatArray, count: int, floor: float = 0.0, clear: float = CLEAR, noise: float = 0.0
 ) -> tuple[int, float]:
-    """The first clear gap at or after `count` eigenvalues: how many lie below it, and a shift inside it.
+    """The first clear gap at or after `count` eigenvalues: the number below it, and a shift inside it.
 
     Gaps whose middle is farther than `noise` from both sides come before others.
     """
@@ -98,31 +98,22 @@ def solve_modes(
 ) -> EigenResult:
     """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
 
-    Parameters
-    ----------
-    K, mass
-        Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M itself, positive definite
-        but for unknowns without mass, on which K is.
-    count
-        Modes wanted.
-    shift
-        Negative shift [rad^2/s^2], small beside the first elastic eigenvalue; makes free bodies solvable.
-    extra
-        Modes computed beyond `count`, so that the count ends in a gap.
-    direct
-        Which factorisation, as in `factorise`.
+    Parameters ---------- K, mass Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M
+    itself, positive definite except on unknowns without mass, on which K must be. count Number of modes. shift Negative
+    shift [rad^2/s^2], small compared with the first elastic eigenvalue; makes free bodies solvable. extra Modes
+    computed beyond `count`, so that the count ends in a gap. direct Kind of factorisation, as in `factorise`.
 
     Raises
     ------
     CountError
-        If more modes are asked for than there are.
+        If more modes are requested than exist.
     NumericsError
         If the solver fails, or the count shows that modes are missing.
 
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no count can show it.
+        `modes-round-off` if no count is possible.
     """
     pencil = make_pencil(K, mass)
     size = pencil.modes
@@ -138,7 +129,7 @@ def solve_modes(
 
 
 def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Direct) -> EigenResult:
-    """`solve_modes` of a scaled pencil from one shift."""
+    """`solve_modes` for a scaled pencil from one shift."""
     factor = factorise(pencil.shifted(shift), direct)
     wanted, products = count + extra, 0
     tries = list(zip(BLOCKS, CLEARER, strict=True))
@@ -173,8 +164,8 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
 def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
 
-    A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that contains many
-    modes is cut into slices with a shift each.
+    A mode on an end of the band, to a relative 1e-7, belongs to it, as does its double. A band with many modes is cut
+    into slices with a shift each.
 
     Parameters
     ----------
@@ -183,17 +174,17 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
     band
         Lower and upper end; a lower end of 0 includes the rigid motions.
     shift
-        Negative shift that takes the place of a lower end of 0.
+        Negative shift that replaces a lower end of 0.
 
     Raises
     ------
     NumericsError
-        If a slice does not show as many modes as its ends count.
+        If the number of modes found in a slice differs from its count.
 
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no count can show it.
+        `modes-round-off` if no count is possible.
     """
     low, high = band
     if not 0.0 <= low < high < np.inf:
@@ -210,5 +201,5 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
 def result(
     pencil: Pencil, values: FloatArray, vectors: Array, certified: int | None, products: int, factor: Factor | None
 ) -> EigenResult:
-    """Certified pairs of the scaled pencil as modes of K and M."""
+    """Verified pairs of the scaled pencil as modes of K and M."""
     return EigenResult(values, vectors * pencil.scale[:, None], certified, products, factor)

@@ -1,9 +1,9 @@
-"""A symmetric matrix kept as the dense matrices of its elements; the sum is never assembled.
+"""A symmetric matrix stored as the dense matrices of its elements; the sum is never assembled.
 
-    A = R (sum over elements of P_e^T A_e P_e) R + diag(d),   P_e picks the element's unknowns, R is diagonal
+    A = R (sum over elements of P_e^T A_e P_e) R + diag(d),   P_e selects the element's unknowns, R is diagonal
 
 Elements of high order have half of their unknowns inside: their dense matrices are smaller than the sum with its
-indices, a dense front takes them as they are (`fronts`), and products with several vectors run at the speed of dgemm.
+indices, a dense front uses them directly (`fronts`), and products with several vectors run at the speed of dgemm.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,9 +20,9 @@ CHUNK = 200_000  # entries of elements' matrices taken together: what stays in a
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Elements:
-    """Symmetric matrices (elements, m, m) of elements with m unknowns each, whose numbers are `dofs` (elements, m).
+    """Symmetric matrices (elements, m, m) of elements with m unknowns each, with indices `dofs` (elements, m).
 
-    An unknown that is fixed has the number of all unknowns.
+    A fixed unknown has the index "number of unknowns".
     """
 
     dofs: IntArray
@@ -40,7 +40,7 @@ class ElementSum:
 
     @classmethod
     def of(cls, groups: Sequence[Elements], size: int) -> Self:
-        """The plain sum.
+        """The plain sum of elements.
 
         >>> two = Elements(np.array([[0, 1], [1, 2]]), np.full((2, 2, 2), 3.0))
         >>> (ElementSum.of([two], 2) @ np.eye(2)).tolist()
@@ -50,12 +50,12 @@ class ElementSum:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of the matrix."""
+        """Shape of the matrix."""
         return self.size, self.size
 
     @property
     def dtype(self) -> np.dtype[np.float64]:
-        """Of its numbers."""
+        """Type of its numbers."""
         return self.scale.dtype
 
     @property
@@ -65,7 +65,7 @@ class ElementSum:
 
     @property
     def finite(self) -> bool:
-        """Whether all numbers are."""
+        """Whether all numbers are finite."""
         parts = (self.scale, self.diagonal, *(group.matrices for group in self.groups))
         return all(bool(np.isfinite(part.sum()) or np.isfinite(part).all()) for part in parts)  # a sum takes no memory
 
@@ -78,9 +78,9 @@ class ElementSum:
         return replace(self, diagonal=self.diagonal + diagonal)
 
     def changed(self, T: csc_array) -> "ElementSum":
-        """T^T A T of a plain sum, T (size, size) the identity but for groups of few unknowns.
+        """T^T A T of a plain sum, with T (size, size) the identity except for small groups of unknowns.
 
-        An element that has some of a group gets all of it; the matrices of the others are shared.
+        An element with some unknowns of a group gets all of them; the matrices of other elements are shared.
 
         >>> two = Elements(np.array([[0, 1], [1, 2]]), np.full((2, 2, 2), 3.0))
         >>> T = csc_array(np.array([[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
@@ -108,11 +108,11 @@ class ElementSum:
         return summed(self, x, np.matmul)
 
     def __abs__(self) -> "AbsoluteSum":
-        """A bound on the absolute values of the entries: those of the elements' and the diagonal's, added up."""
+        """A bound on the absolute values of the entries: the sum of those of the elements and of the diagonal."""
         return AbsoluteSum(self)
 
     def tocsc(self) -> csc_array:
-        """The matrix added up, in columns."""
+        """The assembled matrix in CSC form."""
         total = csc_array(diags_array(self.diagonal))
         for group in self.groups:
             free = group.dofs < self.size
@@ -126,7 +126,7 @@ class ElementSum:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AbsoluteSum:
-    """The absolute values of a sum's parts, added up; they are never kept, only multiplied."""
+    """Sum of the absolute values of a sum's parts, which is never stored, only multiplied."""
 
     of: ElementSum
 
@@ -136,7 +136,10 @@ class AbsoluteSum:
 
 
 def within(group: Elements, numbers: IntArray, moved: BoolArray, T: csr_array) -> list[Elements]:
-    """T^T A T of some elements of a group, those of one size together; rows of T at `moved` are not those of 1."""
+    """T^T A T of some elements of a group, those of one size together.
+
+    Only the rows `moved` of T differ from the identity.
+    """
     found: dict[int, list[tuple[IntArray, FloatArray]]] = {}
     for e in numbers.tolist():
         dofs, A = group.dofs[e], group.matrices[e]
@@ -170,7 +173,7 @@ def absolute(matrices: FloatArray, x: FloatArray) -> FloatArray:
 
 
 def summed(A: ElementSum, x: FloatArray, product: Callable[[FloatArray, FloatArray], FloatArray]) -> FloatArray:
-    """A x, the elements' matrices multiplied by `product`."""
+    """A x, with the element matrices multiplied by `product`."""
     columns = x.reshape(A.size, -1)
     padded = np.zeros((A.size + 1, columns.shape[1]))
     np.multiply(A.scale[:, None], columns, out=padded[:-1])

@@ -1,7 +1,8 @@
-"""Entries that a front takes from the matrix: from a sparse matrix, or from dense element matrices.
+"""Entries of the matrix for a front: from a sparse matrix, or from dense element matrices.
 
-An element's matrix goes whole to the front that eliminates the first of its unknowns: the others, coupled with that
-one, are pivots or rows there. The matrix of an element that has a front to itself is that front.
+The whole matrix of an element belongs to the front that eliminates the first of its unknowns; the others are coupled
+with that one, so they are pivots or rows of the same front. If an element has a front to itself, its matrix is that
+front.
 """
 
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ Parts: TypeAlias = tuple[Array, Array, Array]
 
 
 class SparseEntries(NamedTuple):
-    """A front's share of sparse matrices: entries number `source` of A's data, number `place` of the front's columns.
+    """Part of sparse matrices for a front: entries `source` of A's data go to entries `place` of the front's columns.
 
     Those of the pivots (k, k) come first, one column after the other, then those of the rows (m, k).
     """
@@ -31,7 +32,7 @@ class SparseEntries(NamedTuple):
     def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
         """The front of a matrix on unknowns `pivots` (k,) and `rows` (m,): (k, k), (m, k), (m, m), by columns.
 
-        Of the first and the last at least the lower triangle.
+        At least the lower triangle of the first and last is filled.
         """
         assert not isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
@@ -42,7 +43,7 @@ class SparseEntries(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """An element: its group and number, which of its unknowns are pivots and rows of the front, and where there."""
+    """An element: its group and index, its unknowns that are pivots and rows of the front, and their places there."""
 
     group: int
     number: int
@@ -53,12 +54,12 @@ class Piece(NamedTuple):
 
 
 class ElementEntries(NamedTuple):
-    """A front's share of sums of elements: those that belong to it."""
+    """Part of sums of elements for a front: the elements that belong to it."""
 
     pieces: tuple[Piece, ...]
 
     def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a sum of elements, its parts as those of `SparseEntries`."""
+        """The front of a sum of elements, in parts as in `SparseEntries`."""
         assert isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
         K_pp, K_pr, K_rr = np.zeros((k, k)), np.zeros((k, m)), np.zeros((m, m))
@@ -79,7 +80,7 @@ Entries: TypeAlias = SparseEntries | ElementEntries
 def accumulate(
     K: FloatArray, rows: Places, columns: Places, part: FloatArray, left: FloatArray, right: FloatArray, empty: bool
 ) -> None:
-    """K[rows, columns] += part, its rows and columns scaled; `empty` where K is still zero."""
+    """K[rows, columns] += part, with scaled rows and columns; `empty`: K is still zero."""
     if empty and isinstance(rows, slice) and isinstance(columns, slice):
         there = K[rows, columns]
         np.multiply(part, right[columns], out=there)
@@ -132,7 +133,7 @@ def element_entries(A: ElementSum, position: Array, firsts: IntArray, rows: Sequ
 
 
 def compact(places: IntArray) -> Places:
-    """Places as a slice, if they follow each other."""
+    """Indices as a slice, if they are consecutive."""
     if len(places) and places[-1] - places[0] == len(places) - 1 and np.all(np.diff(places) == 1):
         return slice(int(places[0]), int(places[-1]) + 1)
     return places

@@ -1,10 +1,10 @@
-"""Factorisations of symmetric sparse matrices, and the inertia that their pivots show: statics, modes, reduction.
+"""Factorisations of symmetric sparse matrices, and the inertia from their pivots, for statics, modes and reduction.
 
-"multifrontal" is the package's own: L D L^H by dense fronts (`multifrontal`) along a nested dissection; how much memory
-it takes is known and checked before. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal
-pivots are some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal
-are the inertia of A (Sylvester). "pardiso" is MKL's LDL^T, if the extra `direct` is installed: pypardiso, which this
-module alone imports.
+"multifrontal" is this package's: L D L^H by dense fronts (`multifrontal`) along a nested dissection; its memory is
+known and checked beforehand. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal pivots
+are some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal are the
+inertia of A (Sylvester). "pardiso" is MKL's LDL^T, if the extra `direct` is installed: pypardiso, which this module
+alone imports.
 """
 
 import weakref
@@ -42,7 +42,7 @@ class SuperLUFactor:
         return np.asarray(self.lu.solve(rhs))
 
     def negative(self) -> int:
-        """Negative pivots, real for a Hermitian matrix too; NumericsError if pivots left the diagonal."""
+        """Number of negative pivots, also for a Hermitian matrix; NumericsError if pivots left the diagonal."""
         if not np.array_equal(self.lu.perm_r, self.lu.perm_c):
             raise NumericsError("pivots left the diagonal")
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
@@ -81,7 +81,7 @@ Factor: TypeAlias = MultifrontalFactor | SuperLUFactor | PardisoFactor
 
 
 def canonical(A: csc_array) -> csc_array:
-    """The matrix with its entries in order and each once; itself where they are."""
+    """The matrix with sorted, unique entries; unchanged if they are."""
     if not A.has_canonical_format:
         A = A.copy()
         A.sum_duplicates()
@@ -89,7 +89,7 @@ def canonical(A: csc_array) -> csc_array:
 
 
 def multifrontal(A: Symmetric, keep: bool) -> Factor:
-    """Factorise by dense fronts, or count negative eigenvalues alone."""
+    """Factorise by dense fronts, or only count negative eigenvalues."""
     A = A if isinstance(A, ElementSum) else canonical(A)  # as plans expect it
     try:
         fronts = planned(A)
@@ -113,14 +113,14 @@ def superlu(A: csc_array) -> Factor:
 
 
 def factorise(A: Symmetric, direct: Direct = "multifrontal", *, keep: bool = True) -> Factor:
-    """Factor a symmetric or Hermitian matrix, indefinite ones included; without `keep` for its inertia alone.
+    """Factor a symmetric or Hermitian matrix, also an indefinite one; without `keep` only for its inertia.
 
     Raises
     ------
     NumericsError
         If the matrix is singular, or the solver is not installed.
     MemoryNeedError
-        `modes-memory`, a `NumericsError` too, if it does not fit into what memory is free.
+        `modes-memory`, also a `NumericsError`, if it does not fit into the free memory.
 
     >>> factor = factorise(csc_array(np.diag([2.0, -4.0])))
     >>> factor.solve(np.ones(2)).tolist(), factor.negative()
@@ -150,7 +150,7 @@ def solve_held(K: Symmetric, f: FloatArray) -> FloatArray:
 
 
 def balanced(K: Symmetric, u: FloatArray, f: FloatArray) -> FloatArray:
-    """A static answer u (free,) to a load f whose strain energy is the work of the load.
+    """A static solution u (free,) for a load f whose strain energy equals the work of the load.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Plan of a multifrontal factorisation: unknowns that each front eliminates, unknowns that it updates, and the cost.
+"""Plan of a multifrontal factorisation: unknowns that each front eliminates and updates, and the cost.
 
-Fronts are the nodes of a nested dissection, in postorder. A front contains its own unknowns, its pivots, and those
-later ones that they are coupled with, directly or through what was eliminated before (Duff & Reid, ACM Trans. Math.
-Softw. 9, 1983, 302; Liu, SIAM Review 34, 1992, 82).
+Fronts are the nodes of a nested dissection, in postorder. A front contains its pivots, and the later unknowns with
+which they are coupled, directly or through eliminated ones (Duff & Reid, ACM Trans. Math. Softw. 9, 1983, 302; Liu,
+SIAM Review 34, 1992, 82).
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ SMALL = 15_000_000  # entries of a pattern whose plan is kept, some 150 MB of it
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Front:
-    """One dense matrix on `pivots` unknowns from number `start` on, and on those at `rows`, later ones, ascending.
+    """One dense matrix on `pivots` unknowns from number `start` on, and on later ones at `rows`, ascending.
 
-    `own` is its part of A. Of its parent's front, its first `split` rows are the pivots `head`, the others the rows
+    `own` is its part of A. In its parent's front, its first `split` rows are the pivots `head`, the others the rows
     `tail`.
     """
 
@@ -45,12 +45,12 @@ class Front:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Pivots and rows."""
+        """Number of pivots and rows."""
         return self.pivots, len(self.rows)
 
 
 class Groups(NamedTuple):
-    """The group of each front, (fronts,); of each group the height above the leaves, and how many it has."""
+    """The group of each front, (fronts,); for each group the height above the leaves, and its number of fronts."""
 
     of: IntArray
     heights: IntArray
@@ -83,12 +83,12 @@ class Fronts:
 
     @property
     def entries(self) -> int:
-        """Numbers that a factor keeps."""
+        """Number of entries of a factor."""
         return sum(k * (k + m) for k, m in (front.size for front in self.fronts))
 
     @cached_property
     def groups(self) -> "Groups":
-        """Fronts by height and shape: those of one group do not touch each other."""
+        """Fronts by height and shape; those of one group are independent."""
         heights = np.zeros(len(self.fronts), dtype=np.int64)
         for f, front in enumerate(self.fronts):
             heights[f] = max((heights[child] + 1 for child in front.children), default=0)
@@ -97,7 +97,7 @@ class Fronts:
         return Groups(of.ravel(), shapes[:, 0], counts)
 
     def working(self) -> int:
-        """Largest number of values in memory beside the factor: a front, and updates of fronts not yet used."""
+        """Largest number of values in memory besides the factor: a front, and updates of fronts not yet used."""
         most = held = 0
         for front in self.fronts:
             k, m = front.size
@@ -122,7 +122,7 @@ def pattern_of(A: Symmetric) -> tuple[IntArray, ...]:
 
 
 def postorder(parent: IntArray) -> IntArray:
-    """Number of each node, children before their parents and next to them."""
+    """Order of the nodes: children before their parents and next to them."""
     children: list[list[int]] = [[] for _ in parent]
     for i, p in enumerate(parent[1:].tolist(), start=1):
         children[p].append(i)
@@ -136,7 +136,7 @@ def postorder(parent: IntArray) -> IntArray:
 
 
 def runs(places: IntArray) -> Runs:
-    """Ascending places cut into pieces that follow each other: which of them, and where.
+    """Ascending indices cut into consecutive pieces: their positions and values.
 
     >>> runs(np.array([3, 4, 9]))
     ((slice(0, 2, None), slice(3, 5, None)), (slice(2, 3, None), slice(9, 10, None)))
@@ -147,14 +147,14 @@ def runs(places: IntArray) -> Runs:
 
 
 class Recent:
-    """The last plan, kept while it is in use or small: shifts and neighbours share their pattern."""
+    """The last plan, kept while it is in use or small, since shifted and similar matrices share their pattern."""
 
     last: ReferenceType[Fronts] | None = None
     small: Fronts | None = None
 
 
 def planned(A: Symmetric) -> Fronts:
-    """The plan for a matrix: that of the last one, if the pattern is the same, or a new one."""
+    """The plan for a matrix: the last one if the pattern is the same, else a new one."""
     last = Recent.last() if Recent.last is not None else None
     if last is not None and last.fits(A):
         return last
@@ -164,7 +164,7 @@ def planned(A: Symmetric) -> Fronts:
 
 
 def plan(A: Symmetric) -> Fronts:
-    """Plan the factorisation of matrices with the pattern of A, symmetric, its indices sorted.
+    """Plan the factorisation of matrices with the pattern of A, symmetric, with sorted indices.
 
     >>> from scipy.sparse import csc_array
     >>> fronts = plan(csc_array(np.eye(3)))
@@ -206,7 +206,7 @@ def longest(axes: FloatArray, of: IntArray, fronts: int) -> FloatArray:
 
 
 def later_neighbours(tail: IntArray, head: IntArray, place: IntArray, ends: IntArray) -> list[IntArray]:
-    """For each front, the places of vertices after its own that its vertices are coupled with."""
+    """For each front, the indices of later vertices with which its vertices are coupled."""
     here, there = place[tail], place[head]
     front = np.searchsorted(ends, here, side="right") - 1
     later = np.flatnonzero(there >= ends[front + 1])
@@ -225,7 +225,10 @@ def make_fronts(
     above: IntArray,
     children: list[list[int]],
 ) -> tuple[Front, ...]:
-    """Fronts with their places in A and in each other; vertices have `weight` unknowns from `starts`, fronts `ends`."""
+    """Fronts with their positions in A and in each other.
+
+    Vertices have `weight` unknowns from `starts`, fronts end at `ends`.
+    """
     position = np.empty(len(order), dtype=np.int32)
     position[order] = np.arange(len(order), dtype=np.int32)
     firsts = starts[ends]

@@ -1,10 +1,10 @@
-"""Eigenvalues nearest a shift: block Lanczos on (A - sigma B)^-1 B, restarted thickly.
+"""Eigenvalues nearest a shift: block Lanczos on (A - sigma B)^-1 B with thick restarts.
 
-A random block of vectors is multiplied again and again, every new block made B-orthogonal to all before it; one
-Rayleigh-Ritz on the small projected matrix gives theta = 1/(lambda - sigma). A block meets both members of a double
-mode at once, where a single vector finds the second by round-off alone, and multiplies its vectors in one pass over
-the factor. Where the basis would outgrow its room it restarts from its best Ritz vectors (Wu & Simon, SIAM J. Matrix
-Anal. Appl. 22, 2000, 602), converged ones included: nothing found is lost.
+A random block of vectors is multiplied repeatedly, and every new block is made B-orthogonal to all previous ones.
+Rayleigh-Ritz on the small projected matrix gives theta = 1/(lambda - sigma). A block finds both members of a double
+mode at once, while a single vector finds the second only through round-off. It also multiplies its vectors in one pass
+over the factor. A basis that grows too large restarts from its best Ritz vectors (Wu & Simon, SIAM J. Matrix Anal.
+Appl. 22, 2000, 602), including converged ones.
 """
 
 from collections.abc import Callable
@@ -39,7 +39,7 @@ class ConvergenceError(NumericsError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RitzPairs:
-    """Eigenvalues (k,), nearest the shift first, B-orthonormal vectors (n, k), and how many products they took."""
+    """Eigenvalues (k,), nearest the shift first, B-orthonormal vectors (n, k), and the number of products."""
 
     values: FloatArray
     vectors: Array
@@ -50,7 +50,7 @@ class RitzPairs:
 class Basis:
     """A B-orthonormal basis Q (n, count), the next block, and T = Q^H B (A - sigma B)^-1 B Q.
 
-    The image of the next block has parts in the vectors from number `tied` on alone, but for round-off.
+    Up to round-off, the image of the next block only has components along the vectors from number `tied` on.
     """
 
     pencil: Pencil
@@ -64,7 +64,7 @@ class Basis:
     products: int = 0
 
     def grow(self) -> None:
-        """Take the next block into the basis and multiply it."""
+        """Add the next block to the basis and multiply it."""
         old, self.count = self.count, self.count + self.fresh.shape[1]
         self.Q[:, old : self.count] = self.fresh
         Q = self.Q[:, : self.count]
@@ -80,7 +80,7 @@ class Basis:
         self.fresh, self.coupling = orthonormal(self.pencil, image, NOISE * size)
 
     def begin(self, block: Array) -> None:
-        """Take a block of new directions as the next one."""
+        """Use a block of new directions as the next one."""
         Q, block = self.Q[:, : self.count], np.array(block, dtype=self.Q.dtype, order="F")
         size = self.pencil.norm(block)
         for _ in range(2):
@@ -98,7 +98,7 @@ class Basis:
         return theta, S, residuals / np.clip(ROUND_OFF * size[0], TOLERANCE * size, LOOSEST * size)
 
     def restart(self, theta: FloatArray, S: Array, kept: int) -> None:
-        """Keep the best Ritz vectors only; the next block stays."""
+        """Keep only the best Ritz vectors; the next block is unchanged."""
         self.Q[:, :kept] = self.Q[:, : self.count] @ S[:, :kept]
         self.T[:] = 0.0
         self.T[np.arange(kept), np.arange(kept)] = theta[:kept]
@@ -119,11 +119,11 @@ def nearest(
     sigma
         The shift; not an eigenvalue.
     wanted
-        Pairs wanted, at most the modes of the pencil.
+        Number of pairs, at most the modes of the pencil.
     block
         Vectors multiplied together.
     spare
-        So many of the wanted pairs, the last ones, may be `SPARE` times less accurate.
+        Number of the last wanted pairs that may be `SPARE` times less accurate.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def nearest(
 def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
     """Remove from a block (n, k), in place, its components (count, k) in a B-orthonormal basis Q (n, count).
 
-    Both are by columns: BLAS then neither copies nor adds up apart.
+    Both are stored by columns, so that BLAS neither copies nor sums separately.
     """
     gemm = kernels(Q).gemm
     if not (Q.size and block.size):
@@ -184,13 +184,13 @@ def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
 
 
 def orthonormal(pencil: Pencil, block: Array, noise: float) -> tuple[Array, Array]:
-    """B-orthonormal basis X of a block (n, k) and C with block = X C; directions shorter than `noise` are left out."""
+    """B-orthonormal basis X of a block (n, k) and C with block = X C; directions shorter than `noise` are dropped."""
     X = independent(pencil, independent(pencil, block, noise))
     return X, X.conj().T @ pencil.weigh(block)
 
 
 def independent(pencil: Pencil, X: Array, noise: float = 0.0) -> Array:
-    """Columns that span X (n, k) without directions shorter than `noise`, orthonormal but for its own round-off."""
+    """Orthonormal columns, up to round-off, that span X (n, k) without directions shorter than `noise`."""
     gram = X.conj().T @ pencil.weigh(X)
     squares, V = np.linalg.eigh(0.5 * (gram + gram.conj().T))  # a few columns: less ado than scipy's
     good = squares > max(noise**2, 1e-15 * squares.max(initial=0.0))

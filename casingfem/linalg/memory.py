@@ -1,4 +1,4 @@
-"""Is it within reach? Memory of a factorisation, known from its plan, and hours are stated before they are spent."""
+"""Limits of memory and time: the memory of a factorisation is known from its plan; hours are announced first."""
 
 import mmap
 from pathlib import Path
@@ -20,9 +20,9 @@ class MemoryNeedError(NumericsError, MemoryError):
 
 
 def free_memory() -> float:
-    """Bytes that this process may still take: free on the machine, left in its control group and its own limit.
+    """Bytes that this process may still use: free on the machine, in its control group, and within its own limit.
 
-    Infinite where the system does not report it.
+    Infinite if the system does not report it.
     """
     return min(free_on_machine(), left_in_group(), left_by_limit())
 
@@ -60,7 +60,7 @@ def require_memory(needed: float, unknowns: int, free: float) -> None:
     Raises
     ------
     MemoryNeedError
-        `modes-memory`, with what it takes and what there is.
+        `modes-memory`, with the needed and the free memory.
 
     >>> require_memory(7e10, 10**6, free=8e9)
     Traceback (most recent call last):
@@ -76,12 +76,12 @@ elements or a larger machine; thick solids go without a factor, `mesh_modes(soli
 
 
 def require_affordable(modes: float, unknowns: int) -> None:
-    """Refuse more modes at once than an hour's work gives.
+    """Refuse a number of modes that would take more than an hour.
 
     Raises
     ------
     ModelError
-        `modes-count`, with the number of modes, of unknowns, and what they would cost.
+        `modes-count`, with the number of modes, of unknowns, and the expected time.
 
     >>> require_affordable(1e5, 16_000)
     Traceback (most recent call last):

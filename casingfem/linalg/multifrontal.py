@@ -1,8 +1,8 @@
 """L D L^H of a symmetric or Hermitian sparse matrix by dense fronts: LAPACK and BLAS on blocks, inertia included.
 
-A = P L D L^H P^T front by front of a nested dissection (`fronts`). A front whose pivots are positive definite, as most
-are even where A is not, is factored by Cholesky; the others by Bunch-Kaufman, with pivots of one or two among the
-front's own. The inertia of A is the sum of theirs (Haynsworth, Linear Algebra Appl. 1, 1968, 73).
+A = P L D L^H P^T front by front of a nested dissection (`fronts`). A front with positive definite pivots, as most are
+even if A is not, is factored by Cholesky; the others by Bunch-Kaufman, with pivots of order one or two within the
+front. The inertia of A is the sum of theirs (Haynsworth, Linear Algebra Appl. 1, 1968, 73).
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ FEWEST = 2  # fronts of one shape that are worth stacking
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MultifrontalFactor:
-    """The steps of L and D, children before parents; none are kept where only the inertia was asked for."""
+    """The steps of L and D, children before parents; none are stored if only the inertia was requested."""
 
     fronts: Fronts
     steps: tuple[Step, ...]
@@ -50,7 +50,7 @@ class MultifrontalFactor:
 
 
 def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFactor:
-    """Factor a symmetric or Hermitian matrix of the fronts' pattern; without `keep` count negative eigenvalues alone.
+    """Factor a symmetric or Hermitian matrix of the fronts' pattern; without `keep` only count negative eigenvalues.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFac
 
 
 class Kept:
-    """The steps of a factorisation as they come; fronts of one shape and height are stacked."""
+    """The steps of a factorisation so far; fronts of one shape and height are stacked."""
 
     def __init__(self, fronts: Fronts, dtype: np.dtype[Any]) -> None:
         self.fronts, self.dtype = fronts, dtype
@@ -81,7 +81,7 @@ class Kept:
         self.single: dict[int, OneFront] = {}
 
     def take(self, number: int, front: Front, block: Block) -> None:
-        """Keep a front that was just eliminated, alone or in the stack of its group."""
+        """Store a front that was just eliminated, alone or in the stack of its group."""
         group = int(self.fronts.groups.of[number])
         count = int(self.fronts.groups.counts[group])
         if count < FEWEST or not front.pivots or block.D is not None:
@@ -100,7 +100,7 @@ class Kept:
 
 
 def assembled(A: Symmetric, front: Front, fronts: Fronts, passed: dict[int, Array]) -> tuple[Array, Array, Array]:
-    """The parts of a front in its lower triangle, from A and from its children, whose updates are used up."""
+    """The parts of a front in its lower triangle, from A and from its children's updates, which are then released."""
     unknowns = fronts.order[front.start : front.start + front.pivots]
     K_pp, K_rp, K_rr = front.own.parts(A, unknowns, fronts.order[front.rows])
     for number in front.children:
@@ -113,7 +113,7 @@ def assembled(A: Symmetric, front: Front, fronts: Fronts, passed: dict[int, Arra
 
 
 def add(K: Array, rows: Runs, columns: Places, update: Array, below: bool = True) -> None:
-    """K[rows, columns] += update, of its lower triangle only where columns are rows too; both by columns in memory."""
+    """K[rows, columns] += update, only the lower triangle if columns are also rows; both stored by columns."""
     for there, here in rows:
         last = there.stop if below else update.shape[1]
         some = slice(columns.start, columns.start + last) if isinstance(columns, slice) else columns[:last]
@@ -121,7 +121,7 @@ def add(K: Array, rows: Runs, columns: Places, update: Array, below: bool = True
 
 
 def eliminated(K_pp: Array, K_rp: Array, K_rr: Array) -> tuple[Block, int]:
-    """Columns of L, and negative pivots; K_rr becomes the Schur complement, in its lower triangle, in place."""
+    """Columns of L, and number of negative pivots; K_rr becomes the Schur complement, lower triangle, in place."""
     use = kernels(K_pp)
     L, failed = use.potrf(K_pp, lower=1, clean=0)
     if failed:
@@ -133,7 +133,7 @@ def eliminated(K_pp: Array, K_rp: Array, K_rr: Array) -> tuple[Block, int]:
 
 
 def pivoted(K_pp: Array, K_rp: Array, K_rr: Array) -> tuple[Block, int]:
-    """The same for pivots that are not positive definite, by Bunch-Kaufman."""
+    """`eliminated` for pivots that are not positive definite, by Bunch-Kaufman."""
     use = kernels(K_pp)
     work, _ = use.sytrf_lwork(len(K_pp), lower=1)
     L, swaps, failed = use.sytrf(K_pp, lower=1, lwork=int(np.real(work)), overwrite_a=1)
@@ -153,7 +153,7 @@ def pivoted(K_pp: Array, K_rp: Array, K_rr: Array) -> tuple[Block, int]:
 def pivots(diagonal: FloatArray, beside: Array, swaps: IntArray) -> tuple[Indefinite, int]:
     """D^-1 and the pivot order from LAPACK's sytrf or hetrf, and the number of negative eigenvalues of D.
 
-    A pair of negative numbers in `swaps` is a pivot of two, of which one eigenvalue is negative and one is not.
+    A pair of negative numbers in `swaps` is a pivot of order two, with one negative and one positive eigenvalue.
     """
     order = list(range(len(swaps)))
     first = np.flatnonzero(swaps < 0)[::2]

@@ -1,17 +1,17 @@
-"""Lowest modes of large thick solids without the factors of shift-invert: LOBPCG with algebraic multigrid.
+"""Lowest modes of large thick solids without shift-invert factors: LOBPCG with algebraic multigrid.
 
 Block preconditioned conjugate gradients (Knyazev, SIAM J. Sci. Comput. 23, 2001, 517), preconditioned by one cycle of
 smoothed aggregation whose coarse spaces contain the six rigid motions (Vanek, Mandel & Brezina, Computing 56, 1996,
-179; pyamg). Thin walls defeat it: there the cycle misses the bending, and the iteration stalls. What did not converge
-is never returned: the solution falls back to shift-invert, and a warning states it. Nor is what a Sturm count shows to
-be incomplete. The count needs one factor; where that does not fit, a second iteration from another random block, kept
-orthogonal to what was found, searches for what was missed: it would find it, but does not prove that there is nothing.
-`python -m reports.benchmarks.solid_solvers` measures where it pays.
+179; pyamg). For thin walls it fails, since the cycle misses bending and the iteration stalls. Modes that did not
+converge, or that a Sturm count shows to be incomplete, are never returned: the solution falls back to shift-invert with
+a warning. The count needs one factor. If that does not fit into memory, a second iteration from another random block,
+orthogonal to the modes found, searches for missing ones. It would find them, but proves nothing. `python -m
+reports.benchmarks.solid_solvers` measures where the method is faster.
 
-pyamg builds the levels; the cycle is written here, since every product with a block of vectors passes over the matrix
-once, where Gauss-Seidel passes once a vector. Chebyshev polynomials smooth: they damp the upper part of D^-1 A's
-spectrum (Adams, Brezina, Hu & Tuminaro, J. Comput. Phys. 188, 2003, 593); the same before and after the coarse
-correction, they leave the cycle symmetric and positive definite, as conjugate gradients need it.
+pyamg builds the levels. The cycle is written here, since a product with a block of vectors reads the matrix once, while
+Gauss-Seidel reads it once for each vector. Chebyshev polynomials smooth: they damp the upper part of D^-1 A's spectrum
+(Adams, Brezina, Hu & Tuminaro, J. Comput. Phys. 188, 2003, 593); used equally before and after the coarse correction,
+they keep the cycle symmetric and positive definite, as conjugate gradients require.
 """
 
 import warnings
@@ -83,7 +83,7 @@ class Hierarchy:
         return sum(array.nbytes for array in arrays)
 
     def cycle(self, b: FloatArray, depth: int = 0) -> FloatArray:
-        """Approximately A^-1 b for a block of vectors (n, k): one V-cycle from a level down."""
+        """Approximation of A^-1 b for a block of vectors (n, k): one V-cycle from a level down."""
         if depth == len(self.levels):
             return np.asarray(cho_solve(self.coarsest, b))
         level = self.levels[depth]
@@ -139,17 +139,11 @@ def make_level(A: csr_array, P: csr_array) -> Level:
 def multigrid_modes(
     K: csc_array, mass: Mass, near_null: FloatArray, count: int, shift: float, extra: int = 4, *, counted: bool = True
 ) -> EigenResult:
-    """Lowest `count` modes by LOBPCG and multigrid, complete by a Sturm count or a search, or else by `solve_modes`.
+    """Lowest `count` modes by LOBPCG and multigrid, complete by a Sturm count or a search; else by `solve_modes`.
 
-    Parameters
-    ----------
-    K, mass, count, shift, extra
-        As in `solve_modes`.
-    near_null
-        The rigid motions on the free dofs, (free, 6).
-    counted
-        Whether a Sturm count certifies them, for the time of one factor; without it, or where that does not fit into
-        memory, `sturm_count` is None.
+    Parameters ---------- K, mass, count, shift, extra As in `solve_modes`. near_null The rigid motions on the free
+    dofs, (free, 6). counted Whether a Sturm count verifies them, in the time of one factor; otherwise, or if that does
+    not fit into memory, `sturm_count` is None.
 
     Raises
     ------
@@ -202,7 +196,7 @@ def static_by_cycles(K: csc_array, near_null: FloatArray, loads: FloatArray) -> 
 
 
 def count_that_fits(pencil: Pencil, sigma: float) -> int | None:
-    """The Sturm count, None where memory is too small for it."""
+    """The Sturm count, None if memory is too small for it."""
     try:
         return pencil.count_below(sigma)
     except MemoryNeedError:
@@ -210,7 +204,7 @@ def count_that_fits(pencil: Pencil, sigma: float) -> int | None:
 
 
 def search(pencil: Pencil, levels: Hierarchy, found: FloatArray, sigma: float, shift: float) -> int:
-    """Look for modes below sigma beside those found (free, k); returns how many vectors that took.
+    """Search for modes below sigma other than those found (free, k); returns the number of vectors used.
 
     Raises
     ------
@@ -240,7 +234,7 @@ def iterate(
 ) -> tuple[FloatArray, FloatArray, int]:
     """Lowest eigenvalues ascending, B-orthonormal vectors, and preconditioned vectors; the first `needed` converged.
 
-    All are needed by default. With `beside`, (free, k) B-orthonormal, those of what is B-orthogonal to it.
+    All are needed by default. With B-orthonormal `beside` (free, k), the modes B-orthogonal to it.
 
     Raises
     ------

@@ -1,13 +1,12 @@
-"""K - omega^2 M, scaled by the diagonal of M so that different dofs compare, and the reliability of its Sturm count.
+"""K - omega^2 M, scaled by the diagonal of M so that dofs are comparable, and the reliability of its Sturm count.
 
 Unknowns without mass, such as nodes between two springs, are scaled by the diagonal of K: they follow the others
-statically, A is definite on them, and neither counts nor modes see more of them.
+statically, A is definite on them, and they affect neither counts nor modes.
 
-A count is worth nothing where round-off outweighs what parts the eigenvalues on both sides of it. An inertia is exact
-for a matrix some units in the last place from K - sigma M. That moves an eigenvalue by up to u |x|^T |K| |x|, whatever
-the order of the sums: on slender or thin structures, whose K contains stretching beside a bending that is many orders
-softer, more than the lowest eigenvalues amount to. There the count changes with the processor, and so do the modes;
-equal or not, they prove nothing.
+A count is unreliable if round-off exceeds the distance of the eigenvalues on both sides of it. An inertia is exact for
+a matrix that differs from K - sigma M by some units in the last place, which moves an eigenvalue by up to u |x|^T |K|
+|x|. In slender or thin structures stretching is many orders stiffer than bending, so this can exceed the lowest
+eigenvalues. Then the count depends on the processor, and so do the modes; agreement proves nothing.
 """
 
 from dataclasses import dataclass
@@ -32,9 +31,9 @@ UNIT = float(np.finfo(float).eps)
 class Pencil:
     """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal, 0 where M has none.
 
-    A and B are symmetric, or Hermitian; A may be a sum of elements. `B` is None where M is diagonal; `scale` is the
-    diagonal of R, (free,). phi = R x. A's pattern contains that of B, the entries of which are at `places` in A's data.
-    `massless` counts unknowns without mass.
+    A and B are symmetric, or Hermitian; A may be a sum of elements. `B` is None if M is diagonal; `scale` is the
+    diagonal of R, (free,). phi = R x. A's pattern contains that of B, whose entries are at `places` in A's data.
+    `massless` is the number of unknowns without mass.
     """
 
     A: Symmetric
@@ -50,11 +49,11 @@ class Pencil:
 
     @property
     def modes(self) -> int:
-        """Most modes that it can have: its unknowns with mass."""
+        """Largest possible number of modes: its unknowns with mass."""
         return self.size - self.massless
 
     def shifted(self, sigma: float) -> Symmetric:
-        """A - sigma B, of A's pattern."""
+        """A - sigma B, with A's pattern."""
         if isinstance(self.A, ElementSum):
             return self.A.plus(-sigma)
         data = self.A.data.copy()
@@ -91,7 +90,7 @@ class Pencil:
 
 
 def places_in(K: csc_array, M: csc_array | None) -> IntArray:
-    """Numbers of M's entries, the diagonal's if it is None, in the data of K; without those that K does not have."""
+    """Indices into `K.data` of the entries of M (of the diagonal if M is None). Entries absent from K are skipped."""
     if M is None:
         return np.flatnonzero(K.indices == np.repeat(np.arange(K.shape[0], dtype=K.indices.dtype), np.diff(K.indptr)))
     numbers = csc_array((np.arange(1, len(K.data) + 1), K.indices, K.indptr), shape=K.shape)
@@ -113,7 +112,7 @@ def widened(K: csc_array, M: csc_array) -> csc_array:
 
 
 def scaled(K: csc_array, root: FloatArray) -> csc_array:
-    """R K R for a diagonal R given by its entries; the pattern stays."""
+    """R K R for a diagonal R given by its entries, with unchanged pattern."""
     data = root[K.indices] * K.data * np.repeat(root, np.diff(K.indptr))
     return csc_array((data, K.indices, K.indptr), shape=K.shape)
 
@@ -121,12 +120,10 @@ def scaled(K: csc_array, root: FloatArray) -> csc_array:
 def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
     """The scaled pencil of K (free, free) and M, given by its diagonal (free,) or as a sparse matrix.
 
-    A sum of elements takes a diagonal.
+    With a sum of elements, M must be diagonal.
 
-    Raises
-    ------
-    NumericsError
-        If the sizes do not fit, or the diagonal of M is not positive: of a sparse M it may be 0 where K's is not.
+    Raises ------ NumericsError If the sizes do not fit, or the diagonal of M is not positive; with a sparse M it may be
+    0 where K's is positive.
 
     >>> make_pencil(csc_array(np.diag([8.0, 2.0])), np.array([2.0, 1.0])).count_below(3.0)
     1
@@ -161,11 +158,11 @@ def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
 
 
 def diagonalised(M: csc_array) -> tuple[FloatArray, csc_array]:
-    """Diagonal of T^T M T, and the change of dofs T (size, size): the identity where M couples nothing.
+    """Diagonal of T^T M T, and the change of dofs T (size, size), which is the identity where M couples nothing.
 
     Rings off their edge and masses between nodes couple some dofs in M. Each group of coupled dofs is replaced by
     combinations of them, x = T y with T = D^-1/2 S^-1/2 D^1/2, D the group's diagonal and S = D^-1/2 M D^-1/2 (Loewdin,
-    J. Chem. Phys. 18, 1950, 365: of all such changes the one that changes least), so that T^T M T = D.
+    J. Chem. Phys. 18, 1950, 365: the smallest of all such changes), so that T^T M T = D.
 
     Raises
     ------
@@ -222,7 +219,7 @@ def round_off(K: Symmetric | FloatArray, vectors: Array) -> FloatArray:
 
 
 def most_round_off(K: Symmetric | FloatArray, vectors: FloatArray) -> FloatArray:
-    """A bound on `round_off`, for the price of one product: 2 |x_i K_ij x_j| <= |K_ij| (x_i^2 + x_j^2).
+    """A bound on `round_off`, at the cost of one product: 2 |x_i K_ij x_j| <= |K_ij| (x_i^2 + x_j^2).
 
     >>> K, x = np.array([[2.0, -1.0], [-1.0, 1.0]]), np.array([[0.8], [0.6]])
     >>> bool(round_off(K, x) <= most_round_off(K, x) < 1.1 * round_off(K, x))
@@ -233,12 +230,12 @@ def most_round_off(K: Symmetric | FloatArray, vectors: FloatArray) -> FloatArray
 
 
 def clear_of_eigenvalues(place: float, values: FloatArray, noise: FloatArray) -> bool:
-    """Whether a place on the axis of eigenvalues is farther from each than round-off moves it."""
+    """Whether a position on the axis of eigenvalues is farther from each than round-off moves it."""
     return bool(np.all(np.abs(values - place) > noise))
 
 
 def warn_of_count(place: float, values: FloatArray, noise: FloatArray) -> None:
-    """State that eigenvalues near a place [rad^2/s^2] cannot be counted, and how far round-off moves them."""
+    """Warn that eigenvalues near a position [rad^2/s^2] cannot be counted, and state how far round-off moves them."""
     nearest = int(np.argmin(np.abs(values - place)))
     base = max(place, 0.0)
     freq, moves = np.sqrt(base) / 2 / np.pi, (np.sqrt(base + noise[nearest]) - np.sqrt(base)) / 2 / np.pi

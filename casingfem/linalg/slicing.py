@@ -1,8 +1,8 @@
 """All eigenvalues of a band: spectrum slicing (Grimes, Lewis & Simon, SIAM J. Matrix Anal. Appl. 15, 1994, 228).
 
-The inertia at two shifts counts what lies between them. A slice with few enough eigenvalues is solved about its
-middle until it shows them all, and a few beyond its ends, so that no end is on an eigenvalue: an end that does is
-moved outwards into the first clear gap, and counted again. The next slice starts where the last one ended.
+The inertia at two shifts gives the number of eigenvalues between them. A slice with few enough eigenvalues is solved
+about its middle until all are found, and a few beyond its ends. An end that is on an eigenvalue is moved outwards into
+the first clear gap and counted again. The next slice starts where the last one ended.
 """
 
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ PLACES = (0.5, 0.47, 0.53, 0.44)  # where in a slice the shift may be
 class Slice:
     """All eigenvalues between two ends, ascending (k,), and their B-orthonormal vectors (n, k).
 
-    `below` counts those below the upper end; `counted` is false where round-off of the eigenvalues reaches an end, so
+    `below` is the number below the upper end; `counted` is false if round-off of the eigenvalues reaches an end, so
     that no count there is reliable.
     """
 
@@ -42,7 +42,7 @@ class Slice:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """A place on the axis of eigenvalues and the number below it; `settled` ends are in a clear gap."""
+    """A position on the axis of eigenvalues and the number below it; `settled` ends are in a clear gap."""
 
     place: float
     below: int
@@ -51,18 +51,21 @@ class End:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Counter:
-    """Counts eigenvalues below places; those below `floor` are zero but for round-off."""
+    """Counts eigenvalues below positions; those below `floor` are zero up to round-off."""
 
     pencil: Pencil
     floor: float
     direct: Direct
 
     def width(self, place: float, clear: float = CLEAR) -> float:
-        """Distance from a place within which an eigenvalue counts as on it."""
+        """Distance from a position within which an eigenvalue counts as on it."""
         return clear * max(abs(place), self.floor)
 
     def counted(self, place: float, way: float) -> End:
-        """An end, moved in its way (1 up, -1 down) so that a mode exactly there is met; twice if one is there too."""
+        """An end, moved in its direction (1 up, -1 down) so that a mode exactly there is included.
+
+        Twice if another one is there.
+        """
         for step in (1.0, 2.0):
             there = place + way * step * self.width(place)
             try:
@@ -72,9 +75,10 @@ class Counter:
         raise singular
 
     def moved(self, end: End, values: FloatArray, way: float, clear: float) -> End:
-        """The end itself, or, where an eigenvalue is on it, a place in the first clear gap outwards.
+        """The end itself or, if an eigenvalue is on it, a position in the first clear gap outwards.
 
-        `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, where they are negated.
+        `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, for which they are
+        negated.
         """
         place, width = way * end.place, self.width(end.place, clear)
         there = np.flatnonzero(np.abs(values - place) <= width)
@@ -94,7 +98,7 @@ def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct
     Raises
     ------
     NumericsError
-        If a slice does not show as many eigenvalues as its ends count.
+        If the number of eigenvalues found in a slice differs from its count.
     """
     counter = Counter(pencil, abs(shift), direct)
     start = End(shift, 0, settled=True) if low == 0.0 else counter.counted(low, -1.0)
@@ -115,7 +119,7 @@ def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct
 
 
 def solve_slice(counter: Counter, start: End, end: End) -> Slice:
-    """The eigenvalues between two ends, which move outwards where an eigenvalue is on them."""
+    """The eigenvalues between two ends, which move outwards if an eigenvalue is on them."""
     products = 0
     for block, clear in zip(BLOCKS, CLEARER, strict=True):  # a missed mode shows in the count: search again
         found = around_middle(counter, start, end, block, clear)
@@ -139,7 +143,7 @@ def solve_slice(counter: Counter, start: End, end: End) -> Slice:
 
 
 def around_middle(counter: Counter, start: End, end: End, block: int, clear: float) -> RitzPairs:
-    """All pairs of a slice, those on its ends, and their neighbours, from a shift near its middle."""
+    """All pairs of a slice, with those on its ends and their neighbours, from a shift near its middle."""
     pencil, low, high, products = counter.pencil, start.place, end.place, 0
     for place in PLACES:
         sigma = low + place * (high - low)

@@ -1,9 +1,9 @@
-"""Substitution through the fronts of L D L^H: a front by itself, or many of one shape at once.
+"""Substitution through the fronts of L D L^H: a single front, or many of one shape at once.
 
-What a solution with a few right-hand sides costs is not multiplications: triangular solvers copy L before they use it,
-and each front is some calls from Python. Fronts of one shape and one height above the leaves do not touch each other,
-and a mesh of equal elements has dozens of them: together they are products of stacked matrices. Of L the blocks on the
-diagonal are inverted for that, a few dozen rows each.
+With few right-hand sides the cost is not in multiplications: triangular solvers copy L, and each front takes several
+calls from Python. Fronts of one shape and height above the leaves are independent, and a mesh of equal elements has
+dozens of them, so they are treated as products of stacked matrices. For that, diagonal blocks of L with a few dozen
+rows are inverted.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ INVERTED = 64  # rows of a block on the diagonal at most
 
 
 class Kernels(NamedTuple):
-    """BLAS and LAPACK for one kind of numbers; `adjoint` states how their triangular solvers call L^H."""
+    """BLAS and LAPACK routines for one type of numbers; `adjoint` is the option for L^H in their triangular solvers."""
 
     potrf: Callable[..., Any]
     trtri: Callable[..., Any]
@@ -46,13 +46,13 @@ COMPLEX = Kernels(
 
 
 def kernels(A: Any) -> Kernels:
-    """Those for the numbers of an array."""
+    """The routines for the type of an array."""
     return COMPLEX if np.iscomplexobj(A) else REAL
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Indefinite:
-    """D^-1 of Bunch-Kaufman, tridiagonal, `beside` its lower entries; the order of its pivots; L is unit triangular."""
+    """D^-1 of Bunch-Kaufman, tridiagonal, lower entries `beside`; order of its pivots; L is unit triangular."""
 
     order: IntArray
     diagonal: FloatArray
@@ -67,7 +67,7 @@ class Indefinite:
 
 
 class Block(NamedTuple):
-    """Columns of L of one front: on its pivots (k, k), lower, and on its rows (m, k)."""
+    """Columns of L for one front: on its pivots (k, k), lower, and on its rows (m, k)."""
 
     L: Array
     below: Array
@@ -76,14 +76,14 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OneFront:
-    """A front by itself: its pivots follow each other, `rows` are later ones."""
+    """A single front: its pivots are consecutive, `rows` are later ones."""
 
     pivots: slice
     rows: IntArray
     block: Block
 
     def forward(self, x: Array) -> None:
-        """Eliminate the pivots."""
+        """Forward substitution: eliminate the pivots."""
         (L, below, D), own = self.block, x[self.pivots]
         if D is not None:
             own[:] = own[D.order]
@@ -92,7 +92,7 @@ class OneFront:
             x[self.rows] -= below @ own
 
     def back(self, x: Array) -> None:
-        """Find the pivots from the rows."""
+        """Back substitution: compute the pivots from the rows."""
         (L, below, D), own = self.block, x[self.pivots]
         if D is not None:
             own[:] = D.divided(own)
@@ -110,10 +110,10 @@ class OneFront:
 
 @dataclass(frozen=True, eq=False)
 class AlikeFronts:
-    """Fronts of one shape that do not touch each other: their pivots (fronts, k) and rows (fronts, m).
+    """Independent fronts of one shape: their pivots (fronts, k) and rows (fronts, m).
 
-    `L` (fronts, k, k) contains columns of L on the pivots, the blocks on its diagonal, between `cuts`, inverted; what
-    is above them is not used. `below` (fronts, m, k) is L on the rows.
+    `L` (fronts, k, k) contains columns of L on the pivots, with inverted blocks on the diagonal between `cuts`; entries
+    above them are not used. `below` (fronts, m, k) is L on the rows.
     """
 
     pivots: IntArray
@@ -124,13 +124,13 @@ class AlikeFronts:
 
     @cached_property
     def sums(self) -> tuple[IntArray, csc_array]:
-        """The rows that any of the fronts has, and the operator that sums the shares of all fronts."""
+        """The rows of all fronts together, and the operator that sums the contributions of all fronts."""
         touched, place = np.unique(self.rows, return_inverse=True)
         columns = np.arange(self.rows.size + 1)
         return touched, csc_array((np.ones(self.rows.size), place.ravel(), columns), (len(touched), self.rows.size))
 
     def forward(self, x: Array) -> None:
-        """Eliminate the pivots."""
+        """Forward substitution: eliminate the pivots."""
         own = x[self.pivots]
         for cut in self.cuts:
             own[:, cut] = np.matmul(self.L[:, cut, cut], own[:, cut])
@@ -142,7 +142,7 @@ class AlikeFronts:
             x[touched] -= sums @ np.matmul(self.below, own).reshape(self.rows.size, -1)
 
     def back(self, x: Array) -> None:
-        """Find the pivots from the rows."""
+        """Back substitution: compute the pivots from the rows."""
         own = x[self.pivots].conj()  # L^H y is the conjugate of L^T conj(y)
         if self.rows.size:
             own -= np.matmul(self.below.swapaxes(1, 2), x[self.rows].conj())
@@ -157,7 +157,7 @@ Step: TypeAlias = OneFront | AlikeFronts  # their ways through right-hand sides 
 
 
 class Stack:
-    """Room for the fronts of one shape, filled one by one with those whose pivots are positive definite."""
+    """Storage for the fronts of one shape, filled one by one with those whose pivots are positive definite."""
 
     def __init__(self, count: int, size: tuple[int, int], dtype: Any) -> None:
         k, m = size
@@ -168,7 +168,7 @@ class Stack:
         self.count = 0
 
     def add(self, start: int, rows: IntArray, block: Block) -> None:
-        """Take in a front that Cholesky has factored."""
+        """Add a front that Cholesky has factored."""
         i, k = self.count, self.L.shape[1]
         self.L[i], self.below[i] = block.L.T, block.below.T
         trtri = kernels(block.L).trtri

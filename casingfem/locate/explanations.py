@@ -1,4 +1,4 @@
-"""Explanations of a table: bolts or masses with their half turns, their probabilities, and changes that stay hidden."""
+"""Explanations of a table: bolts or masses, images by half turns, probabilities, and undetectable changes."""
 
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -23,7 +23,7 @@ TWINS = 4  # places whose half turns are all tried: 2^4 combinations
 
 
 def loosening(factors: FloatArray) -> Bounds:
-    """A bolt can lose all that it has: `factors` of a tight one's stiffness, (bolts,)."""
+    """Bounds of loosening: a bolt can lose its whole stiffness; `factors` of a tight one's, (bolts,)."""
     return Bounds(lower=-factors, upper=np.zeros(len(factors)))
 
 
@@ -50,7 +50,7 @@ def factors_of(model: AffineModel) -> FloatArray:
 
 
 def sigmas(jacobian: FloatArray, scale: float) -> FloatArray:
-    """Standard deviations of fitted values; large where the data hardly see them."""
+    """Standard deviations of fitted values; large if the data hardly depend on them."""
     if not jacobian.shape[1]:
         return np.zeros(0)
     information = jacobian.T @ jacobian
@@ -59,7 +59,7 @@ def sigmas(jacobian: FloatArray, scale: float) -> FloatArray:
 
 
 def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles: FloatArray) -> tuple[Explanation, ...]:
-    """The bolts found, then alternatives that the table permits: rotated, mirrored, or some by half a turn."""
+    """The bolts found, then equivalent alternatives: rotated, mirrored, or some by half a turn."""
     s2 = scale2(point, len(active))
     factors, degrees = factors_of(misfit.model), np.degrees(angles) % 360.0
     bounds = loosening(factors)
@@ -88,10 +88,10 @@ def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles:
 
 
 def images(active: list[int], angles: FloatArray) -> Iterator[list[int]]:
-    """Images of the active places by half turns of some, then by turns of all and their mirror images, in order.
+    """Images of the active places by half turns of some, then by rotations and mirror images of all, in order.
 
-    Half turns of some change no frequency and no orientation. Turns and mirror images of all change no frequency where
-    the casing is the same all around; orientations distinguish them, as may a survey or supports: chi^2 is asked.
+    Half turns of some change no frequency and no orientation. Rotations and mirror images of all change no frequency of
+    a uniform casing. Orientations, a survey or supports may distinguish them, so chi^2 decides.
     """
     for choice in half_turns(len(active)):
         yield from placed(angles[active] + np.pi * np.array(choice), angles)
@@ -101,7 +101,7 @@ def images(active: list[int], angles: FloatArray) -> Iterator[list[int]]:
 
 
 def placed(wanted: FloatArray, angles: FloatArray) -> Iterator[list[int]]:
-    """The candidates at some angles, if there are any at all of them, no two alike."""
+    """The candidates at some angles, if each angle has one and all differ."""
     apart = np.abs(np.angle(np.exp(1j * (wanted[:, None] - angles))))
     places = apart.argmin(axis=1)
     if len(set(places)) == len(wanted) and np.all(apart.min(axis=1) < 1e-6):
@@ -109,7 +109,7 @@ def placed(wanted: FloatArray, angles: FloatArray) -> Iterator[list[int]]:
 
 
 def promised(at: Point, on: list[int], bounds: Bounds) -> float:
-    """chi^2 after the best linear step of some changes."""
+    """Expected chi^2 after the best linear step of some changes."""
     step = bounded_step(at, on, bounds.lower[on] - at.x[on], bounds.upper[on] - at.x[on])
     if step is None:
         return at.chi2
@@ -118,7 +118,7 @@ def promised(at: Point, on: list[int], bounds: Bounds) -> float:
 
 
 def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -> tuple[Explanation, ...]:
-    """The masses found, then the same with some of them half a turn away that the table does not rule out."""
+    """The masses found, then the same with some of them moved by half a turn, if the table does not exclude it."""
     s2 = scale2(best.point, 2 * len(best.masses))
 
     def explanation(at: Masses) -> Explanation:
@@ -142,7 +142,7 @@ def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -
 
 
 def significant_masses(misfit: Misfit, edge: str, masses: Masses) -> Masses:
-    """Without the masses that are not three standard deviations from nothing."""
+    """The masses that are more than three standard deviations from zero."""
     while len(masses.masses):
         spread = sigmas(masses.jacobian, np.sqrt(scale2(masses.point, 2 * len(masses.masses))))
         kept = masses.masses > 3.0 * spread[: len(masses.masses)]
@@ -153,24 +153,24 @@ def significant_masses(misfit: Misfit, edge: str, masses: Masses) -> Masses:
 
 
 def half_turns(count: int) -> list[tuple[bool, ...]]:
-    """Choices of places that are turned by half a turn, the empty one first; none for too many places."""
+    """Sets of places to move by half a turn, the empty one first; empty for too many places."""
     return list(product((False, True), repeat=count)) if count <= TWINS else []
 
 
 def likely(explanations: Sequence[Explanation]) -> list[Explanation]:
-    """Those within reach of the best, the likeliest first."""
+    """Explanations close to the best one, the likeliest first."""
     return sorted((e for e in explanations if e.behind < LIKELY), key=lambda e: e.behind)
 
 
 def visible(point: Point, level: float, scale: float) -> FloatArray:
-    """Size above which each change alone exceeds the threshold, to first order, (changes,)."""
+    """Size above which each single change exceeds the threshold, to first order, (changes,)."""
     lengths = np.linalg.norm(point.jacobian, axis=0)
     needed = threshold(level, len(lengths), len(point.values), 1)
     return np.asarray(scale * np.sqrt(needed) / np.where(lengths > 0.0, lengths, np.nan))
 
 
 def groups_alike(jacobian: FloatArray, level: float = 0.999) -> tuple[tuple[int, ...], ...]:
-    """Groups of places (numbers from 1) whose effects on the table are parallel, one per group of two or more."""
+    """Groups of places (numbers from 1) whose effects on the table are parallel; groups have two or more."""
     norms = np.linalg.norm(jacobian, axis=0)
     J = jacobian / np.where(norms > 0.0, norms, 1.0)
     cosine = J.T @ J

@@ -1,4 +1,4 @@
-"""Files of the test rig: universal files with geometry, the table of its own modes; all are marked SYNTHETIC first."""
+"""Files of the test rig: universal files with geometry, and the table of its own modes; all are marked SYNTHETIC."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ EXACT = 1e-9  # relative uncertainty that a table must have
 
 
 def origin(rig: Rig, source: str = "") -> tuple[str, ...]:
-    """Card lines with the origin of a file: versions, the hash of the rig's numbers, and a source.
+    """Comment lines on the origin of a file: versions, the hash of the rig's numbers, and a source.
 
     >>> origin(Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]]))[1][:20]
     'rig: sha256 0665c6bb'
@@ -50,7 +50,7 @@ def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]
     Raises
     ------
     ValueError
-        Sets whose cards do not state it: they are not the rig's.
+        The sets are not marked SYNTHETIC, so they are not the rig's.
 
     Examples
     --------
@@ -85,14 +85,14 @@ def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]
 
 
 def rig_nodes(rig: Rig) -> Nodes:
-    """Each node of the probes once."""
+    """Each node of the probes, once."""
     places = {probe.node: probe.point for probe in rig.probes}
     none = np.zeros(len(places), np.int64)
     return Nodes(labels=np.array(list(places)), points=np.array(list(places.values())), systems=none, motions=none)
 
 
 def rig_angles(rig: Rig) -> dict[int, float]:
-    """Angle about the axis [deg] of every node, as `identify` takes them.
+    """Angle about the axis [deg] of every node, in the form for `identify`.
 
     >>> import casingfem as cf
     >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
@@ -106,9 +106,9 @@ def rig_angles(rig: Rig) -> dict[int, float]:
 
 
 def truth(rig: Rig, circle: Sequence[int] = (), card: Sequence[str] = ()) -> FrequencyTable:
-    """Frequencies, damping and, by the shapes on a circle of probes, n and antinodes of the rig's modes.
+    """Frequencies and damping of the rig's modes and, from shapes on a circle of probes, n and antinodes.
 
-    They are those of the structure with all its sensors on. Without a circle there are no labels.
+    They belong to the structure with all its sensors attached. Without a circle there are no labels.
 
     >>> truth(Rig.of(omega=[600.0], zeta=0.01, rows=[[1.0]])).zeta.tolist()
     [0.01]

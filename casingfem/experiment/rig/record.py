@@ -1,10 +1,10 @@
 """Time records of the test rig: modes propagated exactly under sampled forces, then the measuring chain.
 
-Between two instants a force runs straight, and for such a force q'' + 2 zeta omega q' + omega^2 q = p is solved
-exactly (matrix exponential; Van Loan, IEEE Trans. Automat. Contr. 23, 1978, 395). Instants are `FINER` times as dense
-as the samples kept, and p - (second difference)/12 instead of p gives the straight lines the spectrum of the smooth
-force: theta^4/90 off at theta radians a step, 1e-4 at the highest frequency allowed, fs/2.56. An anti-alias filter
-without delay, the same for all channels, is before the samples kept.
+Between two samples a force is linear, and for such a force q'' + 2 zeta omega q' + omega^2 q = p is solved exactly
+(matrix exponential; Van Loan, IEEE Trans. Automat. Contr. 23, 1978, 395). Computed samples are `FINER` times as dense
+as the stored ones, and p - (second difference)/12 instead of p gives the piecewise linear force the spectrum of the
+smooth one, with an error of theta^4/90 at theta radians per step, 1e-4 at the highest frequency allowed, fs/2.56. An
+anti-alias filter without delay, equal for all channels, precedes the stored samples.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ class Record:
     Attributes
     ----------
     fs
-        Samples a second [Hz].
+        Samples per second [Hz].
     block
-        Samples of a block: what an analyser transforms at once, and after which bursts and taps repeat.
+        Samples of a block, which an analyser transforms at once, and after which bursts and taps repeat.
     force, response
         [N], (drives, samples); [m, m/s or m/s^2], (sensors, samples).
     quantity
-        What responses over forces are.
+        Kind of the responses over forces.
     rig, drives, sensors
-        Where it was measured: probes of the rig.
+        Measuring points: probes of the rig.
     card
         Source lines, the first is marked SYNTHETIC.
     """
@@ -66,7 +66,7 @@ class Record:
 
     @property
     def time(self) -> FloatArray:
-        """Instants [s], (samples,)."""
+        """Times [s], (samples,)."""
         return np.arange(self.force.shape[1]) / self.fs
 
     def functions(self) -> tuple[FrfSet, FrfSet]:
@@ -81,7 +81,7 @@ class Record:
         return records(self.response, self.sensors, unit), records(self.force, self.drives, "N")
 
     def take(self) -> Take:
-        """Forces and responses as `cf.frf.estimate` takes them."""
+        """Forces and responses in the form for `cf.frf.estimate`."""
         response, force = self.functions()
         return Take(response=response, force=force, name="the rig's record")
 
@@ -106,12 +106,12 @@ def record(
     quantity: Quantity = "accelerance",
     card: Sequence[str] = (),
 ) -> Record:
-    """Sensor signals from rest without noise; the excitations at different drives are independent.
+    """Sensor signals from rest without noise; excitations at different drives are independent.
 
     Raises
     ------
     InputError
-        Excitations that do not match the drives, or reach above fs/2.56; too few samples; probes that are not there.
+        Excitations do not match the drives or exceed fs/2.56, there are too few samples, or probes do not exist.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def record(
 def measured(
     clean: Record, *, seed: int, snr_db: float | None = None, bits: int | None = None, full_scale: float | None = None
 ) -> Record:
-    """The record as the chain gives it: noise below each response's rms, then a converter's steps, force and all.
+    """The record after the measuring chain: noise below each signal's rms, then quantisation, also of the force.
 
     Without `full_scale` each channel has a range 1.25 times its largest value.
 
@@ -173,7 +173,7 @@ def measured(
 
 
 def digitised(values: FloatArray, bits: int, full_scale: float | None) -> FloatArray:
-    """One channel through its converter."""
+    """One channel after its converter."""
     largest = float(np.abs(values).max())
     return Converter(bits=bits, full_scale=full_scale or HEADROOM * largest or 1.0).convert(values)
 
@@ -181,9 +181,9 @@ def digitised(values: FloatArray, bits: int, full_scale: float | None) -> FloatA
 def respond(
     rig: Rig, force: FloatArray, fs: float, drives: Sequence[int], sensors: Sequence[int], quantity: Quantity
 ) -> FloatArray:
-    """Responses (sensors, kept samples) from rest to forces (drives, MARGIN + samples + MARGIN) of `smoothed`.
+    """Responses (sensors, stored samples) from rest to forces (drives, MARGIN + samples + MARGIN) of `smoothed`.
 
-    Forces run straight between samples; every `FINER`th response is computed, and no other.
+    Forces are linear between samples; only every `FINER`th response is computed.
     """
     order, by, to = DERIVATIVES[quantity], list(drives), list(sensors)
     motions = modal_motions(rig, rig.rows[by].T, force, fs, order)
@@ -192,31 +192,31 @@ def respond(
 
 
 def prefiltered(force: FloatArray) -> FloatArray:
-    """Samples whose straight-line interpolation has the spectrum of the smooth force: see the module."""
+    """Samples whose linear interpolation has the spectrum of the smooth force: see the module."""
     return np.asarray(force - np.diff(np.pad(force, ((0, 0), (1, 1)), mode="edge"), 2, axis=1) / 12.0)
 
 
 def smoothed(values: FloatArray) -> FloatArray:
-    """Values behind an anti-alias filter, from MARGIN samples before the first to MARGIN after the last.
+    """Values after an anti-alias filter, from MARGIN samples before the first to MARGIN after the last.
 
-    Flat to .42 of the sampling frequency kept, 50 dB down beyond .58 of it. Modes and filter are linear and do not
-    change with time, so that a filter of the few forces is one of all responses.
+    The filter is flat to .42 of the stored sampling frequency and 50 dB down beyond .58 of it. Modes and filter are
+    linear and time-invariant, so filtering the few forces filters all responses.
     """
     taps = firwin(2 * MARGIN + 1, 1.0 / FINER, window=("kaiser", 5.0))
     return np.asarray(oaconvolve(values, taps[None], axes=1))
 
 
 def kept(values: FloatArray) -> FloatArray:
-    """Every `FINER`th of smoothed values, from the first sample to the last."""
+    """Every `FINER`th of the smoothed values, from the first sample to the last."""
     return values[:, MARGIN:-MARGIN:FINER]
 
 
 def modal_motions(rig: Rig, participation: FloatArray, force: FloatArray, fs: float, order: int) -> FloatArray:
-    """Each mode's q, q' or q'' at the samples kept, (modes, samples).
+    """Each mode's q, q' or q'' at the stored samples, (modes, samples).
 
-    From one of these to the next, x = (q, q') goes by x_+ = A x + sum_j C_j p_j over the FINER + 1 samples p_j of the
-    modal force on the way. By Cayley and Hamilton each line of x is a recursion of its own,
-    x_++ - tr(A) x_+ + det(A) x = u_+ + (A - tr A) u, with u the sum.
+    Between stored samples, x = (q, q') follows x_+ = A x + sum_j C_j p_j over the FINER + 1 samples p_j of the modal
+    force. By Cayley and Hamilton each row of x has its own recursion, x_++ - tr(A) x_+ + det(A) x = u_+ + (A - tr A) u,
+    with u the sum.
     """
     A, C = passages(rig, fs)
     trace, det = A[:, 0, 0] + A[:, 1, 1], A[:, 0, 0] * A[:, 1, 1] - A[:, 0, 1] * A[:, 1, 0]
@@ -238,7 +238,7 @@ def modal_motions(rig: Rig, participation: FloatArray, force: FloatArray, fs: fl
 
 
 def passages(rig: Rig, fs: float) -> tuple[FloatArray, FloatArray]:
-    """A (modes, 2, 2) and C (modes, FINER + 1, 2) of FINER steps under a force that runs straight in each of them."""
+    """A (modes, 2, 2) and C (modes, FINER + 1, 2) of FINER steps under a force that is linear within each step."""
     h = 1.0 / fs
     system = np.zeros((len(rig), 4, 4))
     system[:, 0, 1], system[:, 1, 2], system[:, 2, 3] = h, h, 1.0

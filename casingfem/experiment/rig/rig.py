@@ -1,11 +1,11 @@
-"""The virtual test rig: modes seen at probes, and simulated measurements there. Its records are SYNTHETIC.
+"""The virtual test rig: modes at probes, and simulated measurements there. Its records are SYNTHETIC.
 
     H_rs(omega) = sum_k phi_rk phi_sk/(omega_k^2 - omega^2 + 2 i zeta_k omega_k omega) + S_rs
 
-with mass-normalised modes and S, the static compliance of all modes left out (Ewins, Modal Testing, 2nd ed., 2000,
+with mass-normalised modes and the static compliance S of all omitted modes (Ewins, Modal Testing, 2nd ed., 2000,
 section 2.7 and residuals of 4.4). A probe is a place and a direction: an accelerometer, a laser spot, a shaker or a
-hammer; whatever can be measured there can be pushed there. The measuring chain adds noise of a stated ratio, and the
-steps of a converter, all seeded.
+hammer. Every probe can measure and excite. The measuring chain adds noise with a stated ratio and quantisation, both
+seeded.
 """
 
 from __future__ import annotations
@@ -30,9 +30,12 @@ LEAST_ZETA = 1e-9  # of a mode: the best quartz resonators have no less damping
 
 
 class Probe(NamedTuple):
-    """A place and a direction: node number, position [m], angle about the axis [rad], direction as universal files.
+    """A place and a direction.
 
-    Directions: 1, 2, 3 radial, hoop, axial at a node of a closed casing (x, y, z on an open part), signed; 0 another.
+    Node number, position [m], angle about the axis [rad], direction number of universal files.
+
+    Directions: 1, 2, 3 radial, hoop, axial at a node of a closed casing (x, y, z on an open part), signed; 0 for
+    others.
 
     >>> Probe(node=1, direction=-1, point=(0.45, 0.0, 0.25), angle=0.0).direction  # radially inwards
     -1
@@ -46,7 +49,7 @@ class Probe(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Rig:
-    """Modes as probes see them; arrays are read-only.
+    """Modes at probes; arrays are read-only.
 
     Attributes
     ----------
@@ -55,14 +58,14 @@ class Rig:
     rows
         Displacement of each probe in each mass-normalised mode [kg^-1/2], (probes, modes).
     S
-        Compliance of the modes left out [m/N], (probes, probes), symmetric.
+        Compliance of the omitted modes [m/N], (probes, probes), symmetric.
     probes
-        Where and in which direction, in the order of the rows.
+        Places and directions, in the order of the rows.
 
     Raises
     ------
     InputError
-        Arrays that do not belong together, frequencies or damping out of range.
+        Arrays do not belong together, or frequencies or damping are out of range.
 
     Examples
     --------
@@ -104,7 +107,7 @@ class Rig:
         S: ArrayLike | None = None,
         probes: Sequence[Probe] = (),
     ) -> Rig:
-        """Build from plain arrays; without probes they are numbered from 1, without S nothing is left out."""
+        """Build from plain arrays; by default probes are numbered from 1 and S is zero."""
         values = np.asarray(rows, np.float64)
         if values.ndim != 2:
             raise InputError(f"rows: found shape {values.shape}, expected (probes, modes)")
@@ -123,13 +126,13 @@ class Rig:
         return self.omega / (2.0 * np.pi)
 
     def taking(self, probes: Sequence[int]) -> Rig:
-        """The rig with these of its probes, in this order."""
+        """The rig with only these probes, in this order."""
         chosen = self.checked(probes)
         rows, S = self.rows[chosen], self.S[np.ix_(chosen, chosen)]
         return replace(self, rows=rows, S=S, probes=tuple(self.probes[k] for k in chosen))
 
     def checked(self, probes: Sequence[int]) -> list[int]:
-        """Indices of probes, refused where there is none."""
+        """Indices of probes; unknown ones are refused."""
         chosen = [int(k) for k in probes]
         if not chosen or not all(0 <= k < len(self.probes) for k in chosen):
             raise InputError(f"probes {chosen}: expected at least one, each from 0 to {len(self.probes) - 1}")
@@ -151,12 +154,12 @@ class Rig:
         quantity: Quantity = "accelerance",
         card: Sequence[str] = (),
     ) -> FrfSet:
-        """Frequency responses, exact to the modes and S: each sensor to the first drive, then to the next.
+        """Frequency responses, exact for the modes and S: each sensor to the first drive, then to the next.
 
         Raises
         ------
         InputError
-            A probe that is not there, an unknown quantity.
+            A probe or a quantity is unknown.
         """
         if quantity not in get_args(Quantity):
             raise InputError(f"quantity: found {quantity!r}, expected {' or '.join(get_args(Quantity))}")
@@ -172,7 +175,7 @@ class Rig:
         )
 
     def places(self, sensors: Sequence[int], drives: Sequence[int]) -> dict[str, Any]:
-        """Places of channels, sensors to each drive in turn, by their names in an `FrfSet`."""
+        """Places of channels, all sensors for each drive in turn, by their names in an `FrfSet`."""
         ends = [(*self.probes[r][:2], *self.probes[s][:2]) for s in drives for r in sensors]
         return dict(zip(PLACES, np.array(ends).T, strict=True))
 
@@ -188,7 +191,7 @@ def resonances(rig: Rig, omega: FloatArray) -> Array:
 
 
 def noise(values: Array, snr_db: float, rng: np.random.Generator) -> Array:
-    """Gaussian noise for each row: its rms is 10^(-snr_db/20) of the row's, complex where the values are.
+    """Gaussian noise for each row with 10^(-snr_db/20) of the row's rms; complex for complex values.
 
     >>> values = np.ones((1, 4000))
     >>> float(np.sqrt(np.mean(noise(values, 20.0, np.random.default_rng(7)) ** 2)).round(2))
@@ -204,7 +207,7 @@ def noise(values: Array, snr_db: float, rng: np.random.Generator) -> Array:
 
 
 def noisy(frfs: FrfSet, snr_db: float, *, seed: int) -> FrfSet:
-    """The set with noise on every channel, `snr_db` below the channel's rms over its lines; the card states it.
+    """The set with noise on every channel, `snr_db` below the channel's rms over its lines; the comment lines state it.
 
     >>> rig = Rig.of(omega=[600.0], zeta=[0.01], rows=[[1.0]])
     >>> noisy(rig.frfs([80.0, 95.0, 110.0], sensors=[0], drives=[0]), 40.0, seed=5).card[-1]
@@ -217,9 +220,9 @@ def noisy(frfs: FrfSet, snr_db: float, *, seed: int) -> FrfSet:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Converter:
-    """An analogue-digital converter of `bits` over +-`full_scale`; rounding, and clipping at the ends.
+    """An analogue-digital converter of `bits` over +-`full_scale`, with rounding, and clipping at the ends.
 
-    The error of a signal that is busy against a step is uniform, of variance LSB^2/12 (Widrow & Kollar,
+    For a signal that varies by many steps, the error is uniform with variance LSB^2/12 (Widrow & Kollar,
     Quantization Noise, 2008, chapter 1).
 
     >>> Converter(bits=4, full_scale=8.0).convert(np.array([0.4, 0.6, 99.0])).tolist()
@@ -241,6 +244,6 @@ class Converter:
         return float(2.0 * self.full_scale / 2.0**self.bits)
 
     def convert(self, values: FloatArray) -> FloatArray:
-        """The values as the converter gives them."""
+        """The values after quantisation."""
         half = 2.0 ** (self.bits - 1)
         return np.asarray(np.clip(np.rint(values / self.lsb), -half, half - 1.0) * self.lsb)

@@ -1,13 +1,13 @@
-"""A circle scan on the test rig: a laser spot that runs round the casing while tones excite it, in the steady state.
+"""A circle scan on the test rig: a laser spot moves around the casing under harmonic excitation, in the steady state.
 
-The mirror may turn (casing still), or the casing, on a lathe, under a laser at rest: the spot's angle on the
-casing is theta = theta_0 + 2 pi (mirror - turning) t. A shaker that turns with the casing excites omega. A force that
-is in space (a magnet) runs against a turning casing and excites it at omega - m 2 pi turning, with the m-th
-harmonic of each shape. Laser and force both at rest, all lines of the same m + n fall together: the demodulation states
-so; let the mirror turn too.
+Either the mirror rotates (casing at rest), or the casing rotates on a lathe under a laser at rest: the spot's angle on
+the casing is theta = theta_0 + 2 pi (mirror - turning) t. A shaker that rotates with the casing excites at omega. A
+force fixed in space (a magnet) moves along a rotating casing and excites it at omega - m 2 pi turning through the m-th
+harmonic of each shape. If laser and force are both at rest, all lines of the same m + n coincide and the demodulation
+refuses them; then let the mirror rotate too.
 
-Modes are those of the casing at rest: Coriolis forces, which split a thin ring's pair by 4 n/(n^2 + 1) of the turning
-rate, and the hoop motion's share turning/(n f) of the velocity along the beam are left out. Lathes turn slowly.
+Modes are those of the casing at rest: Coriolis forces, which split a thin ring's pair by 4 n/(n^2 + 1) of the rate of
+rotation, and the part turning/(n f) of the beam velocity due to hoop motion are left out, since lathes rotate slowly.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ class Turning:
     Parameters
     ----------
     mirror, casing
-        Turns a second, signed; the spot runs over the casing at their difference.
+        Turns per second, signed; the spot moves over the casing at their difference.
     first_angle
         The spot's angle on the casing at the start [rad].
     wander
-        Relative slow variation of the spot's rate (rms), as a tacho would see it; only with a standing casing.
+        Relative slow variation of the spot's rate (rms), as a tachometer would show it; only with a casing at rest.
     runout
-        Velocities [m/s] at once, twice, ... a turn: (cos, sin) each.
+        Velocities [m/s] at 1, 2, ... times the rate of rotation: (cos, sin) each.
     speckle
         Velocity noise [m/s rms] that is the same every turn.
 
@@ -82,7 +82,7 @@ class Turning:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scan:
-    """A record and the truth it was made of: V (tones, orders), at the tones the casing feels, orders n ascending."""
+    """A record and its exact waves V (tones, orders), at the tones in the casing's frame, orders n ascending."""
 
     record: ScanRecord
     n: IntArray
@@ -95,7 +95,7 @@ def circle_content(rig: Rig, circle: Sequence[int]) -> tuple[IntArray, Array]:
     Raises
     ------
     InputError
-        Probes that are not evenly spaced around, or fewer than three.
+        The probes are not evenly spaced around, or fewer than three.
     """
     chosen = rig.checked(circle)
     angles = np.unwrap([rig.probes[k].angle for k in chosen])
@@ -136,7 +136,7 @@ def scan(
     Parameters
     ----------
     turn
-        What turns.
+        Rotation of mirror and casing.
     tones
         The forces; several excite several modes at once.
     circle
@@ -144,16 +144,16 @@ def scan(
     drive
         Probe of a shaker fixed to the casing.
     drive_circle, drive_angle
-        Instead: the circle past which a force fixed in space is moved, and the angle it has at the start.
+        Instead: the circle along which a force fixed in space moves, and its angle at the start.
     snr_db
-        White noise below the signal's rms.
+        Level of white noise below the signal's rms [dB].
     highest
-        Harmonics m of the shapes that a force fixed in space meets; all of its circle if left out.
+        Highest harmonic m of the shapes that a force fixed in space excites; by default all of its circle.
 
     Raises
     ------
     InputError
-        Neither or both kinds of drive; probes that are not there or not evenly spaced.
+        There is neither or both kinds of drive, or probes do not exist or are not evenly spaced.
 
     Examples
     --------
@@ -209,7 +209,7 @@ def in_space(
     drive_angle: float,
     highest: int | None,
 ) -> dict[float, Array]:
-    """V_n by the frequencies that the casing feels, omega - m turning, of forces fixed in space."""
+    """V_n at the frequencies in the casing's frame, omega - m turning, for forces fixed in space."""
     m, transform = circle_content(rig, drive_circle)
     kept = np.abs(m) <= (m.max() if highest is None else highest)
     at = rig.checked(drive_circle)
@@ -227,7 +227,7 @@ def in_space(
 
 
 def spot_angle(turn: Turning, fs: float, count: int, rng: np.random.Generator) -> FloatArray:
-    """Angle of the spot on the casing [rad], with its wander: a slow random variation of the rate."""
+    """Angle of the spot on the casing [rad], with the slow random variation of its rate."""
     even = turning(turn.spot, fs, count, first_angle=turn.first_angle)
     if not turn.wander:
         return even

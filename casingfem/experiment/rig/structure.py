@@ -30,7 +30,7 @@ class Place:
     """Parameters (a, b) of the chart and a direction: radial, hoop, axial about z; x, y, z; or normal to the wall.
 
     On a casing a is the height [m] and b the angle [rad], and the normal points inwards.
-    `mass` [kg] is that of the sensor glued there.
+    `mass` [kg] is that of the attached sensor.
 
     >>> Place(at=(0.25, 0.0)).direction
     'radial'
@@ -67,8 +67,8 @@ def rig_of(
     """The rig of a shell: its modes at places, with S from one static solution.
 
     S = P^T K^-1 P - sum_k phi_k phi_k^T/omega_k^2. The masses of sensors change the modes (`loaded`). On a
-    shear-deformable wall S of a force's own place grows as ln(1/h) with the mesh (`PointLoad`): the mesh represents
-    the size of the shaker's head.
+    shear-deformable wall S at the place of the force grows as ln(1/h) with the mesh size h (`PointLoad`); the mesh size
+    represents that of the shaker's head.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ def rig_of(
     zeta
         Damping ratio, or one for each mode.
     system
-        The assembled shell, if there is one already.
+        The assembled shell, if it exists already.
 
     Raises
     ------
     InputError
-        Rigid motions; places off the surface.
+        There are rigid motions, or places off the surface.
 
     Examples
     --------
@@ -117,7 +117,7 @@ def rig_of(
 
 
 def probe_rows(modes: Modes, places: Sequence[Place], first: int) -> tuple[FloatArray, tuple[Probe, ...]]:
-    """Displacements of the places as rows over nodal fields, (places, nodes, 5), and the probes."""
+    """Displacements at the places as rows over nodal fields, (places, nodes, 5), and the probes."""
     at = np.array([place.at for place in places], np.float64).T
     try:
         nodes, weights = interpolation(modes.grid, *at)
@@ -139,7 +139,7 @@ def probe_rows(modes: Modes, places: Sequence[Place], first: int) -> tuple[Float
 
 
 def towards(direction: str, angle: float, normal: FloatArray, *, closed: bool) -> tuple[FloatArray, int]:
-    """The unit vector of a direction, and its number in universal files: see `Probe`."""
+    """Unit vector of a direction, and its number in universal files: see `Probe`."""
     if direction == "normal":
         return normal, 0
     if direction in CARTESIAN:
@@ -151,7 +151,7 @@ def towards(direction: str, angle: float, normal: FloatArray, *, closed: bool) -
 
 
 def damping_spread(zeta: float, spread: float, count: int, *, seed: int) -> FloatArray:
-    """Damping ratios about `zeta`, log-normal: ln zeta_k has the standard deviation `spread`.
+    """Random damping ratios about `zeta`, log-normal: ln zeta_k has the standard deviation `spread`.
 
     >>> damping_spread(0.002, 0.0, 2, seed=3).tolist()
     [0.002, 0.002]
@@ -162,18 +162,18 @@ def damping_spread(zeta: float, spread: float, count: int, *, seed: int) -> Floa
 
 
 def loaded(rig: Rig, probes: Sequence[int], mass: ArrayLike) -> Rig:
-    """The rig with masses [kg] at probes, each in the probe's direction: a sensor weighs in all three.
+    """The rig with masses [kg] at probes, which act in all three directions like sensors.
 
-    The displacements where masses m sit are u = R q + B z, B B^T = S there: the modes and what they leave out, which
-    the masses excite too. With T = (|q'|^2 + u'^T m u')/2 and V = (q^T Omega^2 q + z^T z)/2 this is an eigenproblem as
-    small as the basis; its static answers are those of the bare structure, as they must be.
-    M = I + R^T m R (modes and residuals), solved again; as many modes as before, the rest goes into S. Damping keeps
-    its diagonal: members of a close pair with different damping would become complex modes, which this leaves out.
+    The displacements at the masses m are u = R q + B z with B B^T = S there: modes and residual, which the masses also
+    excite. With T = (|q'|^2 + u'^T m u')/2 and V = (q^T Omega^2 q + z^T z)/2 this is a small eigenproblem, whose static
+    response is that of the bare structure. M = I + R^T m R (modes and residuals), solved again. As many modes as before
+    are kept; the rest goes into S. Damping stays diagonal: the complex modes of a close pair with different damping are
+    not modelled.
 
     Raises
     ------
     InputError
-        A probe that is not there, a mass that is negative or not finite.
+        A probe does not exist, or a mass is negative or not finite.
 
     Examples
     --------
@@ -201,7 +201,7 @@ def loaded(rig: Rig, probes: Sequence[int], mass: ArrayLike) -> Rig:
 
 
 def residual_shapes(S: FloatArray, at: Sequence[int]) -> FloatArray:
-    """Displacements of all probes in the residual coordinates of some, (probes, coordinates): B where they sit."""
+    """Displacements of all probes in the residual coordinates of some, (probes, coordinates)."""
     values, vectors = np.linalg.eigh(S[np.ix_(at, at)])
     kept = values > RANK * max(float(values.max()), np.finfo(float).tiny)
     return np.asarray(S[:, at] @ vectors[:, kept] / np.sqrt(values[kept]))

@@ -1,12 +1,12 @@
-"""Troubles of a real hammer test that a virtual bench lacks: each can be switched on, and its truth is kept.
+"""Imperfections of a real hammer test that a virtual rig lacks: each can be switched on, and its exact effect is kept.
 
 Each mode k of set-up s is a pole p = -zeta omega + j omega sqrt(1 - zeta^2) with residues A, so that
 
     H(f) = s^q [sum_k A_k/(s - p_k) + A_k*/(s - p_k*) + S],   s = 2 pi j f + 1/tau,
 
-tau the time constant of an exponential window, q = 0, 1, 2. What an average of random blocks under a Hann window
-leaks is H smoothed by the window's power spectrum (Bendat & Piersol, Random Data, 4th ed., 2010, section 8.5). A record
-that ends D seconds after the hit, while the structure rings, lacks the rest of the ringing,
+with the time constant tau of an exponential window and q = 0, 1, 2. Leakage of averaged random blocks under a Hann
+window is H smoothed by the window's power spectrum (Bendat & Piersol, Random Data, 4th ed., 2010, section 8.5). A
+record that ends D seconds after the hit, before the ringing has decayed, has
 
     H_D = H - sum_k p_k^q A_k e^{(p_k - s) D}/(s - p_k) + conjugates.
 """
@@ -36,24 +36,18 @@ HIT_DELAY = 0.023  # s, from the first to the second hit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Troubles:
-    """Troubles of a simulated test; a trouble that is left out is absent.
+    """Imperfections of a simulated test; by default none.
 
-    Parameters
-    ----------
-    snr_db : noise below the rms of each channel [dB]
-    colour : the noise's amplitude falls as f^-colour
-    coherent : share of the noise's power that all channels of a drive have in common
-    setups, shift : sensors are measured in that many groups; each mode's frequency then differs by up to `shift`
-        (relative, mode by mode: a roving mass, a moved hammer)
-    half_rim : only the first half of the sensors
-    dead, noisy, swapped, flipped : channels without signal, with ten times the noise, pairs exchanged, signs turned
-    double_hit : second hit of the hammer over the first: noise rises where their spectra cancel
-    exponential : time constant of an exponential window [s]
-    cut_off : records end one over the distance of the lines after they begin, while the structure rings
-    pre_trigger : time that such a record has before the hit [s]
-    leakage : a Hann window's, as with random forces
-    fixture : number of local modes, each seen by a few neighbouring sensors
-    phase_deg : rms phase of the shapes' components, of modes that are not proportionally damped
+    Parameters ---------- snr_db : level of noise below the rms of each channel [dB] colour : the noise's amplitude
+    falls as f^-colour coherent : share of the noise power that is common to all channels of a drive setups, shift :
+    number of groups in which sensors are measured; the frequency of each mode differs between groups by up to `shift`
+    (relative: a roving mass, a moved hammer) half_rim : keep only the first half of the sensors dead, noisy, swapped,
+    flipped : channels without signal, with ten times the noise, exchanged in pairs, with wrong sign double_hit : size
+    of a second hit over the first; noise rises where their spectra cancel exponential : time constant of an exponential
+    window [s] cut_off : records last one over the line spacing and end before the ringing has decayed pre_trigger :
+    time that such a record has before the hit [s] leakage : leakage of a Hann window, as with random forces fixture :
+    number of local modes, each at a few neighbouring sensors phase_deg : rms phase of the shapes' components, as with
+    nonproportional damping
 
     Examples
     --------
@@ -96,12 +90,12 @@ class Troubles:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TroubledTruth:
-    """Truth of a simulated test: poles of each set-up, and the spoilt channels.
+    """Exact data of a simulated test: poles of each set-up, and the faulty channels.
 
-    `freq` [Hz] and `zeta` (setups, modes) are those of the responses, with what the window adds; `peak` (modes,) the
-    rms of each mode's peak over that of the noise there; `left` (modes,) the part of its ringing (amplitude) at the end
-    of records that are cut off, 0 of others; `fixture_hz` the local modes; `setup` (channels,); `dead`, `noisy`,
-    `flipped` channels, `swapped` pairs of them.
+    `freq` [Hz] and `zeta` (setups, modes) are those of the responses, including the effect of the window; `peak`
+    (modes,) the rms of each mode's peak over that of the noise there; `left` (modes,) the part of its ringing
+    (amplitude) at the end of truncated records, 0 for others; `fixture_hz` the local modes; `setup` (channels,);
+    `dead`, `noisy`, `flipped` channels, `swapped` pairs of them.
     """
 
     freq: FloatArray
@@ -116,7 +110,7 @@ class TroubledTruth:
     flipped: tuple[int, ...]
 
     def records(self) -> dict[str, Any]:
-        """All of it as plain lists; channels counted from 1."""
+        """All of it as plain lists; channels are counted from 1."""
         return {
             "freq_hz": self.freq.tolist(),
             "zeta": self.zeta.tolist(),
@@ -133,7 +127,7 @@ class TroubledTruth:
 
 
 class TroubledTest(NamedTuple):
-    """Responses, their coherence, and the truth."""
+    """Responses, their coherence, and the exact data."""
 
     frfs: FrfSet
     coherence: FrfSet
@@ -151,7 +145,7 @@ def troubled_frfs(
     quantity: Quantity = "accelerance",
     card: Sequence[str] = (),
 ) -> TroubledTest:
-    """Frequency responses at evenly spaced lines [Hz], with all troubles in `what`.
+    """Frequency responses at evenly spaced lines [Hz], with the imperfections `what`.
 
     Examples
     --------
@@ -232,7 +226,7 @@ def troubled_frfs(
 def modal_sum(residues: Array, poles: Array, s: Array, power: int = 0, end: float = np.inf) -> Array:
     """Sum of s^q A/(s - p) + s^q A*/(s - p*), without the ringing after `end` [s]; A = r/(2 j omega_d).
 
-    Without an end and with q = 0 that is r/(s^2 + 2 zeta omega s + omega^2) where r is real.
+    Without an end and with q = 0 this is r/(s^2 + 2 zeta omega s + omega^2) for real r.
     """
     A = residues / (2j * poles.imag)
 
@@ -244,7 +238,7 @@ def modal_sum(residues: Array, poles: Array, s: Array, power: int = 0, end: floa
 
 
 def _end(what: Troubles, freq: FloatArray) -> float:
-    """Seconds of ringing in a record: all of it where records are not cut off."""
+    """Seconds of ringing in a record; infinite unless records are truncated."""
     if not what.cut_off:
         return np.inf
     seconds = 1.0 / float(freq[1] - freq[0])
@@ -257,7 +251,7 @@ def _end(what: Troubles, freq: FloatArray) -> float:
 
 
 def hann_power(lines: FloatArray) -> FloatArray:
-    """Power spectrum of a Hann window at distances in lines, of sum 1."""
+    """Power spectrum of a Hann window by distance in lines, with sum 1."""
     x = lines + 1e-9
     shape = np.sinc(x) / (1.0 - x**2)
     return np.asarray(shape**2 / np.sum(shape**2))
@@ -295,7 +289,7 @@ def _noise_size(what: Troubles, freq: FloatArray, H: Array, noisy: list[int]) ->
 
 
 def _noise(what: Troubles, shape: tuple[int, ...], drives: int, rng: np.random.Generator) -> Array:
-    """Complex noise of variance one, a share of it common to the channels of each drive."""
+    """Complex noise of variance one, partly common to the channels of each drive."""
     own = rng.standard_normal((2, *shape))
     common = np.repeat(rng.standard_normal((2, drives, shape[1])), shape[0] // drives, axis=1)
     turn = np.exp(2j * np.pi * rng.uniform(size=(shape[0], 1)))

@@ -36,7 +36,7 @@ class Units(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Nodes:
-    """Nodes: labels (nodes,), points [m] (nodes, 3), the coordinate systems they and their motions refer to.
+    """Nodes: labels (nodes,), points [m] (nodes, 3), coordinate systems of positions and of motions.
 
     >>> import numpy as np
     >>> zeros = np.zeros((2, 3), dtype=int)
@@ -59,7 +59,7 @@ class Nodes:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TraceLine:
-    """A line to draw through nodes; 0 lifts the pen.
+    """A polyline through nodes; 0 starts a new line.
 
     >>> import numpy as np
     >>> TraceLine(number=1, name="rim", color=7, nodes=np.array([1, 2, 3, 1])).nodes.size
@@ -103,14 +103,14 @@ class Elements:
 
 
 def read_header(raw: RawSet) -> tuple[str, ...]:
-    """Set 151: seven lines of text."""
+    """Read data set 151: seven lines of text."""
     check_lines(raw, 0, HEADER_LINES, "text")
     check_end(raw, HEADER_LINES, f"{HEADER_LINES} lines of text")
     return tuple(line.rstrip() for line in raw.lines[:HEADER_LINES])
 
 
 def read_units(raw: RawSet) -> Units:
-    """Set 164: I10, 20A1 (and how temperatures are meant, left out here); three factors and an offset in D25.17."""
+    """Read data set 164: I10, 20A1 (and a temperature mode, ignored here); three factors and an offset in D25.17."""
     check_lines(raw, 0, 3, "units")
     check_end(raw, 3, "four numbers")
     line = raw.lines[0]
@@ -122,7 +122,7 @@ def read_units(raw: RawSet) -> Units:
 
 
 def read_nodes(raw: RawSet, units: Units) -> Nodes:
-    """Set 15 (4I10, 3E13.5), or 2411 and 781 (4I10, then 3D25.16 on a line of their own)."""
+    """Read data set 15 (4I10, 3E13.5), or 2411 and 781 (4I10, then 3D25.16 on a separate line)."""
     lines = _filled_lines(raw)
     if raw.number == "15":
         heads = rows = range(lines)
@@ -139,7 +139,10 @@ def read_nodes(raw: RawSet, units: Units) -> Nodes:
 
 
 def read_trace_line(raw: RawSet) -> TraceLine:
-    """Set 82: number, count, colour (3I10); name; nodes (8I10), as many as the count; zeros may fill the last line."""
+    """Read data set 82: number, count, colour (3I10); name; nodes (8I10), as many as the count.
+
+    Zeros may fill the last line.
+    """
     check_lines(raw, 0, 2, "header")
     number, count, color = integers(raw, [0], Columns(0, 10, 3))[0].tolist()
     if count < 1:
@@ -159,7 +162,7 @@ def read_trace_line(raw: RawSet) -> TraceLine:
 
 
 def read_elements(raw: RawSet) -> Elements:
-    """Set 2412: label, descriptor, property, material, colour, count (6I10); beams (3I10); nodes (8I10)."""
+    """Read data set 2412: label, descriptor, property, material, colour, count (6I10); beams (3I10); nodes (8I10)."""
     lines = _filled_lines(raw)
     heads: list[int] = []
     row = 0
@@ -187,7 +190,7 @@ def read_elements(raw: RawSet) -> Elements:
 
 
 def _filled_lines(raw: RawSet) -> int:
-    """Number of lines up to the last that is not blank; a set without any is refused."""
+    """Number of lines up to the last nonblank one; a set without any is refused."""
     filled = [k for k, line in enumerate(raw.lines) if line.strip()]
     if not filled:
         raise raw.error(0, "an empty set", "at least one entry")
@@ -195,7 +198,7 @@ def _filled_lines(raw: RawSet) -> int:
 
 
 def _check_labels(raw: RawSet, labels: IntArray, rows: range | list[int]) -> None:
-    """Labels must be numbers from 1, each once."""
+    """Refuse labels that are not numbers from 1, or that repeat."""
     first = np.zeros(labels.size, bool)
     first[np.unique(labels, return_index=True)[1]] = True
     bad = ~first | (labels < 1)

@@ -1,7 +1,7 @@
 """Numbers in the fixed columns of universal files, all lines of a block at once.
 
-Columns are fixed (Fortran formats), so a character too many or too few shifts what follows. That is seen by two
-rules: integers end in the last column of their field; reals do, or all end one column earlier with as many digits.
+Columns are fixed (Fortran formats), so an extra or missing character shifts the following ones. Two rules detect this:
+integers end in the last column of their field; reals do too, or all end one column earlier with equally many digits.
 """
 
 import re
@@ -31,14 +31,14 @@ class Columns(NamedTuple):
 
     @property
     def end(self) -> int:
-        """The column behind the last."""
+        """The column after the last."""
         return self.start + self.width * self.fields
 
 
 def integers(raw: RawSet, rows: Sequence[int], columns: Columns, *, last: bool = True) -> IntArray:
-    """Integers of some lines of a set, (lines, fields), each flush right in its field.
+    """Integers of some lines of a set, (lines, fields), right-aligned in their fields.
 
-    `last`: nothing but blanks may follow them on the line.
+    `last`: only blanks may follow them on the line.
     """
     block = _characters(raw, rows, columns, last=last)
     flush = np.all((block[..., -1] >= ord("0")) & (block[..., -1] <= ord("9")))
@@ -69,15 +69,17 @@ def reals(raw: RawSet, rows: Sequence[int], columns: Columns, *, last: bool = Tr
 
 
 def cells(line: str, columns: Columns) -> list[str]:
-    """The texts of a run of fields."""
+    """The texts of several fields."""
     starts = range(columns.start, columns.end, columns.width)
     return [line[start : start + columns.width] for start in starts]
 
 
 def series(raw: RawSet, start: int, count: int, columns: Columns, kind: Callable[..., Array], meaning: str) -> Array:
-    """`count` numbers from a line on, `columns.fields` a line, by `integers` or `reals`; the last line may be shorter.
+    """`count` numbers from a line on, `columns.fields` per line, by `integers` or `reals`.
 
-    A short last line is filled up from the first, so that its columns are checked against the others'.
+    The last line may be shorter.
+
+    A short last line is completed from the first, so that its columns are compared with those of the others.
     """
     check_lines(raw, start, -(-count // columns.fields), meaning)
     rows = range(start, start - (-count // columns.fields))
@@ -95,13 +97,13 @@ def series(raw: RawSet, start: int, count: int, columns: Columns, kind: Callable
 
 
 def check_lines(raw: RawSet, start: int, lines: int, meaning: str) -> None:
-    """Refuse a set that ends before as many lines."""
+    """Refuse a set with too few lines."""
     if start + lines > len(raw.lines):
         raise raw.error(len(raw.lines), f"{len(raw.lines) - start} lines of {meaning}", f"{lines} lines")
 
 
 def check_end(raw: RawSet, index: int, meaning: str) -> None:
-    """Nothing but blank lines may be from a line on."""
+    """Refuse anything but blank lines from a line on."""
     for later in range(index, len(raw.lines)):
         if raw.lines[later].strip():
             raise raw.error(later, repr(raw.lines[later].strip()[:40]), f"the end of the set after {meaning}")
@@ -125,7 +127,7 @@ def _texts(block: Array) -> Array:
 
 
 def _converted(block: Array) -> FloatArray | None:
-    """All fields as reals if they read as such at once."""
+    """All fields as reals, if they can be converted at once."""
     if not np.isin(block, _OF_REALS).all():
         return None
     block = block.copy()
@@ -137,14 +139,14 @@ def _converted(block: Array) -> FloatArray | None:
 
 
 def _real(cell: str) -> float:
-    """One real, also as Fortran writes large exponents: 1.0-100."""
+    """One real, also in the Fortran form of large exponents: 1.0-100."""
     match = REAL.fullmatch(cell)
     assert match is not None
     return float(f"{match[1]}e{match[2] or match[3] or 0}")
 
 
 def _check_columns(raw: RawSet, rows: Sequence[int], columns: Columns, block: Array) -> None:
-    """Refuse reals that end in different columns, or before the last without as many digits: characters are missing."""
+    """Refuse reals that end in different columns, or one column early with fewer digits: characters are missing."""
     ends = columns.width - np.argmax(block[..., ::-1] != _BLANK, axis=-1)
     odd = ends != np.bincount(ends.ravel()).argmax()
     if not odd.any() and np.any(ends < columns.width):

@@ -1,8 +1,8 @@
 """Universal files of test and simulation software: `read_uff(path)`.
 
-Read are the sets 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412; others are listed as skipped, or refused if asked.
-What is read is whole: points are counted against headers, columns checked, references between sets followed. The
-reader is the project's own: pyuff 2.5, the usual one, returns fewer points or none for many damaged files.
+The data sets 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412 are read; others are listed as skipped, or refused on
+request. Data are complete: points are counted and compared with headers, columns are checked, and references between
+sets are followed. This reader exists because pyuff 2.5 returns fewer points or none for many damaged files.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _SYSTEMS = ("18", "2420")
 
 
 class Skipped(NamedTuple):
-    """A set that was not read: number, kind, line."""
+    """A data set that was not read: number, kind, line."""
 
     number: str
     kind: str
@@ -80,27 +80,25 @@ class UniversalFile:
 
 
 def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> UniversalFile:
-    """Read a universal file, every set whole, or refuse it.
+    """Read a universal file with every data set complete, or refuse it.
 
     Parameters
     ----------
     path
-        The file: text or binary functions, UTF-8 or Latin-1, any line ends.
+        The file, with text or binary functions, UTF-8 or Latin-1, and any line ends.
     strict
         Refuse sets that are not read, instead of listing them in `skipped`.
 
     Raises
     ------
     InputError
-        A set that is not as its format and header state, with set, line, found and expected.
+        A data set deviates from its format or header; the message has set, line, finding and expectation.
     FileNotFoundError
-        When there is no such file.
+        The file does not exist.
 
-    Warns
-    -----
-    ModelWarning
-        `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: what the format has no count for, but seems incomplete.
-        `uff-bytes`, `uff-empty`, `uff-end`: binary data of another length than stated; an empty set; no closing -1.
+    Warns ----- ModelWarning `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: data seem incomplete, although the
+    format has no count for them. `uff-bytes`, `uff-empty`, `uff-end`: binary data have another length than stated, a
+    set is empty, the closing -1 is missing.
 
     Examples
     --------
@@ -120,9 +118,9 @@ def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
     Raises
     ------
     InputError
-        A header that is not as its format states.
+        A header deviates from its format.
     FileNotFoundError
-        When there is no such file.
+        The file does not exist.
 
     Examples
     --------
@@ -139,7 +137,7 @@ def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
 
 
 def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:
-    """Read a universal file from its bytes; ``path`` is only named in errors."""
+    """Read a universal file from its bytes; ``path`` is only used in messages."""
     found = _Found()
     sets = split(data, path)
     for raw in sets:
@@ -164,7 +162,7 @@ def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:
 
 @dataclass(slots=True)
 class _Found:
-    """Data read so far, each with the data set it came from."""
+    """Data read so far, each with its data set."""
 
     header: tuple[str, ...] = ()
     units: Units | None = None
@@ -201,7 +199,7 @@ def _read_set(raw: RawSet, found: _Found, strict: bool) -> None:
 
 
 def _merged_nodes(parts: Sequence[tuple[RawSet, Nodes]]) -> Nodes | None:
-    """All nodes of a file; a node that two sets name must lie at one place, the more precise set counts."""
+    """All nodes of a file; a node in two sets must have one position, of which the more precise is used."""
     if not parts:
         return None
     ordered = sorted(parts, key=lambda part: part[0].number == "15")  # stable: sets with all digits first
@@ -221,7 +219,7 @@ def _merged_nodes(parts: Sequence[tuple[RawSet, Nodes]]) -> Nodes | None:
 
 
 def _merged_elements(parts: Sequence[tuple[RawSet, Elements]]) -> Elements | None:
-    """All elements of a file; a label may be in one set only."""
+    """All elements of a file; each label may occur in only one set."""
     if not parts:
         return None
     seen: set[int] = set()
@@ -238,7 +236,7 @@ def _merged_elements(parts: Sequence[tuple[RawSet, Elements]]) -> Elements | Non
 
 
 def _check_references(found: _Found, nodes: Nodes | None) -> None:
-    """Refuse lines, elements and shapes at nodes that the file does not have, if it has any."""
+    """Refuse lines, elements and shapes at nodes that the file does not define, if it defines any."""
     if nodes is None:
         return
     users: Iterable[tuple[RawSet, IntArray]] = (
@@ -270,7 +268,7 @@ def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | No
 
 
 def _warn_of_bytes(path: str, sets: Iterable[RawSet]) -> None:
-    """Warn once of all binary functions whose first line states another number of bytes than their data have."""
+    """Warn once of all binary functions whose first line states another number of bytes than they have."""
     wrong = [raw for raw in sets if raw.binary is not None and raw.binary.size != len(raw.payload)]
     if wrong:
         first, size = wrong[0], 0 if wrong[0].binary is None else wrong[0].binary.size
@@ -280,7 +278,7 @@ def _warn_of_bytes(path: str, sets: Iterable[RawSet]) -> None:
 
 
 def few_gaps(labels: IntArray) -> IntArray:
-    """Numbers left out of a list that resembles a count: from 1 or its least, fewer than a quarter of those there.
+    """Missing numbers in a list that resembles a count, from 1 or its least, if they are fewer than a quarter.
 
     >>> few_gaps(np.array([1, 2, 3, 5, 6])).tolist(), few_gaps(np.array([101, 102, 201, 202])).tolist()
     ([4], [])

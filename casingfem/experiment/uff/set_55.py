@@ -1,4 +1,4 @@
-"""Shapes of universal files, set 55: values at nodes with the frequency, or whatever analysis they belong to."""
+"""Shapes of universal files, set 55: values at nodes with the frequency, or with data of another analysis."""
 
 import math
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ PER_LINE = 6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shape:
-    """Values at nodes, (nodes, values), real or complex, as the file has them.
+    """Values at nodes, (nodes, values), real or complex, as in the file.
 
     Parameters
     ----------
-    text : the five lines of text above them
+    text : the five lines of text above the values
     model, analysis : kind of model (1 structural), of analysis (1 static, 2 normal mode, 3 and 7 complex mode, ...)
-    characteristic, quantity : 2 translations, 3 translations and turns, ...; 8 displacement, 11 velocity, ...
-    integers, reals : what the analysis states: load case, mode number; frequency, modal mass, dampings
+    characteristic, quantity : 2 translations, 3 translations and rotations, ...; 8 displacement, 11 velocity, ...
+    integers, reals : data of the analysis: load case, mode number; frequency, modal mass, dampings
     nodes, values : labels (nodes,) and values
 
     Examples
@@ -52,7 +52,7 @@ class Shape:
 
     @property
     def freq_hz(self) -> float:
-        """Frequency [Hz]: of a complex mode |s|/(2 pi); nan where the analysis has none."""
+        """Frequency [Hz], |s|/(2 pi) for a complex mode; nan if the analysis has none."""
         if self.analysis in (NORMAL_MODE, RESPONSE) and self.reals:
             return self.reals[0]
         if self.analysis in (COMPLEX_MODE, COMPLEX_MODE_2) and len(self.reals) > 1:
@@ -64,12 +64,12 @@ class Shape:
 
 
 def read_shape(raw: RawSet) -> Shape:
-    """Read set 55 whole.
+    """Read a complete data set 55.
 
     Raises
     ------
     InputError
-        Anything that is not exactly as the format and the shape's own header state.
+        The data set deviates from its format or its own header.
     """
     check_lines(raw, 0, TEXTS + 3, "header")
     model, analysis, characteristic, quantity, form, count = integers(raw, [TEXTS], Columns(0, 10, 6))[0].tolist()
@@ -96,7 +96,10 @@ def read_shape(raw: RawSet) -> Shape:
 
 
 def _analysis(raw: RawSet, analysis: int) -> tuple[tuple[int, ...], tuple[float, ...], int]:
-    """Records 7 and 8: how many integers and reals (2I10), the integers (6I10), the reals (6E13.5); the next line."""
+    """Records 7 and 8: numbers of integers and reals (2I10), the integers (6I10), the reals (6E13.5).
+
+    Returns the next line too.
+    """
     row = TEXTS + 1
     many, reals_count = integers(raw, [row], Columns(0, 10, 2), last=False)[0].tolist()
     if not (0 <= many <= 6 and 0 <= reals_count <= 12):
@@ -112,7 +115,7 @@ def _analysis(raw: RawSet, analysis: int) -> tuple[tuple[int, ...], tuple[float,
 
 
 def _values(raw: RawSet, start: int, count: int) -> tuple[IntArray, Array]:
-    """Records 9 and 10 of every node: label (I10), `count` reals (6E13.5)."""
+    """Records 9 and 10 for every node: label (I10), `count` reals (6E13.5)."""
     stop = max((k for k, line in enumerate(raw.lines) if line.strip()), default=0) + 1
     each = 1 - (-count // PER_LINE)
     if stop <= start:

@@ -1,7 +1,7 @@
 """Functions of universal files, set 58 (text) and 58b (binary): frequency responses, spectra, time records.
 
-Every point counts: the numbers found must be as many as the header states, on as many lines or bytes. Widely used
-readers return fewer points, or none, from files that were cut or edited, and that without an error; hence this one.
+The number of points must be that of the header, on as many lines or bytes. Widely used readers return fewer points, or
+none, from truncated or edited files without an error, so this one exists.
 """
 
 from __future__ import annotations
@@ -73,10 +73,10 @@ class FunctionHead:
     ----------
     kind : its number in the format, 1 time response, 4 frequency response, 12 spectrum, ...
     text : the five lines of text above it
-    numbers : function's identification, version, load case
-    response, reference : where it was measured, and what it refers to
-    step : spacing of the abscissa, 0 where it is uneven
-    z, axes : z value; what the axes show
+    numbers : identification, version and load case of the function
+    response, reference : the response channel and the reference channel
+    step : spacing of the abscissa, 0 if it is uneven
+    z, axes : z value; data of the axes
     """
 
     kind: int
@@ -90,7 +90,7 @@ class FunctionHead:
 
     @property
     def word(self) -> str:
-        """The kind of response in words, such as `acceleration`."""
+        """The kind of response as a word, such as `acceleration`."""
         return KIND_WORDS[self.kind]
 
 
@@ -101,8 +101,8 @@ class Function(FunctionHead):
     Parameters
     ----------
     x, values : abscissa (points,), ascending, and ordinate (points,), real or complex
-    double : whether the file keeps 13 digits (8 bytes) or 6 (4 bytes)
-    others : as of a `FunctionHead`
+    double : whether the file stores 13 digits (8 bytes) or 6 (4 bytes)
+    others : as in `FunctionHead`
 
     Examples
     --------
@@ -130,16 +130,16 @@ class Function(FunctionHead):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionHeader(FunctionHead):
-    """Header of a function, whether its numbers are complete or not.
+    """Header of a function, whose numbers may be incomplete.
 
     Parameters
     ----------
-    points : how many the header states
-    start : of an even abscissa, as the header states
+    points : their number according to the header
+    start : first value of an even abscissa, according to the header
     binary : whether the numbers are bytes (58b)
-    line : where the set begins in the file
-    fault : why the numbers cannot be read, "" where they can
-    others : as of a `FunctionHead`
+    line : line of the file where the set begins
+    fault : reason why the numbers cannot be read, "" if they can
+    others : as in `FunctionHead`
 
     Examples
     --------
@@ -163,12 +163,12 @@ class FunctionHeader(FunctionHead):
 
 
 def read_function(raw: RawSet) -> Function:
-    """Read set 58 or 58b whole.
+    """Read a complete data set 58 or 58b.
 
     Raises
     ------
     InputError
-        Anything that is not exactly as the format and the function's own header state.
+        The data set deviates from its format or its own header.
     """
     head, stated, start = _head(raw)
     layout = as_stored(raw, stated)
@@ -183,12 +183,12 @@ def read_function(raw: RawSet) -> Function:
 
 
 def read_function_header(raw: RawSet) -> FunctionHeader:
-    """Read the header of set 58 or 58b, and report whether its numbers are complete.
+    """Read the header of data set 58 or 58b, and report whether its numbers are complete.
 
     Raises
     ------
     InputError
-        Where the header itself is not as the format states.
+        The header itself deviates from the format.
     """
     head, layout, start = _head(raw)
     try:
@@ -202,7 +202,7 @@ def read_function_header(raw: RawSet) -> FunctionHeader:
 
 
 def _head(raw: RawSet) -> tuple[dict[str, Any], Layout, float]:
-    """Fields of a `FunctionHead`, the form of the numbers, and the start of an even abscissa."""
+    """Fields of a `FunctionHead`, the layout of the numbers, and the start of an even abscissa."""
     check_lines(raw, 0, TEXTS + 6, "header")
     kind, numbers, response, reference = _identity(raw)
     layout, start, step, z = _record7(raw)
@@ -234,7 +234,7 @@ def _identity(raw: RawSet) -> tuple[int, tuple[int, int, int], Channel, Channel]
 
 
 def _check_blank(raw: RawSet, row: int, columns: tuple[int, ...]) -> None:
-    """Refuse text where names and numbers are kept apart."""
+    """Refuse text in columns that must be blank."""
     for column in columns:
         if raw.lines[row][column : column + 1].strip():
             found = f"{raw.lines[row][column]!r} in column {column + 1}"

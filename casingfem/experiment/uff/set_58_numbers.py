@@ -1,4 +1,4 @@
-"""The numbers of functions of universal files: text of set 58, bytes of set 58b, as many as the header states."""
+"""The numbers of functions in universal files: text of set 58 or bytes of set 58b, as many as the header states."""
 
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ DECADES = 30  # what is measured spans fewer; bytes in the wrong order span more
 
 
 class Layout(NamedTuple):
-    """The form of a function's numbers: real or complex, single or double, with an abscissa or without, how many."""
+    """Layout of a function's numbers: real or complex, single or double, with or without abscissa, their count."""
 
     is_complex: bool
     double: bool
@@ -22,7 +22,7 @@ class Layout(NamedTuple):
 
     @property
     def ordinates(self) -> int:
-        """Numbers of the ordinate at one point."""
+        """Number of values of the ordinate at one point."""
         return 2 if self.is_complex else 1
 
 
@@ -56,7 +56,7 @@ def _mixed(raw: RawSet, layout: Layout, start: int) -> tuple[FloatArray, Array]:
 
 
 def as_stored(raw: RawSet, layout: Layout) -> Layout:
-    """The layout in the precision that the length of binary data shows, which a header may state wrongly."""
+    """The layout with the precision that the length of binary data shows, since a header may state a wrong one."""
     if raw.binary is None:
         return layout
     other = layout._replace(double=not layout.double)
@@ -68,7 +68,7 @@ def as_stored(raw: RawSet, layout: Layout) -> Layout:
 
 
 def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
-    """The numbers of set 58b: the length of the data shows whether an abscissa beside doubles has 4 bytes or 8."""
+    """The numbers of set 58b; their length shows whether an abscissa with doubles has 4 bytes or 8."""
     assert raw.binary is not None
     check_end(raw, TEXTS + 6, "header")
     size, forms = len(raw.payload), _forms(layout, raw.binary.order)
@@ -90,7 +90,7 @@ def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
 
 
 def _forms(layout: Layout, order: str) -> list[np.dtype[Any]]:
-    """Possible byte layouts of one point: an uneven abscissa beside doubles has 4 bytes or 8."""
+    """Possible byte layouts of one point: an uneven abscissa with doubles has 4 bytes or 8."""
     wide = f"{order}f{8 if layout.double else 4}"
     ordinate = [("y", wide, (layout.ordinates,))]
     abscissas = [] if layout.even else dict.fromkeys((f"{order}f4", wide))
@@ -98,7 +98,7 @@ def _forms(layout: Layout, order: str) -> list[np.dtype[Any]]:
 
 
 def _check_order(raw: RawSet, values: Array, form: np.dtype[Any]) -> None:
-    """Refuse numbers over many decades that shrink to a few in the other byte order."""
+    """Refuse numbers that span many decades, but only a few in the other byte order."""
     decades, values = [], values[~np.isnan(values)]
     for each in (values, np.ascontiguousarray(values).view(form.newbyteorder())):
         with np.errstate(invalid="ignore"):  # bytes in the other order may be signalling nans
@@ -110,7 +110,7 @@ def _check_order(raw: RawSet, values: Array, form: np.dtype[Any]) -> None:
 
 
 def _parted(table: FloatArray, layout: Layout) -> tuple[FloatArray, Array]:
-    """Abscissa (empty where it is even) and ordinate from a table of points."""
+    """Abscissa (empty if it is even) and ordinate from a table of points."""
     x = np.empty(0) if layout.even else table[:, 0]
     y = table[:, -layout.ordinates :]
     return x, np.ascontiguousarray(y, np.float64).view(np.complex128)[:, 0] if layout.is_complex else y[:, 0]

@@ -1,9 +1,9 @@
-"""Universal files: cutting a file into its sets, and the error that names set and line.
+"""Split a universal file into its data sets; errors name set and line.
 
-A set is between two lines `-1`; its first line is its number (SDRC universal file format, published by the
-Structural Dynamics Research Laboratory, University of Cincinnati). Readers that search for the text `    -1` cut
-sets in two where a header contains a node number -1; here a mark is a whole line, and one inside the text lines of a
-header is text unless another mark or the end of the file follows it.
+A set is between two lines `-1`; its first line is its number (SDRC universal file format, published by the Structural
+Dynamics Research Laboratory, University of Cincinnati). Readers that search for the text ` -1` split sets where a
+header contains a node number -1. Here a mark is a whole line, and one inside the text lines of a header is text, unless
+another mark or the end of the file follows it.
 """
 
 import re
@@ -60,9 +60,9 @@ class BinaryHeader(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawSet:
-    """One set as text: its lines below the number, the number of the first of them, and the bytes of binary data.
+    """One data set as text: its lines below the number, the line number of the first, and the bytes of binary data.
 
-    `payload` may have another length than the header `binary` states: it ends at the closing mark.
+    `payload` ends at the closing mark, even if the header `binary` states another length.
     """
 
     path: str
@@ -74,11 +74,11 @@ class RawSet:
 
     @property
     def name(self) -> str:
-        """Number and kind, as errors have it."""
+        """Number and kind, for messages."""
         return named(self.number)
 
     def error(self, index: int, found: str, expected: str) -> InputError:
-        """The error for a line, counted from 0 below the set's number."""
+        """An error about a line, counted from 0 below the set's number."""
         return InputError(self.path, where=self.name, line=self.first + index, found=found, expected=expected)
 
 
@@ -92,18 +92,13 @@ def named(number: str) -> str:
 
 
 def split(data: bytes, path: str) -> list[RawSet]:
-    r"""Cut a universal file into its sets; no byte but blank lines may lie outside them.
+    r"""Split a universal file into its data sets; only blank lines may be outside them.
 
-    Raises
-    ------
-    InputError
-        No set; text outside sets; a set that does not end; binary data that end nowhere that its header states.
+    Raises ------ InputError The file has no set, text outside sets, a set without an end, or binary data without an end
+    where the header allows one.
 
-    Warns
-    -----
-    ModelWarning
-        `uff-end`: the last set lacks its closing -1, and its header states how much it contains; `uff-empty`: a mark
-        opens a set and another closes it at once.
+    Warns ----- ModelWarning `uff-end`: the last set lacks its closing -1, but its header states its length;
+    `uff-empty`: a set has no content.
 
     Examples
     --------
@@ -155,7 +150,7 @@ class _Scan:
         return self.data.count(b"\n", 0, position) + 1
 
     def skip_blank(self, position: int) -> int:
-        """The position of the next line that is not blank, or the end."""
+        """The position of the next nonblank line, or the end."""
         while position < len(self.data):
             text, following = self.text(position)
             if text.strip():
@@ -164,7 +159,7 @@ class _Scan:
         return position
 
     def skip_marks(self, position: int) -> int:
-        """The position behind further marks and the blank lines before them; the same where no mark follows."""
+        """The position after further marks and the blank lines before them; unchanged if no mark follows."""
         at = self.skip_blank(position)
         while at < len(self.data) and is_mark(self.text(at)[0]):
             position = self.text(at)[1]
@@ -172,13 +167,13 @@ class _Scan:
         return position
 
     def closes(self, following: int) -> bool:
-        """Whether a mark closed a set: it is followed by the end of the file, or by a mark that opens the next set."""
+        """Whether a mark closes a set: the end of the file, or a mark that opens the next set, follows it."""
         position = self.skip_blank(following)
         return position >= len(self.data) or is_mark(self.text(position)[0])
 
 
 def decoded(line: bytes) -> str:
-    r"""Text of a line: UTF-8 where it is, else Latin-1, which testers' units are often written in.
+    r"""Text of a line: UTF-8 if valid, else Latin-1, which is common for units in test files.
 
     >>> decoded(b"m/s\xb2"), decoded("m/s²".encode())
     ('m/s²', 'm/s²')
@@ -190,7 +185,7 @@ def decoded(line: bytes) -> str:
 
 
 def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
-    """The set whose number is at a position, and the position behind its closing mark."""
+    """The set whose number is at a position, and the position after its closing mark."""
     text, following = scan.text(position)
     start = scan.number(position)
     number = re.fullmatch(r"[0-9]{1,6}", text.strip())
@@ -227,7 +222,7 @@ def warn_end(path: str, number: str, line: int) -> None:
 
 
 def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawSet, int]:
-    """A binary function: its header's lines, then as many bytes as it states, then the closing mark."""
+    """A binary function: the lines of its header, as many bytes as it states, then the closing mark."""
     header = _binary_header(scan.path, text, start)
     lines: list[str] = []
     for _ in range(BINARY_LINES):
@@ -257,7 +252,7 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
 
 
 def _closed(scan: _Scan, position: int, size: int, order: str) -> int | None:
-    """Position after the end mark that follows a number of bytes, or the end of the file there; None without either."""
+    """Position after the closing mark at a number of bytes, or the end of the file there; None if there is neither."""
     end = position + size
     if end > len(scan.data):
         return None
@@ -270,9 +265,9 @@ def _closed(scan: _Scan, position: int, size: int, order: str) -> int | None:
 
 
 def _sizes(line: str) -> tuple[list[int], list[int]]:
-    """Bytes of a function's points by its record 7: in the precision of its data type, and in the other.
+    """Possible sizes of a function's data by record 7: in the precision of its data type, and in the other [bytes].
 
-    The abscissa of uneven points has 4 bytes; beside doubles 4 or 8.
+    The abscissa of uneven points has 4 bytes, with doubles 4 or 8.
 
     >>> _sizes(f"{6:10d}{400:10d}{1:10d}"), _sizes(f"{2:10d}{10:10d}{0:10d}"), _sizes("no numbers")
     (([6400], [3200]), ([80], [120, 160]), ([], []))

@@ -1,7 +1,7 @@
-"""Universal files written: sets 151, 164, 15 or 2411, 82, 2412, 55, 58 or 58b.
+"""Write universal files: data sets 151, 164, 15 or 2411, 82, 2412, 55, 58 or 58b.
 
-Text sets keep the digits of their format: six in sets 15, 55 and 58 of singles, thirteen in 58 of doubles, all in 2411
-and 58b.
+Text sets store the digits of their format: six in sets 15 and 55, and in 58 with singles; thirteen in 58 with doubles;
+all in 2411 and 58b.
 """
 
 import os
@@ -42,7 +42,7 @@ def write_uff(
     Raises
     ------
     ValueError
-        What the format has no room for: numbers of more than ten digits, an even step of more digits than it contains.
+        The format has too few columns: for numbers of more than ten digits, or an even step with more digits.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def _text_set(number: str, lines: Sequence[str]) -> bytes:
 
 
 def _whole(values: ArrayLike, width: int = 10) -> str:
-    """Integers flush right in fields of one width."""
+    """Integers, right-aligned in fields of one width."""
     cells = [f"{value:{width}d}" for value in np.ravel(np.asarray(values, np.int64)).tolist()]
     if any(len(cell) > width for cell in cells):
         raise ValueError(f"{max(cells, key=len).strip()} does not fit into {width} columns of a universal file")
@@ -85,7 +85,7 @@ def _whole(values: ArrayLike, width: int = 10) -> str:
 
 
 def _fitted(text: str, width: int) -> str:
-    """Text flush left in its columns."""
+    """Text, left-aligned in its columns."""
     if len(text) > width or not text.isprintable():
         raise ValueError(f"{text!r} does not fit into {width} columns of a universal file")
     return f"{text:<{width}}"
@@ -152,7 +152,7 @@ def _shape(shape: Shape) -> list[str]:
 
 
 def _texts(text: Sequence[str]) -> list[str]:
-    """Five lines of text, NONE where none is given."""
+    """Five lines of text, NONE for missing ones."""
     return [*(_fitted(line, 80).rstrip() for line in text), *["NONE"] * 5][:5]
 
 
@@ -210,7 +210,7 @@ def _channel(channel: Channel) -> str:
 
 
 def _most_digits(value: float) -> str:
-    """Thirteen columns, flush right, with one blank at least: five decimals, or six where they state more."""
+    """Thirteen columns, right-aligned, with at least one blank: five decimals, or six if needed."""
     usual = f"{value:13.5E}"
     more = f"{value:13.6E}"
     return more if float(usual) != value and len(more.strip()) <= 12 else usual
