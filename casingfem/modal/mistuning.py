@@ -10,6 +10,7 @@ from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 from casingfem.modal.family.family import Family
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
+from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import drop_random, is_random, redrawn
 from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.shell.shell import Shell, require_shell
@@ -100,12 +101,16 @@ def redrawn_shell(shell: Shell, draw: int) -> Shell:
     ValueError
         If it has none.
     """
-    random = {quantity: field for quantity, field in shell.defects.items() if is_random(field)}
-    if not random:
+    if not any(map(is_random, shell.defects.values())):
         found = "nothing of this shell is random: give it a RandomField, in study.toml [[imperfection]] random"
         raise ValueError(found)
-    fields: dict[str, Any] = {f"{quantity}_defect": redrawn(field, draw) for quantity, field in random.items()}
+    fields: dict[str, Any] = {f"{quantity}_defect": field for quantity, field in drawn_fields(shell, draw).items()}
     return replace(shell, **fields)
+
+
+def drawn_fields(shell: Shell, draw: int) -> dict[str, Field]:
+    """The fields of the shell by quantity, random ones drawn anew."""
+    return {name: redrawn(field, draw) if is_random(field) else field for name, field in shell.defects.items()}
 
 
 def mean_shell(shell: Shell) -> Shell:
@@ -133,12 +138,11 @@ class DrawnModes(NamedTuple):
 
 def drawn_modes(shell: Shell, family: Family | None, count: int, draw: int) -> DrawnModes:
     """Lowest `count` modes of one draw: near the perfect casing's modes, or in full where that is not sure enough."""
-    drawn = redrawn_shell(shell, draw)
     if family is not None:
-        near = family.near(drawn.defects, count)
+        near = family.near(drawn_fields(shell, draw), count)
         if near.complete and near.estimate <= LIMIT:
             return DrawnModes(near.modes, near.estimate)
-    return DrawnModes(modes(drawn, count, method="shell"), None)
+    return DrawnModes(modes(redrawn_shell(shell, draw), count, method="shell"), None)
 
 
 class Difference(NamedTuple):

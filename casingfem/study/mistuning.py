@@ -8,11 +8,12 @@ processes, their order, or how often the run was broken off, the tables are the 
 import json
 import math
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
+from casingfem.errors import InputError
 from casingfem.io.side_by_side import one_thread, usable_cores
 from casingfem.modal.family.family import Family
 from casingfem.modal.mistuning import (
@@ -29,9 +30,10 @@ from casingfem.study.load import Study, load_shell_study
 from casingfem.study.problems import StudyError
 from contact.io.infiles import read_bytes
 from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
-from contact.io.workers import worker_pool
+from contact.io.workers import KilledWorkersError, in_processes
 
 CHUNK = 10  # draws a file: what a killed run loses at most, for each process
+PERFECT = range(0)  # in place of draws: the casing without random fields
 CHECKED = 50  # draws 0, 50, 100, 200, 400 and so on are also solved in full, and the difference reported
 
 
@@ -90,35 +92,30 @@ def run_mistune(
     kept = {} if store is None else {chunk.start: content for chunk in chunks if (content := read(store, chunk))}
     resumed = sum(len(chunk) for chunk in chunks if chunk.start in kept)
     missing = [chunk for chunk in chunks if chunk.start not in kept]
-    workers = min(processes or usable_cores(), max(len(missing), 1))
-    with one_thread(), worker_pool(workers, set_up, str(study.path), study.source["sha256"]) as executor:
-        perfect = executor.submit(worker_pairs)
-        waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
-        done = resumed
-        for future in as_completed(waiting):
-            content, chunk = json.loads(json_text(result_of(future, executor))), waiting[future]
-            if store is not None:
-                write_checked(store / chunk_name(chunk), "draws", content, first=chunk.start)
-            kept[chunk.start] = content
-            done += len(chunk)
-            if progress is not None:
-                progress(done)
-        rows = [pair_of(row) for chunk in chunks for row in kept[chunk.start]["pairs"]]
-        found = Mistuning.of(rows, perfect.result())
+    parts = [Part(str(study.path), study.source["sha256"], chunk) for chunk in (PERFECT, *missing)]
+    done, perfect = resumed, list[Pair]()
+    try:
+        with one_thread():
+            for chunk, found in in_processes(parts, compute, processes or usable_cores()):
+                content = json.loads(json_text(found))
+                if chunk == PERFECT:
+                    perfect = [pair_of(row) for row in content["pairs"]]
+                    continue
+                if store is not None:
+                    write_checked(store / chunk_name(chunk), "draws", content, first=chunk.start)
+                kept[chunk.start] = content
+                done += len(chunk)
+                if progress is not None:
+                    progress(done)
+    except KilledWorkersError as error:
+        raise StudyError([f"{study.path}: {error}"]) from error
+    rows = [pair_of(row) for chunk in chunks for row in kept[chunk.start]["pairs"]]
+    mistuning = Mistuning.of(rows, perfect)
     contents = [kept[chunk.start] for chunk in chunks]
     checked = {int(draw): difference_of(cells) for content in contents for draw, cells in content["checked"].items()}
     in_full = tuple(draw for content in contents for draw in content["in_full"])
     estimate = max((content["estimate"] for content in contents if content["estimate"] is not None), default=None)
-    return MistuneRun(found=found, checked=checked, in_full=in_full, estimate=estimate, resumed=resumed)
-
-
-def result_of(future: Future[dict[str, Any]], executor: Executor) -> dict[str, Any]:
-    """A chunk's content; where it failed, the rest is called off first."""
-    try:
-        return future.result()
-    except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
-        raise
+    return MistuneRun(found=mistuning, checked=checked, in_full=in_full, estimate=estimate, resumed=resumed)
 
 
 def pair_of(row: list[Any]) -> Pair:
@@ -177,6 +174,14 @@ def read(store: Path, chunk: range) -> dict[str, Any] | None:
 # --- in the worker processes ----------------------------------------------------------------------------------
 
 
+class Part(NamedTuple):
+    """A task of a worker: study file, its digest, and draws; `PERFECT` for the casing without random fields."""
+
+    path: str
+    digest: str
+    draws: range
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WorkerState:
     """State that a worker keeps from chunk to chunk."""
@@ -190,26 +195,26 @@ class WorkerState:
         return self.study.file.modes.count
 
 
-_worker: list[WorkerState] = []  # of this process, filled once by `set_up`
+def compute(part: Part) -> tuple[range, dict[str, Any]]:
+    """The draws of a part, and the content of their file."""
+    worker = worker_of(part.path, part.digest)
+    if part.draws == PERFECT:
+        return part.draws, {"pairs": mean_pairs(worker.study.shell, worker.count)}
+    return part.draws, content_of(worker, part.draws)
 
 
-def set_up(path: str, digest: str) -> None:
-    """Load the study and expand its perfect casing's modes."""
+@lru_cache(maxsize=1)
+def worker_of(path: str, digest: str) -> WorkerState:
+    """The study, and the expansion of its perfect casing's modes, made once in each process."""
     study = load_shell_study(path)
     if study.source["sha256"] != digest:
-        raise RuntimeError(f"{path} changed while its draws were computed")
-    _worker.append(WorkerState(study, Family.of(study.shell, study.file.modes.count)))
+        found = "found another study in a worker process than in the command"
+        raise InputError(f"{path}: {found}, expected the same: leave the file unchanged until the command ends")
+    return WorkerState(study, Family.of(study.shell, study.file.modes.count))
 
 
-def worker_pairs() -> list[Pair]:
-    """The doublets of the mean shell."""
-    worker = _worker[-1]
-    return mean_pairs(worker.study.shell, worker.count)
-
-
-def compute_chunk(chunk: range) -> dict[str, Any]:
+def content_of(worker: WorkerState, chunk: range) -> dict[str, Any]:
     """The doublets of some draws, which were solved in full, the others' largest estimate, and checks."""
-    worker = _worker[-1]
     content: dict[str, Any] = {"pairs": [], "checked": {}, "in_full": [], "estimate": None}
     for draw in chunk:
         found, estimate = drawn_modes(worker.study.shell, worker.family, worker.count, draw)

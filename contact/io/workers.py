@@ -6,27 +6,35 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from contact.io.interrupts import interrupts_held
 
+T = TypeVar("T")
+R = TypeVar("R")
+TRIES = 5  # of a task whose workers die
 THREADS = Path("/proc/self/task")  # one entry a thread, those of libraries too
 
 
+class KilledWorkersError(Exception):
+    """Workers that were killed again and again, so that tasks are left."""
+
+
 @contextmanager
-def worker_pool(count: int, set_up: Callable[..., None] | None = None, *values: Any) -> Iterator[ProcessPoolExecutor]:
-    """Start `count` processes, each after `set_up(*values)`: copies of this one where it `forks`, else fresh ones.
+def worker_pool(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Start `count` processes: copies of this one where it `forks`, else fresh ones.
 
     If the block is interrupted, also by Ctrl-C, they end at once.
     """
     before = set(active_children())
-    pool = ProcessPoolExecutor(count, get_context("fork" if forks() else "spawn"), _begin, (set_up, values))
+    pool = ProcessPoolExecutor(count, get_context("fork" if forks() else "spawn"), _begin)
     try:
         with interrupts_held():  # their parent ends them
             for _ in range(count):  # each starts one process
@@ -49,17 +57,48 @@ def forks() -> bool:
     return sys.platform == "linux" and THREADS.is_dir() and len(list(THREADS.iterdir())) == 1
 
 
-def _begin(set_up: Callable[..., None] | None, values: tuple[Any, ...]) -> None:
+def _begin() -> None:
     """Make this worker end with its parent, even if that is killed, and leave Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-    if set_up is not None:
-        set_up(*values)
 
 
 def _end_with(parent: BaseProcess) -> None:
     """End this process when the parent ends; after kill -9 a worker would otherwise wait for ever."""
     parent.join()
     os._exit(1)
+
+
+def in_processes(todo: Sequence[T], work: Callable[[T], R], jobs: int) -> Iterator[R]:
+    """Results from worker processes; if one is killed, new ones get the unfinished tasks.
+
+    Raises KilledWorkersError when that happens `TRIES` times in succession without a finished task.
+    """
+    waiting, deaths = dict(enumerate(todo)), 0
+    while waiting:
+        if deaths == TRIES:
+            raise KilledWorkersError(
+                f"workers: {len(waiting)} tasks ended with their worker killed, {TRIES} times over"
+            )
+        deaths += 1
+        with suppress(BrokenProcessPool), worker_pool(min(jobs, len(waiting))) as pool:
+            futures = _given_out(pool, waiting, work)
+            for future in as_completed(futures):
+                try:
+                    found = future.result()
+                except BrokenProcessPool:
+                    continue
+                del waiting[futures[future]]
+                deaths = 0
+                yield found
+
+
+def _given_out(pool: ProcessPoolExecutor, waiting: dict[int, T], work: Callable[[T], R]) -> dict[Future[R], int]:
+    """Futures of the submitted tasks; if a worker dies meanwhile, of the tasks submitted before."""
+    futures: dict[Future[R], int] = {}
+    with suppress(BrokenProcessPool):
+        for number, task in waiting.items():
+            futures[pool.submit(work, task)] = number
+    return futures

@@ -78,18 +78,34 @@ class Expansion:
     def matrices(self, series: Array) -> tuple[Array, Array]:
         """Hermitian K and M of the lowest waves, for series F (l, 2 p_max + 1) from -p_max to p_max."""
         n, count = self.waves.n, range(len(self.quantities))
-        step = n[:, None] - n
-        first, then = self.k[:, None] - n, n - self.k[:, None]  # to each way from a; from it to b
-        K, M = np.diag(self.waves.value).astype(complex), np.eye(len(n), dtype=complex)
+        ahead = np.flatnonzero(n >= 0)  # a casing is real: K[-b, -a] is the conjugate of K[b, a]
+        step = n[ahead, None] - n
+        first, then = self.k[:, None] - n, n[ahead] - self.k[:, None]  # to each way from a; from it to b
+        K, M = (np.array(part[ahead], dtype=complex) for part in (np.diag(self.waves.value), np.eye(len(n))))
+        to, back = ([self.at(line, way) for line in series] for way in (first, then))
         for line in count:
             direct = self.at(series[line], step)
-            K += direct * self.K_1[line]
-            M += direct * self.M_1[line]
+            K += direct * self.K_1[line, ahead]
+            M += direct * self.M_1[line, ahead]
             for other in count:
-                both = self.at(series[other], then)[:, :, None] * self.at(series[line], first)[:, None]
-                K += np.einsum("kba,kba->ba", both, self.K_2[:, line, other])
-                M += np.einsum("kba,kba->ba", both, self.M_2[:, line, other])
-        return 0.5 * (K + K.conj().T), 0.5 * (M + M.conj().T)
+                both = back[other][:, :, None] * to[line][:, None]
+                for whole, part in ((K, self.K_2), (M, self.M_2)):
+                    own = part[:, line, other, ahead]
+                    whole.real += np.einsum("kba,kba->ba", both.real, own)
+                    whole.imag += np.einsum("kba,kba->ba", both.imag, own)
+        return self.whole(K, ahead), self.whole(M, ahead)
+
+    def whole(self, rows: Array, ahead: IntArray) -> Array:
+        """A Hermitian matrix from its rows of waves with n >= 0."""
+        waves = self.waves
+        back = [
+            int(np.flatnonzero((waves.n == -m) & (waves.rank == r))[0])
+            for m, r in zip(waves.n, waves.rank, strict=True)
+        ]
+        found = np.empty((len(waves.n),) * 2, dtype=complex)
+        found[np.array(back)[ahead]] = rows[:, back].conj()
+        found[ahead] = rows
+        return np.asarray(0.5 * (found + found.conj().T))
 
     def at(self, line: Array, p: IntArray) -> Array:
         """Coefficients of one field at harmonics p, 0 beyond the highest."""

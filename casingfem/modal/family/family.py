@@ -15,9 +15,10 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
+from scipy.fft import ifft, next_fast_len
 from scipy.linalg import eigh
 
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.affine import AffineModes, modes_by_coordinates
 from casingfem.modal.family.expansion import Expansion, expanded
 from casingfem.modal.family.point_forms import ORDERS, known_supports, point_forms
@@ -57,11 +58,13 @@ class Family:
     Attributes
     ----------
     expansion : matrices to second order, and answers
+    answers : those of the waves with n >= 0, (l, ways, points 15, waves)
     rings : circumferential content of the waves: cosine members, then sine members
     rigid : how many modes are rigid motions
     """
 
     expansion: Expansion
+    answers: Array
     rings: Rings
     rigid: int
 
@@ -86,7 +89,8 @@ class Family:
         p_max = max(int(term.p.max()) for field in shell.defects.values() for term in terms_of(field) or ())
         n_max = int(known.nodal_diameters.max())
         expansion = expanded(bare, tuple(shell.defects), p_max, size, n_max, count)
-        return cls(expansion=expansion, rings=content(expansion, bare), rigid=known.rigid)
+        ahead = np.ascontiguousarray(expansion.answers[..., expansion.waves.n >= 0])
+        return cls(expansion=expansion, answers=ahead, rings=content(expansion, bare), rigid=known.rigid)
 
     def near(self, defects: Mapping[str, Field], count: int) -> Near:
         """Lowest modes of the casing with these fields."""
@@ -107,7 +111,7 @@ class Family:
         """Stiffness and mass of the casing with series F on its basis: cosine members, then sine members."""
         own = self.expansion
         angles = TURN * np.arange(self.angles) / self.angles
-        jets = self.jets(series, angles)
+        jets = self.jets(series)
         p = np.arange(-own.p_max, own.p_max + 1)
         around = np.exp(1j * np.outer(angles, p))
         imperfection = {
@@ -127,30 +131,33 @@ class Family:
     def angles(self) -> int:
         """Angles for the sums around: exact where two motions and a field of the highest harmonics meet."""
         own = self.expansion
-        return 2 * int(own.k.max()) + own.p_max + 1
+        return int(next_fast_len(2 * int(own.k.max()) + own.p_max + 1))
 
-    def jets(self, series: Array, angles: FloatArray) -> FloatArray:
+    def jets(self, series: Array) -> FloatArray:
         """Jets of the basis at all angles and points, (angles, points, 15, waves)."""
         own = self.expansion
         forth = np.flatnonzero(own.waves.n >= 0)
         n = own.waves.n[forth]
         step = own.k[:, None] - n
-        waves = reduce(
-            np.add, (own.at(line, step)[:, None] * X[:, :, forth] for line, X in zip(series, own.answers, strict=True))
-        )
+        waves = reduce(np.add, (own.at(line, step)[:, None] * X for line, X in zip(series, self.answers, strict=True)))
         waves[np.searchsorted(own.k, n), :, np.arange(len(n))] += own.waves.jets[:, forth].T
-        around = np.exp(1j * np.outer(angles, own.k))
-        motion = (around @ waves.reshape(len(own.k), -1)).reshape(len(angles), -1, JET, len(n))
-        return np.concatenate(members(motion, n), axis=-1)
+        around = np.zeros((self.angles, waves[0].size), dtype=complex)
+        around[own.k % self.angles] = waves.reshape(len(own.k), -1)
+        motion = ifft(around, axis=0, norm="forward", overwrite_x=True)
+        return members(motion.reshape(self.angles, -1, JET, len(n)), n)
 
 
-def members(waves: Array, n: Array) -> tuple[FloatArray, FloatArray]:
-    """Cosine members of waves (..., waves), and sine members of those with n > 0.
+def members(waves: Array, n: IntArray) -> FloatArray:
+    """Cosine members of waves (..., waves), then sine members of those with n > 0.
 
     A wave of n = 0 is real or, torsion, imaginary: its one member is the sum of both parts.
     """
-    cosine = np.where(n > 0, np.sqrt(2.0) * waves.real, waves.real + waves.imag)
-    return cosine, np.sqrt(2.0) * waves.imag[..., n > 0]
+    paired = np.flatnonzero(n > 0)
+    found = np.empty((*waves.shape[:-1], len(n) + len(paired)))
+    np.multiply(waves.real, np.where(n > 0, np.sqrt(2.0), 1.0), out=found[..., : len(n)])
+    found[..., np.flatnonzero(n == 0)] += waves.imag[..., n == 0]
+    np.multiply(waves.imag[..., paired], np.sqrt(2.0), out=found[..., len(n) :])
+    return found
 
 
 def content(expansion: Expansion, shell: Shell) -> Rings:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.io import workers
 from contact.model.trig import harmonics
 from contact.scene.load import scene_data, scene_of
 from contact.scene.roundness import RandomRoundness
@@ -601,7 +602,7 @@ def dies(task):
 
 @pytest.mark.campaign  # where workers are no copies they import everything: 3 s
 def test_a_task_that_kills_its_workers_time_and_again_is_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr(spread, "TRIES", 2)
+    monkeypatch.setattr(workers, "TRIES", 2)
     assert list(spread.in_processes([(tmp_path / "once", 1)], dies, 1)) == [[1]]
     rows = spread.in_processes([(tmp_path / "never", 0), (tmp_path / "many", 9)], dies, 1)
     assert next(rows) == [0]
@@ -635,7 +636,7 @@ def test_a_worker_that_dies_while_tasks_are_given_out_loses_none_of_them(later, 
         opened.append(3 if len(opened) < 2 else later)
         yield DyingPool(opened[-1])
 
-    monkeypatch.setattr(spread, "worker_pool", dying_pool)
+    monkeypatch.setattr(workers, "worker_pool", dying_pool)
     found = spread.in_processes(range(30), str, 2)
     if later:
         assert set(found) == set(map(str, range(30)))
