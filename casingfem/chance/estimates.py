@@ -1,9 +1,11 @@
 """Probabilities and quantiles of draws, each with its interval."""
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 from scipy.stats import beta, binom, norm, t
 
 from casingfem.chance.points import REPLICATES
@@ -43,6 +45,29 @@ def clopper_pearson(hits: float, draws: float, *, level: float = LEVEL) -> Estim
     return Estimate(hits / draws, low, high)
 
 
+@cache
+def mid_p(hits: int, draws: int, level: float = LEVEL) -> Estimate:
+    """A probability from few independent draws, with the mid-P interval (G. Berry, P. Armitage, Statistician 44, 1995).
+
+    Its ends give the numbers of hits beyond those found, and half of that number itself, (1 - level)/2. Over all
+    probabilities its coverage is near the level on average; Clopper's and Pearson's interval is never below it, and of
+    16 draws 98 % on average.
+
+    Examples
+    --------
+    >>> [round(part, 4) for part in mid_p(3, 16)]
+    [0.1875, 0.05, 0.4301]
+    """
+    tail = 0.5 * (1.0 - level)
+
+    def above(p: float) -> float:
+        return float(binom.sf(hits, draws, p) + 0.5 * binom.pmf(hits, draws, p))
+
+    low = 0.0 if hits == 0 else float(brentq(lambda p: above(p) - tail, 0.0, 1.0))
+    high = 1.0 if hits == draws else float(brentq(lambda p: above(p) - 1.0 + tail, 0.0, 1.0))
+    return Estimate(hits / draws, low, high)
+
+
 def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     """Probability of an event from the draws of `points`, with its interval.
 
@@ -51,9 +76,9 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     Clopper and Pearson also includes the uncertainty of s (E. Korn, B. Graubard, Survey Methodology 24, 1998, 193).
     Without hits, or with only hits, n is the number of draws.
 
-    An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences, m
-    p = c + q, with q the share of those with c + 1. The interval of Clopper and Pearson for q gives that of p. If all
-    have c hits, q may be as far below zero. The rule is not used for rare events, with c = 0, which are not even.
+    An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences,
+    m p = c + q, with q the share of those with c + 1. The mid-P interval of q gives that of p. Where all have c hits, q
+    may be as far below zero. Rare events, with c = 0, are not even: the rule is not used for them.
 
     Parameters
     ----------
@@ -88,7 +113,7 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
 def _neighbours(counts: IntArray, size: int, level: float) -> Estimate:
     """Probability from numbers of hits that are c or c + 1, in sequences of `size` draws."""
     fewest = int(counts.min())
-    more = clopper_pearson(int(np.count_nonzero(counts > fewest)), REPLICATES, level=level)
+    more = mid_p(int(np.count_nonzero(counts > fewest)), REPLICATES, level)
     low = fewest + (more.low if more.value else -more.high)
     return Estimate((fewest + more.value) / size, max(low / size, 0.0), min((fewest + more.high) / size, 1.0))
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from casingfem.chance.estimates import Estimate, probability, quantile
 from casingfem.chance.importance import Importance
-from casingfem.chance.replaced import BY_ENERGIES, IN_FULL, PURE
+from casingfem.chance.replaced import IN_FULL, PURE
 from casingfem.chance.run import Drawn
 from casingfem.io.arrays import FloatArray, IntArray
 from contact.io.columns import Column, records_of, table_lines
@@ -15,7 +15,7 @@ from contact.io.outfiles import finite
 from contact.io.reported import Reported
 
 LEVELS = (0.5, 0.9, 0.99)
-METHODS = ("map", "own energies", "full solution")
+METHODS = ("map", "full solution")
 
 
 def level_columns(name: str, head: str, text: str, scale: float, unit: str, digits: str) -> list[Column]:
@@ -154,9 +154,7 @@ class Chance(Reported):
     def solved(self) -> str:
         """Number of casings that were solved again, and the result of the checks."""
         by, apart = (self.drawn.lot[name] for name in ("by", "difference"))
-        count = (
-            f"{np.sum(by == BY_ENERGIES)} casings were solved by their own energies, {np.sum(by == IN_FULL)} in full"
-        )
+        count = f"{np.sum(by == IN_FULL)} casings were solved in full"
         checks = int(np.isfinite(apart).sum())
         if not checks:
             return f"{count}."
@@ -175,7 +173,6 @@ class Chance(Reported):
             "importance": [finite(row) for row in self.importance()],
             "worst": self.worst.tolist(),
             "resumed": self.drawn.resumed,
-            "by_own_energies": int(np.sum(self.drawn.lot["by"] == BY_ENERGIES)),
             "in_full": int(np.sum(self.drawn.lot["by"] == IN_FULL)),
             "largest_difference": float(np.nanmax(self.drawn.lot["difference"], initial=0.0)),
             "words": self.words,

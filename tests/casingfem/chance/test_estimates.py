@@ -42,7 +42,7 @@ def test_an_interval_is_narrow_and_right_where_sequences_have_nearly_the_same_nu
     assert sum(each.low <= limit <= each.high for each in found) >= 93
     assert max(each.high - each.low for each in found) < 0.03
     if limit == 0.5:
-        assert found[0] == pytest.approx((0.5, 0.5 - 0.2059 / 32.0, 0.5 + 0.2059 / 32.0), abs=1e-5)
+        assert found[0] == pytest.approx((0.5, 0.5 - 0.1707 / 32.0, 0.5 + 0.1707 / 32.0), abs=1e-5)
 
 
 def test_quantiles_of_splits_to_first_order_are_those_of_rayleigh():
