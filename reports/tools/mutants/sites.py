@@ -3,7 +3,12 @@
 A site is a piece of one line with texts that may be there instead. Left alone: docstrings, messages, annotations,
 decorators, imports, what prints, `__repr__` and which fields it shows, what is never run: overloads and methods that a
 protocol asks for, numbers so small that they only keep a quotient or a logarithm finite, multiples of nan and inf, and
-whether a threshold of round-off lies below or above itself.
+whether a threshold of round-off lies below or above itself, the -1 that fills an array of indices, and `a * -1.0` where
+`a / -1.0` is the same number.
+
+A margin of round-off becomes COARSE: a margin two or three times as large is passed by the same computed numbers, since
+round-off is far below it and data are far above. The project asks of an index whether it is negative, never whether it
+is -1, so that -2 in its place shows nowhere; the mutant without the minus remains.
 """
 
 import ast
@@ -33,6 +38,7 @@ SETTINGS = {
 }  # fmt: skip
 TINY = 1e-100
 ROUND_OFF = 1e-6  # a computed number hardly ever equals a threshold of this size or less, other than 0
+COARSE = 1e-3
 ENDLESS = {"nan", "inf"}
 RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array": "-({})", "FloatArray": "-({})"}
 
@@ -164,7 +170,9 @@ class Finder(ast.NodeVisitor):
         """The opposite operation; text is not calculated with, and a tiny number has no side."""
         word = WORDS.get(type(node.op))
         sides = (node.left, node.right)
-        if word and not any(isinstance(side, ast.JoinedStr) or is_text(side) or is_tiny(side) for side in sides):
+        inverse = word in ("*", "/") and is_own_inverse(node.right)
+        text = any(isinstance(side, ast.JoinedStr) or is_text(side) or is_tiny(side) for side in sides)
+        if word and not text and not inverse:
             self.swap(node.left, node.right, word)
         self.generic_visit(node)
 
@@ -194,6 +202,10 @@ class Finder(ast.NodeVisitor):
             self.add(node.func.end_lineno, end - len(name), end, other)
         # numpy's reshape takes -2 for -1
         arguments = [a for a in node.args if name != "reshape" or not isinstance(a, ast.UnaryOp)]
+        if name == "full" and len(arguments) > 1 and ast.unparse(arguments[1]) == "-1":
+            start = self.column(arguments[1].lineno, arguments[1].col_offset)
+            self.add(arguments[1].lineno, start, start + 1, "")
+            del arguments[1]
         self.visit_all([node.func, *arguments, *(k.value for k in node.keywords if k.arg not in SETTINGS)])
 
     def visit_Constant(self, node: ast.Constant) -> None:
@@ -203,6 +215,8 @@ class Finder(ast.NodeVisitor):
             self.replace(node, str(not value))
         elif isinstance(value, int):
             self.replace(node, str(value + 1))
+        elif isinstance(value, float) and is_tiny(node, ROUND_OFF) and not is_tiny(node):
+            self.replace(node, repr(COARSE))
         elif isinstance(value, float) and not is_tiny(node):
             self.replace(node, repr(2.0 * value) if value else "1.0", repr(3.0 * value) if value else "1.0")
 
@@ -228,6 +242,14 @@ def is_text(node: ast.expr) -> bool:
 def is_tiny(node: ast.expr, most: float = TINY) -> bool:
     """Whether a node is a number that only keeps a quotient or a logarithm finite, or one below another size."""
     return isinstance(node, ast.Constant) and isinstance(node.value, float) and 0.0 < abs(node.value) <= most
+
+
+def is_own_inverse(node: ast.expr) -> bool:
+    """Whether a factor is 1, -1, or a row of them: to multiply and to divide by it is the same."""
+    if isinstance(node, ast.List | ast.Tuple):
+        return all(map(is_own_inverse, node.elts))
+    signed = node.operand if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) else node
+    return isinstance(signed, ast.Constant) and isinstance(signed.value, float) and signed.value == 1.0
 
 
 def sites(text: str) -> list[Site]:

@@ -91,7 +91,15 @@ def changes(line: str) -> set[str]:
         ("if a: raise ValueError(f'{b + 1}')", {"if False: raise ValueError(f'{b + 1}')", "if a: pass"}),
         ("x = a / (b + 1e-300)", {"x = a * (b + 1e-300)"}),
         ("x = a / max(b, 1e-300)", {"x = a * max(b, 1e-300)", "x = a / min(b, 1e-300)"}),
-        ("x = a < 1e-12", {"x = a < 2e-12", "x = a < 3e-12"}),
+        ("x = a < 1e-12", {"x = a < 0.001"}),
+        ("x = np.full(a, -1)", {"x = np.full(a, 1)"}),
+        ("x = np.full(a, -1.5)", {"x = np.full(a, 1.5)", "x = np.full(a, -3.0)", "x = np.full(a, -4.5)"}),
+        (
+            "x = a * [1.0, -1.0]",
+            {"x = a * [2.0, -1.0]", "x = a * [3.0, -1.0]", "x = a * [1.0, 1.0]"}
+            | {"x = a * [1.0, -2.0]", "x = a * [1.0, -3.0]"},
+        ),
+        ("x = -1.0 * a", {"x = 1.0 * a", "x = -2.0 * a", "x = -3.0 * a", "x = -1.0 / a"}),
         ("x = a < 1e-3", {"x = a <= 1e-3", "x = a < 0.002", "x = a < 0.003"}),
         ("x = field(default=a, repr=False)", set()),
         ("x: Literal[1] = 'text' + a", set()),
