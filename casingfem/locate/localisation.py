@@ -1,9 +1,9 @@
 """Locate loose bolts or added masses from the splits and shifts of many pairs at once.
 
-One loose bolt at theta adds to the split vector of a pair a part along (cos 2 n theta, sin 2 n theta): several n
-distinguish places that one n does not. No frequency and no orientation can distinguish theta from theta + pi: turned by
-half a turn the casing has the same table. Such twins are listed with every answer; shapes measured around the rim
-decide between them (`shape_check.py`).
+One loose bolt at theta adds a vector along (cos 2 n theta, sin 2 n theta) to the split vector of a pair, so several n
+distinguish places that one n does not. No frequency and no orientation can distinguish theta from theta + pi, since
+rotation of the casing by half a turn gives the same table. Such images are listed with every result; shapes measured
+around the rim decide between them (`shape_check.py`).
 """
 
 from dataclasses import replace
@@ -54,9 +54,9 @@ def search_model(
     shell
         The casing as designed.
     table
-        A table whose highest frequency is the highest of all tables.
+        The table with the highest frequency of all.
     among, edge
-        As of `cf.locate`.
+        As in `cf.locate`.
     places
         Number of candidate angles of a mass.
 
@@ -68,7 +68,7 @@ def search_model(
     Raises
     ------
     ModelError
-        locate-among, locate-bolts, locate-edge.
+        locate-among, locate-bolts or locate-edge.
 
     Examples
     --------
@@ -115,36 +115,36 @@ def locate(
 ) -> Localisation:
     """Find which bolts are loose, or where mass was added.
 
-    Rows that pair with no mode, with the best explanation in place, are named (`unpaired`), and the search is made anew
-    without them. Rows of the baseline that pair with no mode of the casing as designed are named and left out too.
+    Rows that pair with no mode of the best explanation are listed (`unpaired`), and the search is repeated without
+    them. Rows of the baseline that pair with no mode of the casing as designed are also listed and left out.
 
     Parameters
     ----------
     shell
         The casing as designed: its bolts tight, without the mass.
     table
-        Its frequencies now, with n; orientations where they are known.
+        Its current frequencies, with n, and orientations if known.
     baseline
-        The same measured before; without it manufacture resembles damage.
+        The table measured before; without it manufacturing deviations look like damage.
     among
         "bolts" or "mass".
     edge
-        Where to search; the bolted edge, or the top for masses.
+        Edge to search; by default the bolted edge, or the top for masses.
     most
         Largest number of places.
     level
-        Probability of a false alarm in a table that contains nothing but noise.
+        Probability of a false alarm in a table with only noise.
     angle_sigma
         Standard deviation of n psi [rad], psi a measured orientation.
     model_error
-        What the model may be off by, relative, in each frequency; take the size of its splits without a baseline.
+        Relative error of the model in each frequency; without a baseline use the size of its splits.
     model
-        What `cf.search_model` gave, when many tables are searched.
+        Result of `cf.search_model`, for searches of many tables.
 
     Raises
     ------
     ModelError
-        locate-among, locate-bolts, locate-edge, locate-unlabelled; locate-baseline where the baseline lacks pairs.
+        locate-among, locate-bolts, locate-edge, locate-unlabelled; locate-baseline if the baseline lacks pairs.
     InputError
         No row of the table pairs with a mode.
 
@@ -228,8 +228,9 @@ def locate(
 def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable, c: float) -> FrequencyTable:
     """The table with the uncertainty of a baseline added to its sigma.
 
-    The noise of the baseline itself; and the couplings of different n, which manufacture makes as large as it makes
-    splits, half of which is c, relative: they move modes of another n at a distance D by (c f)^2/D, or c f if nearer.
+    It contains the noise of the baseline, and the effect of couplings between different n. Manufacturing makes these as
+    large as half the relative splits, c: they move modes of another n at a distance D by (c f)^2/D, or by c f if
+    closer.
     """
     noise = float(np.sqrt(np.mean((baseline.sigma_hz / baseline.freq_hz) ** 2)))
     apart = np.abs(table.freq_hz[:, None] - table.freq_hz)
@@ -240,7 +241,7 @@ def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable, c: floa
 
 
 def check_labelled(table: FrequencyTable, unpaired: tuple[int, ...] = ()) -> None:
-    """Refuse a table without doublets that have n; `unpaired` are the mode numbers of rows left out of it."""
+    """Refuse a table without doublets that have n; `unpaired` are the mode numbers of its omitted rows."""
     if not any(len(group.rows) == 2 for group in table.groups()):
         why = "; ".join([f"{table.path}: found no doublet with nodal diameters", *unpaired_words(unpaired)])
         raise ModelError("locate-unlabelled", why)

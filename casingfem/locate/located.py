@@ -20,7 +20,7 @@ WHOLE = 1.0  # of a bolt's stiffness: more than it has cannot go
 class Found:
     """One place: its number among the candidates (bolts from 1), angle [deg], value and standard deviation.
 
-    The value is the factor of a bolt's stiffness that is left, or the mass [kg], which may lie between candidates.
+    The value is the remaining factor of a bolt's stiffness, or the mass [kg], which may be between candidates.
     """
 
     place: int
@@ -32,7 +32,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Explanation:
-    """Places that explain a table, and how far chi^2/s^2 is above that of the best explanation."""
+    """Places that explain a table, and the increase of chi^2/s^2 over the best explanation."""
 
     found: tuple[Found, ...]
     behind: float
@@ -44,18 +44,18 @@ class Explanation:
 
 
 def places_of(found: "Localisation") -> list[tuple[int, Explanation, Found]]:
-    """Number of each explanation, the explanation, and each of its places; the best one is 1."""
+    """Each place of each explanation, with the explanation and its number from 1, the best first."""
     numbered = enumerate((found.best, *found.others), 1)
     return [(k, explanation, place) for k, explanation in numbered for place in explanation.found]
 
 
 def of_each(name: str) -> Callable[["Localisation"], list[Any]]:
-    """One value of each place."""
+    """Column of one value for each place."""
     return lambda found: [getattr(place, name) for _, _, place in places_of(found)]
 
 
 def columns_of(value: Column, sigma: Column, angle: Literal["everywhere", "files"]) -> Columns:
-    """The columns of bolts or of masses; `angle` selects the tables that show the uncertainty of the angle."""
+    """Columns for bolts or masses; `angle` selects the tables that show the uncertainty of the angle."""
     return (
         Column("explanation", "Number of the explanation; 1 has the least chi^2.",
                lambda found: [k for k, _, _ in places_of(found)], head="no.", format="d"),
@@ -87,33 +87,15 @@ MASSES = columns_of(
 class Localisation(Reported):
     """The smallest set of changes that explains a table.
 
-    Attributes
-    ----------
-    among
-        "bolts" or "mass".
-    angles_deg
-        Where the candidates are, (candidates,).
-    best
-        The explanation with the least chi^2.
-    others
-        Explanations that the table does not rule out, turned ones among them.
-    chi2, chi2_start, rows
-        Sum of squared weighted residuals of the best and of no change at all; number of residuals. All three, and
-        `scale`, are of the rows that pair.
-    scale
-        s = sqrt(max(1, chi^2/dof)): by how much the residuals exceed their stated sigma; sigma includes it.
-    smallest
-        (candidates,) What each place alone must change to be seen, in the value's unit.
-    alike
-        Groups of places that this table cannot distinguish.
-    calibrated
-        Whether a baseline was known.
-    misfit
-        What chi^2 was last judged by: the model as calibrated, the table with the uncertainty that was added to it.
-    unpaired
-        Mode numbers of the table's rows that no computed mode pairs with; all else is as if the table lacked them.
-    baseline_unpaired
-        The same of the baseline's rows.
+    Attributes ---------- among "bolts" or "mass". angles_deg Angles of the candidates, (candidates,). best The
+    explanation with the least chi^2. others Explanations that the table does not exclude, including rotated ones. chi2,
+    chi2_start, rows Sum of squared weighted residuals of the best and of no change at all; number of residuals. All
+    three, and `scale`, refer to the rows that pair. scale s = sqrt(max(1, chi^2/dof)): ratio of the residuals to their
+    stated sigma; sigma includes it. smallest (candidates,) Smallest detectable change at each place alone, in the
+    value's unit. alike Groups of places that this table cannot distinguish. calibrated Whether there was a baseline.
+    misfit The last misfit: the calibrated model, and the table with the added uncertainty.
+    unpaired Mode numbers of the table's rows without a computed mode; other results do not depend on them.
+    baseline_unpaired Mode numbers of such rows of the baseline.
 
     Examples
     --------
@@ -149,11 +131,11 @@ class Localisation(Reported):
         return self.best.found
 
     def described(self) -> Columns:
-        """The columns of bolts or of masses."""
+        """The columns for bolts or masses."""
         return BOLTS if self.among == "bolts" else MASSES
 
     def to_json(self) -> dict[str, object]:
-        """Plain lists and numbers."""
+        """Plain lists and numbers for JSON."""
         explained = [{"behind": e.behind, "found": [asdict(f) for f in e.found]} for e in (self.best, *self.others)]
         return {
             "among": self.among,
@@ -202,7 +184,7 @@ class Localisation(Reported):
         return "\n".join(lines)
 
     def seen(self) -> str:
-        """Smallest size at which a single change is detected, in words; a bolt cannot lose more than it has."""
+        """Smallest detectable size of a single change, in words; a bolt cannot lose more than its stiffness."""
         blind = ~(self.smallest < (WHOLE if self.among == "bolts" else np.inf))
         if blind.all():
             lost = {"bolts": "a bolt lost wholly", "mass": "any mass"}[self.among]

@@ -1,7 +1,7 @@
-"""Masses at places that no grid of candidates meets: angles refined together with the masses.
+"""Masses at arbitrary angles: angles are refined together with the masses.
 
-A candidate of a grid only begins: then all masses and angles take Gauss-Newton steps together, a mass moving with the
-derivative dM/dtheta of its own matrix.
+The candidates of a grid are only starting points. Then Gauss-Newton steps change all masses and angles together, with
+the derivative dM/dtheta of each mass matrix.
 """
 
 from dataclasses import replace
@@ -32,9 +32,11 @@ class Masses(NamedTuple):
 
 
 def search_masses(misfit: Misfit, edge: str, angles: FloatArray, *, most: int, level: float) -> Masses:
-    """The fewest masses that explain a table, at any angle; `angles` [rad] are the candidates of the misfit's model.
+    """The smallest number of masses that explain a table, at any angle.
 
-    As `sparse_search.search`, but every step refines places as well.
+    `angles` [rad] are the candidates of the misfit's model.
+
+    Like `sparse_search.search`, but every step also refines the angles.
     """
     none = np.zeros(0)
     start = misfit.at(np.zeros(len(angles)))
@@ -51,7 +53,7 @@ def search_masses(misfit: Misfit, edge: str, angles: FloatArray, *, most: int, l
 
 
 def next_mass(misfit: Misfit, edge: str, angles: FloatArray, at: Masses) -> Masses | None:
-    """One mass more, begun at the candidates that promise most; None where no mass helps."""
+    """One more mass, started at the best candidates; None if no mass improves the fit."""
     model, many = misfit.model, len(angles)
     assert model.mass is not None
     there = placed(model, edge, at.angles).mass
@@ -73,7 +75,7 @@ def next_mass(misfit: Misfit, edge: str, angles: FloatArray, at: Masses) -> Mass
 
 
 def placed(model: AffineModel, edge: str, angles: FloatArray) -> AffineModel:
-    """A model whose changes are masses at angles [rad], then how each one's matrix changes with its angle."""
+    """A model whose changes are masses at angles [rad], then the derivatives of their matrices by the angles."""
     sides = [mass_changes(model.system, edge, angles + side) for side in (0.0, STEP, -STEP)]
     if not len(angles):
         return replace(model, mass=np.zeros((0, *model.K.shape)))
@@ -86,7 +88,7 @@ def placed(model: AffineModel, edge: str, angles: FloatArray) -> AffineModel:
 
 
 def refined(misfit: Misfit, edge: str, angles: FloatArray, masses: FloatArray) -> Masses:
-    """Gauss-Newton on all masses and angles at once, each step halved until it gains."""
+    """Gauss-Newton on all masses and angles at once; each step is halved until it reduces chi^2."""
     point, jacobian = at_places(misfit, edge, angles, masses)
     for _ in range(ROUNDS if len(masses) else 0):
         norms = np.linalg.norm(jacobian, axis=0)

@@ -1,17 +1,17 @@
 """Difference of a changed casing from a frequency table, with derivatives by every possible change.
 
 Residuals are those of an update (`targets.py`): means and split vectors. The uncertainty of a measured orientation
-widens the split vector across itself: its covariance is sigma^2 I + (2 n |d| sigma_psi)^2 t t^T, t across d.
+widens the split vector d in the transverse direction t: its covariance is sigma^2 I + (2 n |d| sigma_psi)^2 t t^T.
 
-A baseline measures the effect of manufacture within each pair, its split 2 c f. Manufacture also couples pairs of
+A baseline measures the effect of manufacturing within each pair, its split 2 c f. Manufacturing also couples pairs of
 different n, by the same amount. The baseline hardly shows these couplings: they change a frequency by c^2 f^2/D, with D
 the distance of the pairs. A change mixes the pairs, and then the couplings have an effect of first order. Let mode i
 after the change have the shares p_iP in the pairs P of the casing before, and let the unknown couplings be random, of
-the size of those within pairs. Of omega_i^2 = sum a_ki a_li (Lambda + W)_kl the part over different pairs has
+the size of those within pairs. In omega_i^2 = sum a_ki a_li (Lambda + W)_kl the part from different pairs has
 
     (sigma_f/f)_i = c sqrt((sum_P p_iP)^2 - sum_P p_iP^2),   p_iP = sum_(k in P) a_ki^2,   a = Y0^T M Y,
 
-c the rms of half the relative splits that it makes. A mode that stays in its pair keeps its sigma.
+with c the rms of half the relative splits that it makes. The sigma of a mode within its pair does not change.
 """
 
 from collections.abc import Sequence
@@ -45,7 +45,7 @@ LOST = 0.1  # a row that pairs with nothing costs as much as one this far off, r
 class Point:
     """One evaluated set of changes: weighted residuals (rows,), their derivatives (rows, changes), and chi^2.
 
-    Rows of the table that pair with nothing, `lost`, are in chi^2 alone.
+    Rows of the table without a mode, `lost`, count only in chi^2.
     """
 
     x: FloatArray
@@ -63,15 +63,15 @@ class Misfit:
     Parameters
     ----------
     model, table
-        A casing with its changes, and what was measured.
+        A casing with its changes, and the measured table.
     count
-        Modes computed.
+        Number of computed modes.
     reach
         Largest relative frequency error of a pair.
     angle_sigma
         Standard deviation of a measured orientation times n [rad]: of the phase n psi.
     model_error
-        What the model itself may be off by, relative.
+        Relative error of the model.
     """
 
     model: AffineModel
@@ -82,7 +82,7 @@ class Misfit:
     model_error: float = 0.0
 
     def at(self, x: FloatArray) -> Point:
-        """Evaluate changes (changes,)."""
+        """Evaluate a set of changes (changes,)."""
         found = self.model.modes(x, self.count)
         matches, lost = paired_by_shares(found, self.table, self.reach)
         cost = float(np.sum((LOST * self.table.freq_hz[lost] / self.table.sigma_hz[lost]) ** 2))
@@ -117,11 +117,12 @@ class Misfit:
 
 
 def widest(found: AffineModes, pairs: Sequence[tuple[int, ...]], G: FloatArray) -> FloatArray:
-    """The derivatives (changes, modes, modes) with each perfect one of some pairs along the axes of each change alone.
+    """The derivatives (changes, modes, modes) with each perfect pair along the axes of each change alone.
 
-    Without an orientation the length of the split counts, a cone at zero. In the axes that a solver gave, a change
-    splits a perfect pair more or less by where it is; in its own, all equal changes do so alike. So it is with one
-    member alone. A loss of stiffness and a mass lower frequencies, so the lower member takes the larger part.
+    Without an orientation only the length of the split is known, which is a cone at zero. In the axes of an eigenvalue
+    solver, the effect of a change on a perfect pair depends on its place. In the change's own axes, all equal changes
+    have equal effects. The same holds for a single member. Lost stiffness and added mass lower frequencies, so the
+    lower member gets the larger part.
     """
     G = G.copy()
     for low, high in pairs:
@@ -136,8 +137,8 @@ def widest(found: AffineModes, pairs: Sequence[tuple[int, ...]], G: FloatArray) 
 def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
     """Rotation of the phase 2 n psi of a doublet's lower member by all modes except its partner, (changes,).
 
-    Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2). A mode of the same frequency is left out: the two
-    lie anywhere, and no rate is theirs.
+    Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2). A mode of the same frequency is left out, since the
+    orientation of the two is arbitrary.
     """
     assert found.rings is not None
     low, high = match.modes
@@ -151,10 +152,10 @@ def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
 
 
 def half_split(found: AffineModes, baseline: FrequencyTable, matches: Sequence[Match]) -> float:
-    """Rms of half the relative splits that manufacture makes in the pairs of a baseline, 0 without pairs.
+    """Rms of half the relative splits that manufacturing causes in the pairs of a baseline, 0 without pairs.
 
-    A pair that is split by design, by bolts for example, has that split in the model, the modes `found`: the rest
-    counts, with its orientation where that was measured.
+    A pair that is split by design, by bolts for example, has that split in the model, the modes `found`; only the
+    difference counts, with its orientation if measured.
     """
     halves = []
     for match in matches:
@@ -184,7 +185,7 @@ def mixing(model: AffineModel, tight: AffineModes, found: AffineModes) -> FloatA
 def widened(
     table: FrequencyTable, model: AffineModel, tight: AffineModes, found: AffineModes, c: float, reach: float
 ) -> FrequencyTable:
-    """The table with the sigma that unknown couplings give its rows after a change, `found` the modes with it."""
+    """The table with the sigma that unknown couplings add to its rows after a change with modes `found`."""
     matches, _ = paired_by_shares(found, table, reach)
     share = np.zeros(len(table))
     mixed = mixing(model, tight, found)

@@ -1,7 +1,7 @@
-"""Choose between explanations by measured shapes, where frequencies and orientations cannot decide.
+"""Choose between explanations by measured shapes if frequencies and orientations cannot decide.
 
-Half a turn leaves a table as it is, but not the shapes: a loose bolt mixes other n into a mode, and of those an odd
-number of nodal diameters away the sign changes with the half turn.
+A half turn does not change the table, but changes the shapes: a loose bolt mixes other n into a mode, and components
+that differ by an odd number of nodal diameters change their sign with the half turn.
 """
 
 from typing import NamedTuple
@@ -30,21 +30,21 @@ class ShapeVerdict(NamedTuple):
 def checked_by_shapes(
     model: AffineModel, found: Localisation, shapes: MeasuredShapes, *, reach: float = 0.05
 ) -> list[ShapeVerdict]:
-    """The explanations of loose bolts in the order in which they give the measured shapes.
+    """The explanations of loose bolts, sorted by how well they reproduce the measured shapes.
 
     Parameters
     ----------
     model
-        The first part of what `search_model` gave.
+        First part of the result of `search_model`.
     shapes
-        Measured with the bolts loose: every member of a split pair, at sensors around the casing.
+        Shapes measured with the loose bolts: both members of split pairs, at sensors around the casing.
     reach
         Largest relative frequency error of a pair.
 
     Raises
     ------
     ModelError
-        sensor-far; locate-bolts for masses.
+        sensor-far, or locate-bolts for masses.
     InputError
         No shape pairs with a mode.
     """
@@ -59,7 +59,7 @@ def checked_by_shapes(
 def unlike(
     model: AffineModel, explanation: Explanation, rows: FloatArray, shapes: MeasuredShapes, reach: float
 ) -> float:
-    """Mean of 1 - MAC over the shapes that pair; `rows` (channels, r) take the basis to the sensors."""
+    """Mean of 1 - MAC over the shapes that pair; `rows` (channels, r) map the basis to the sensors."""
     factors = factors_of(model)
     x = np.zeros(len(factors))
     for one in explanation.found:

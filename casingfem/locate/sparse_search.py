@@ -1,10 +1,11 @@
-"""The fewest of many possible changes that explain a table: matching pursuit with re-linearisation.
+"""The smallest set of many possible changes that explains a table: matching pursuit with re-linearisation.
 
-Each round offers every candidate one more bounded Gauss-Newton step beside those already taken (orthogonal matching
-pursuit: Pati, Rezaiifar and Krishnaprasad, Asilomar 1993), refits the best few on the full model, and keeps the best
-if its gain is significant: F = (chi^2 before - chi^2 after)/s^2 above the quantile of F(1, dof) at level/candidates,
-s^2 = max(1, chi^2/dof). Two changes are sought among all pairs (`best_pair`); of more, each one taken is tried
-against all others, since the first choice was made on a linear model of changes that move modes by tens of per cent.
+Each round tries one more bounded Gauss-Newton step for every candidate in addition to the active ones (orthogonal
+matching pursuit: Pati, Rezaiifar and Krishnaprasad, Asilomar 1993), refits the best few on the full model, and accepts
+the best if its gain is significant: F = (chi^2 before - chi^2 after)/s^2 above the quantile of F(1, dof) at
+level/candidates, s^2 = max(1, chi^2/dof). Two changes are sought among all pairs (`best_pair`); with more changes, each
+active one is compared with all others, since the first choice used a linear model for changes that move modes by tens
+of per cent.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,7 +44,7 @@ class Bounds:
 
 
 def fitted(evaluate: Evaluate, start: Point, active: Sequence[int], bounds: Bounds) -> Point:
-    """Bounded Gauss-Newton over the active changes, all others at zero; each step is halved until it gains."""
+    """Bounded Gauss-Newton over the active changes, all others at zero; each step is halved until it reduces chi^2."""
     on = list(active)
     x = np.zeros(len(start.x))
     x[on] = start.x[on]
@@ -69,7 +70,7 @@ def fitted(evaluate: Evaluate, start: Point, active: Sequence[int], bounds: Boun
 
 
 def bounded_step(at: Point, on: list[int], low: FloatArray, high: FloatArray) -> FloatArray | None:
-    """The least-squares step of some changes within their bounds; None where the data do not see them."""
+    """The least-squares step of some changes within their bounds; None if the data do not depend on them."""
     A = at.jacobian[:, on]
     norms = np.linalg.norm(A, axis=0)
     if not len(at.values) or not np.any(norms):
@@ -97,21 +98,21 @@ def gains(at: Point, active: Sequence[int], bounds: Bounds) -> FloatArray:
 
 
 def scale2(point: Point, free: int) -> float:
-    """s^2 = max(1, chi^2/dof): how much larger the residuals are than their stated sigma."""
+    """s^2 = max(1, chi^2/dof): ratio of the residuals to their stated sigma, squared."""
     return max(1.0, point.chi2 / max(len(point.values) - free, 1))
 
 
 def threshold(level: float, candidates: int, rows: int, free: int) -> float:
-    """The gain in chi^2/s^2 that one change of `candidates` reaches by chance with probability `level`."""
+    """The gain in chi^2/s^2 that one of `candidates` changes reaches by chance with probability `level`."""
     return float(stdtrit(max(rows - free, 1), 0.5 * level / max(candidates, 1)) ** 2)  # F(1, k) is Student's t squared
 
 
 def search(
     evaluate: Evaluate, bounds: Bounds, *, most: int, level: float, least: float = 0.0
 ) -> tuple[list[int], Point]:
-    """The changes found, in order of their number, and the casing with them.
+    """The changes found, for each number of changes, and the casing with them.
 
-    A step that chance might make is kept if the next one shows that it was none: the first of two equal faults may
+    A step that may be chance is kept if the next one makes it significant, since the first of two equal faults may
     explain little alone. Changes smaller than `least` are left out.
     """
     changes = len(bounds.lower)
@@ -148,7 +149,7 @@ def keep_searching(taken: int, accepted: int, most: int, at: Point, level: float
 
 
 def unexplained(at: Point, free: int, level: float) -> bool:
-    """Whether noise leaves such residuals with less than this probability."""
+    """Whether the probability of such residuals from noise is below a limit."""
     return at.chi2 > float(chdtri(max(len(at.values) - free, 1), level))
 
 
@@ -161,7 +162,7 @@ def significant(before: Point, after: Point, free: int, level: float, candidates
 def best_addition(
     evaluate: Evaluate, at: Point, active: Sequence[int], bounds: Bounds, tried: int = TRIED
 ) -> tuple[int | None, Point]:
-    """The change that brings chi^2 lowest beside those active, of the most promising, and the fit with it."""
+    """The most promising change that lowers chi^2 most in addition to the active ones, and the fit with it."""
     promised = gains(at, active, bounds)
     order = [int(c) for c in np.argsort(-promised, kind="stable")[:tried] if promised[c] > 0.0]
     fits = [(c, fitted(evaluate, at, [*active, c], bounds)) for c in order]
@@ -173,7 +174,7 @@ def best_addition(
 def exchanged(
     evaluate: Evaluate, at: Point, active: list[int], bounds: Bounds, rounds: int = 2, tried: int = TRIED
 ) -> tuple[list[int], Point]:
-    """Let every active change be replaced by a better one, until none is."""
+    """Replace active changes by better ones, until none improves the fit."""
     for _ in range(rounds if len(active) > 1 else 0):
         before = at.chi2
         for place in range(len(active)):
@@ -188,7 +189,7 @@ def exchanged(
 
 
 def pruned(evaluate: Evaluate, at: Point, active: list[int], bounds: Bounds, level: float) -> tuple[list[int], Point]:
-    """Drop changes that the others make needless."""
+    """Drop changes that the others make unnecessary."""
     for change in list(active):
         others = [c for c in active if c != change]
         without = fitted(evaluate, at, others, bounds)
@@ -198,12 +199,13 @@ def pruned(evaluate: Evaluate, at: Point, active: list[int], bounds: Bounds, lev
 
 
 def best_pair(evaluate: Evaluate, none: Point, bounds: Bounds) -> tuple[list[int], Point]:
-    """The two changes with the least chi^2 and the fit with them, from the casing with none; two candidates or more.
+    """The two changes with the least chi^2 and the fit with them, from the unchanged casing; two or more candidates.
 
-    Matching pursuit takes the change that explains most alone; of two equal faults that is often a third place between
-    them, and exchanging one of two wrong places for another may not help. All pairs are few (276 of 24): each change is
-    first fitted alone, on the full model; from there every other promises a linear fall of chi^2 with the first left
-    free. Of the two orders of a pair the better promise counts, and the dozen pairs with the lowest are refitted.
+    Matching pursuit takes the change that explains most alone. With two equal faults that is often a third place
+    between them, and replacing one of two wrong places may not help. There are few pairs (276 for 24 places), so all
+    are tried. Each change is first fitted alone on the full model; from there the linear decrease of chi^2 with every
+    other one is computed, with the first left free. The better of the two orders of a pair counts, and the dozen best
+    pairs are refitted.
     """
     count = len(bounds.lower)
     alone = [fitted(evaluate, none, [c], bounds) for c in range(count)]

@@ -1,14 +1,15 @@
-"""Derivatives of linear readings of mode shapes: their adjoints, for all modes from one Krylov space.
+"""Derivatives of linear functions ("readings") of mode shapes: their adjoints, for all modes from one Krylov space.
 
-A reading b^T phi_i of mode i changes with a parameter by z^T (K' - lambda_i M') phi_i, plus what its own plane does,
+A reading b^T phi_i of mode i changes with a parameter by z^T (K' - lambda_i M') phi_i, plus a part within its own
+plane,
 
     (K - lambda_i M) z = -(b - M Phi_i Phi_i^T b),   z M-orthogonal to Phi_i, the mode or its doublet,
 
-(Fox & Kapoor, AIAA J. 6, 1968, 2426, with the modes not computed by their static response). Among the computed modes
-the solution is explicit. What is left lies in span[F b, F M F b, ...], F = (K - s M)^-1: one Galerkin space serves all
-lambda_i, and each more depth multiplies its error by about (lambda_i/lambda_m)^2, m the first mode left out.
+(Fox & Kapoor, AIAA J. 6, 1968, 2426, with omitted modes by their static response). Among the computed modes
+the solution is explicit. The rest lies in span[F b, F M F b, ...], F = (K - s M)^-1: one Galerkin space serves all
+lambda_i, and each further power multiplies its error by about (lambda_i/lambda_m)^2, with the first omitted mode m.
 
-Many sensors read the same motions: of a block only the directions are kept that are more than `SMALL` of its largest.
+Many sensors measure the same motions, so only directions of a block above `SMALL` of its largest are kept.
 """
 
 from collections.abc import Sequence
@@ -44,7 +45,7 @@ class AdjointSpace:
     readings: FloatArray
 
     def weights(self, reading: int, mode: int, plane: Sequence[int]) -> FloatArray:
-        """The motions' shares (motions,) in the adjoint z of one reading at one mode."""
+        """The coefficients (motions,) of the motions in the adjoint z of one reading for one mode."""
         away = self.values[mode] - self.values
         away[list(plane)] = np.inf
         return np.asarray(self.readings[reading] / away)
@@ -73,7 +74,7 @@ def adjoint_space(solution: Solution, loads: FloatArray, depth: int = DEPTH) -> 
 
 
 def directions(block: FloatArray, basis: FloatArray) -> FloatArray:
-    """Orthonormal directions of a block (dofs, any) beyond a basis, those of more than `SMALL` of the block."""
+    """Orthonormal directions of a block (dofs, any) beyond a basis, those above `SMALL` of the block."""
     R = qr(block, mode="r")[0][: block.shape[1]]
     least = SMALL * np.linalg.norm(R, 2)
     block = block - basis @ (basis.T @ block)

@@ -2,10 +2,10 @@
 
     K(x) = K0 + sum_c x_c K_c,   M(x) = M0 + sum_c x_c M_c
 
-K_c and M_c are on few dofs of an edge: the springs of one bolt, a mass at one place. The basis contains the modes of
-the unchanged casing and its static answers K0^-1 (K_c Phi), K0^-1 (M_c Phi) to what each change does to them, so that
-large changes (a missing bolt) are as good as small ones; `python -m reports.verification.updating.loose_bolt_search`
-compares it with full solutions.
+K_c and M_c act on few dofs of an edge: the springs of one bolt, a mass at one place. The basis contains the modes of
+the unchanged casing and the static responses K0^-1 (K_c Phi), K0^-1 (M_c Phi) to each change, so that large changes (a
+missing bolt) are as accurate as small ones; `python -m reports.verification.updating.loose_bolt_search` compares it
+with full solutions.
 """
 
 from collections.abc import Sequence
@@ -39,14 +39,14 @@ ALIKE = 1e-9  # of the largest: what a direction must add to the others' strain 
 
 
 class Change(NamedTuple):
-    """Addition to stiffness and mass for one unit of a change; None for no addition."""
+    """Addition to stiffness and mass per unit of a change; None for no addition."""
 
     stiffness: EdgeForm | None = None
     mass: EdgeForm | None = None
 
 
 def bolt_changes(system: System, edge: str) -> list[Change]:
-    """The springs of each bolt of an edge as tight ones: a unit less is a missing bolt."""
+    """The springs of each bolt of an edge, as for tight bolts: minus one unit is a missing bolt."""
     shell, support = system.shell, system.shell.supports[edge]
     line, own = edge_line(shell, system.grid, edge), own_dofs(shell, system.grid)
     bolts = outer_supports(shell)[edge]
@@ -77,15 +77,15 @@ def mass_changes(system: System, edge: str, angles: FloatArray) -> list[Change]:
 class AffineModel:
     """A casing and its changes in a reduced basis.
 
-    Modes are the largest mu of M(x) y = mu (K(x) + s M(x)) y, omega^2 = 1/mu - s: so the lowest are right to round-off
-    of themselves, not of the highest frequency of the basis.
+    Modes are the largest mu of M(x) y = mu (K(x) + s M(x)) y, omega^2 = 1/mu - s: so the lowest are exact to round-off
+    relative to themselves, not to the highest frequency of the basis.
 
     Attributes
     ----------
     system
         The unchanged casing.
     nominal
-        Its modes, as many as the basis was asked to contain.
+        Its modes, as many as requested for the basis.
     motions
         Motions of the basis at all dofs, those of nodes first, of rings last, (5 nodes + own, r).
     K, M
@@ -93,7 +93,7 @@ class AffineModel:
     shift
         s [rad^2/s^2], small beside the first elastic eigenvalue: free casings can be reduced too.
     stiffness, mass
-        K_c and M_c, (changes, r, r); None where no change has any.
+        K_c and M_c, (changes, r, r); None if no change has any.
     rings
         Circumferential content of the basis.
     """
@@ -111,7 +111,7 @@ class AffineModel:
     __repr__ = brief
 
     def with_changes(self, changes: "Sequence[Change]") -> "AffineModel":
-        """The same basis with other changes, near those that it was made for."""
+        """The same basis with other changes, close to those for which it was made."""
         stiffness, mass = (products([change[k] for change in changes], self.motions) for k in (0, 1))
         return replace(self, stiffness=stiffness, mass=mass)
 
@@ -134,7 +134,7 @@ class AffineModel:
         return modes_by_coordinates(freq, y, self.rings, rigid=self.nominal.rigid)
 
     def derivatives(self, found: "AffineModes") -> FloatArray:
-        """G[c, i, j] = phi_i^T (K_c - omega_i^2 M_c) phi_j, (changes, modes, modes), as `eigen_derivatives` has it."""
+        """G[c, i, j] = phi_i^T (K_c - omega_i^2 M_c) phi_j, (changes, modes, modes), as in `eigen_derivatives`."""
         y, square = found.coordinates, found.omega[:, None] ** 2
         G = np.zeros((self.changes, len(found), len(found)))
         if self.stiffness is not None:
@@ -146,13 +146,13 @@ class AffineModel:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class AffineModes(ModeSet):
-    """Modes by their coordinates (r, modes) in the reduced basis; `fields` are left out, of no node."""
+    """Modes by their coordinates (r, modes) in the reduced basis; `fields` are empty."""
 
     coordinates: FloatArray
 
 
 def modes_by_coordinates(freq: FloatArray, y: FloatArray, basis: Rings, *, rigid: int) -> AffineModes:
-    """Modes labelled by the circumferential content of their basis; y (r, modes) is turned where a pair is perfect."""
+    """Modes labelled by the circumferential content of their basis; y (r, modes) is rotated for perfect pairs."""
     count, of_basis = len(freq), basis.amplitudes
     flat = of_basis.reshape(-1, len(y))  # one product of matrices, where each n and ring would have its own
     rings = Rings((flat @ y).reshape(*of_basis.shape[:-1], count), basis.weights)
@@ -182,7 +182,7 @@ def modes_by_coordinates(freq: FloatArray, y: FloatArray, basis: Rings, *, rigid
 
 
 def affine_model(system: System, changes: Sequence[Change], count: int, nominal: Modes | None = None) -> AffineModel:
-    """Reduce a casing to `count` modes, `nominal` where they are known, and the static answers to its changes.
+    """Reduce a casing to `count` modes (`nominal` if they are known) and the static responses to its changes.
 
     Raises
     ------
@@ -234,7 +234,7 @@ def answers(system: System, form: EdgeForm, shapes: FloatArray, most: int) -> Fl
 
 
 def independent(K: csc_array, first: FloatArray, more: FloatArray) -> FloatArray:
-    """K-orthonormal basis of K-orthonormal columns (free, m) and more of them (free, k)."""
+    """K-orthonormal basis of K-orthonormal columns (free, m) and further columns (free, k)."""
     for _ in range(2):  # twice is enough (Gram and Schmidt)
         more = more - first @ (first.T @ (K @ more))
     more = more / np.sqrt(np.einsum("ij,ij->j", more, K @ more))
@@ -244,7 +244,7 @@ def independent(K: csc_array, first: FloatArray, more: FloatArray) -> FloatArray
 
 
 def products(forms: Sequence[EdgeForm | None], motions: Array) -> FloatArray | None:
-    """The forms in the basis, (changes, r, r); None where there is none."""
+    """The forms in the basis, (changes, r, r); None if there is none."""
     if all(form is None for form in forms):
         return None
     size = motions.shape[1]

@@ -1,9 +1,9 @@
-"""The reduced modal basis: plain arrays in a file, the only thing handed on to contact.
+"""The reduced modal basis: plain arrays in a file, the only input that contact gets.
 
     q'' + 2 zeta omega q' + omega^2 q = rows^T lam,    u = rows q + S lam
 
-with mass-normalised modes, u the interface displacements by channel and S the static compliance of all that
-is not kept.
+with mass-normalised modes, u the interface displacements by channel and S the static compliance of everything that is
+not kept.
 """
 
 import json
@@ -32,52 +32,30 @@ ARRAYS = (
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalBasis(Reported):
-    """A reduced body seen from its interface.
+    """A reduced body with its interface.
 
-    Attributes
-    ----------
-    omega, zeta
-        Angular frequencies [rad/s] and damping ratios, (modes,).
-    channels
-        Names of the interface displacements, (channels,).
-    rows
-        Interface displacement of each mode, (channels, modes).
-    S
-        Residual compliance [m/N], (channels, channels), symmetric.
-    kind
-        "rim": Fourier amplitudes around an edge; "point": displacements of one place.
-    n_max, radius, thickness
-        Of a rim: highest harmonic, mean radius of its lines and least thickness of the wall there [m], 0 where that is
-        not known.
-    recovery, recovery_S, recovery_points, recovery_cells
-        Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels),
-        (points, 3); the cells between the points, each VTK's number of its kind and its nodes; empty unless asked for.
-    lines
-        Of a rim: axial place and radius of each of its lines [m], (lines, 2).
-    line_thickness
-        Of a rim: least thickness of the wall on each of its lines [m], (lines,); empty where that is not known.
-    outputs, output_rows, output_S
-        Names of displacements and strains at chosen places, and output_rows q + output_S lam that gives them.
-    gyroscopic, stiffness_by_speed, spin
-        Of a body that turns at Omega [rad/s], in its own frame: Omega gyroscopic q' joins the left side of the
-        equation, and (Omega^2 - spin^2) stiffness_by_speed its stiffness, both (modes, modes). `spin` is the speed
-        [rad/s] at which the modes were computed. Omega is positive from x to y about the axis of a casing, and in the
-        direction of the study's rotation of any other part.
-    known_speeds
-        Lowest and highest speed [rad/s] at which `stiffness_by_speed` holds, (2,): of a part whose steady shape follows
-        the speed; empty where it holds at every speed. Contact refuses other speeds.
-    damping, stiffness
-        Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes). A reduced structure has no `damping`,
-        and `stiffness` only with modes at a speed: what Coriolis forces of that speed do through motions left out.
-    participation
-        Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
-        span, flap and chord of a blade, (3, modes); empty where it is not known.
-    sectors
-        Of a wheel: how many sectors are evenly around, with channels sector0.*, sector1.*, ...; else 0.
-    out_of_roundness
-        Of a rim: deviation of each line's radius from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1).
-    provenance
-        Where it comes from: method, versions, hash of the matrices.
+    Attributes ---------- omega, zeta Angular frequencies [rad/s] and damping ratios, (modes,). channels Names of the
+    interface displacements, (channels,). rows Interface displacement of each mode, (channels, modes). S Residual
+    compliance [m/N], (channels, channels), symmetric. kind "rim": Fourier amplitudes around an edge; "point":
+    displacements of one place. n_max, radius, thickness Of a rim: highest harmonic, mean radius of its lines and least
+    thickness of the wall there [m], 0 if that is unknown. recovery, recovery_S, recovery_points, recovery_cells
+    Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels), (points, 3); the
+    cells between the points, each with its VTK cell type and nodes; empty unless requested. lines Of a rim: axial place
+    and radius of each of its lines [m], (lines, 2). line_thickness Of a rim: least thickness of the wall on each of its
+    lines [m], (lines,); empty if that is unknown. outputs, output_rows, output_S Names of displacements and strains at
+    chosen places, and output_rows q + output_S lam that gives them. gyroscopic, stiffness_by_speed, spin For a body
+    that rotates at Omega [rad/s], in its own frame: the left side of the equation gets Omega gyroscopic q', and its
+    stiffness (Omega^2 - spin^2) stiffness_by_speed, both (modes, modes). `spin` is the speed [rad/s] at which the modes
+    were computed. Omega is positive from x to y about the axis of a casing, for other parts in the direction of the
+    study's rotation. known_speeds Lowest and highest speed [rad/s] at which `stiffness_by_speed` is valid, (2,), for a
+    part whose steady shape depends on the speed; empty if it is valid at every speed. Contact refuses other speeds.
+    damping, stiffness Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes). A reduced structure
+    has no `damping`, and `stiffness` only with modes at a speed: the effect of its Coriolis forces through omitted
+    motions. participation Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis
+    of a casing, along span, flap and chord of a blade, (3, modes); empty if unknown. sectors Of a wheel: number of
+    sectors, with channels sector0.*, sector1.*, ...; else 0. out_of_roundness Of a rim: deviation of each line's radius
+    from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1). provenance Origin: method, versions, hash of
+    the matrices.
 
     Examples
     --------
@@ -156,7 +134,7 @@ class ModalBasis(Reported):
         return np.asarray((self.rows / self.omega**2) @ self.rows.T + self.S)
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a mode: number, frequency, damping, and the participation where it is known."""
+        """One plain dictionary for each mode: number, frequency, damping, and participation if known."""
         names = [f"participation_{k}" for k in range(1, 1 + len(self.participation))]
         shares = self.participation.T.tolist() or [()] * len(self)
         rows = zip(self.freq.tolist(), self.zeta.tolist(), shares, strict=True)
@@ -166,7 +144,7 @@ class ModalBasis(Reported):
         ]
 
     def columns(self) -> dict[str, Any]:
-        """One row a mode: the columns of `records`, and the displacement of each channel of the interface."""
+        """One row for each mode: the columns of `records`, and the displacement of each interface channel."""
         return {**super().columns(), **dict(zip(self.channels, self.rows, strict=True))}
 
     def arrays(self) -> dict[str, Any]:
@@ -187,7 +165,7 @@ class ModalBasis(Reported):
         Raises
         ------
         InputError
-            If the file is missing, is no modal basis, or lacks an array.
+            If the file is missing, is not a modal basis, or lacks an array.
         """
         data = read_npz(path, kinds=dict.fromkeys(TEXTS, "text"))
         if str(data.get("format")) != FORMAT:
@@ -210,7 +188,7 @@ class ModalBasis(Reported):
             raise InputError(f"{path}: {error}") from error
 
     def __repr__(self) -> str:
-        """One line: modes, band, channels, the part of the compliance that S has."""
+        """One line: modes, band, channels, share of S in the compliance."""
         if len(self) == 0:
             return f"ModalBasis({self.kind}, no modes, {len(self.channels)} channels)"
         share = np.trace(self.S) / np.trace(self.compliance)

@@ -23,7 +23,7 @@ from contact.io.reported import Reported
 
 
 def met_words(met: list[tuple[int, float]]) -> str:
-    """Engine orders and the speeds [Hz] at which they meet a mode."""
+    """Engine orders and the speeds [Hz] at which they cross a mode."""
     return ", ".join(f"{order} at {at:.4g} Hz" for order, at in met) or "-"
 
 
@@ -52,19 +52,12 @@ SPARE = 6  # modes computed beyond those followed, so that one may leave the ran
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class Campbell(Reported):
-    """Frequencies against speed, each column one mode followed by its shape.
+    """Frequencies over speed; each column follows one mode by its shape.
 
-    Attributes
-    ----------
-    omega
-        Speeds [rad/s], (speeds,).
-    freq
-        Frequencies [Hz] in the rotating frame, without Coriolis forces, (speeds, modes), ascending at the first speed.
-    southwell
-        d(omega_k^2)/d(Omega^2) = phi_k^T K1 phi_k of the shapes at the first speed, (modes,): Southwell's coefficients,
-        exact slopes if that speed is 0.
-    overlap
-        |phi^T M phi_before| of each mode with itself at the speed before, (speeds, modes): 1 where nothing mixes.
+    Attributes ---------- omega Speeds [rad/s], (speeds,). freq Frequencies [Hz] in the rotating frame, without Coriolis
+    forces, (speeds, modes), ascending at the first speed. southwell d(omega_k^2)/d(Omega^2) = phi_k^T K1 phi_k for the
+    shapes at the first speed, (modes,): Southwell coefficients, exact slopes if that speed is 0. overlap |phi^T M
+    phi_before| of each mode with itself at the previous speed, (speeds, modes): 1 without mixing.
 
     Examples
     --------
@@ -99,7 +92,7 @@ class Campbell(Reported):
         return zero_crossings(self.speed_hz, self.freq - order * self.speed_hz[:, None])
 
     def columns(self) -> dict[str, FloatArray]:
-        """One row a speed, one column a mode, as arrays.
+        """One row for each speed and one column for each mode, as arrays.
 
         >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
         ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
@@ -112,23 +105,26 @@ class Campbell(Reported):
         return self.table()
 
     def described(self) -> Columns:
-        """The speed, and the frequency of each mode: one row a speed."""
+        """The speed and the frequency of each mode, one row for each speed."""
         speed = Column("speed_hz", "Speed of rotation.", lambda found: found.speed_hz, head="speed", unit="Hz",
                        format=".5g")  # fmt: skip
         return (speed, *map(of_mode, range(self.freq.shape[1])))
 
     def met(self, orders: int = 8) -> list[list[tuple[int, float]]]:
-        """Of each mode, the engine orders that meet it with the speeds [Hz]."""
+        """For each mode, the engine orders that cross it, with the speeds [Hz]."""
         found = self._met(orders)
         return [[(order, at) for order, k, at in found if k == mode] for mode in range(self.freq.shape[1])]
 
     def modes_met(self, orders: int = 8) -> Rows:
-        """One row a mode, as `MODES` names its columns."""
+        """One row for each mode, with the columns of `MODES`."""
         rows = zip(records_of(MODES, self), self.met(orders), strict=True)
         return [row | {"engine_orders": met} for row, met in rows]
 
     def table(self, orders: int = 8) -> str:
-        """One row a mode: frequencies at the first and last speed, Southwell's coefficient, engine orders met."""
+        """One row for each mode.
+
+        Frequencies at first and last speed, Southwell coefficient, engine orders that cross it.
+        """
         first, last = self.speed_hz[0], self.speed_hz[-1]
         return "\n".join([f"speeds {first:.4g} to {last:.4g} Hz", *table_lines(MODES, self.modes_met(orders))])
 
@@ -136,7 +132,7 @@ class Campbell(Reported):
         return [(order, k, at) for order in range(1, orders + 1) for k, at in self.crossings(order)]
 
     def to_json(self, orders: int = 8) -> dict[str, object]:
-        """JSON-ready: speeds, frequencies by speed, Southwell's coefficients, crossings with engine orders."""
+        """Ready for JSON: speeds, frequencies by speed, Southwell coefficients, crossings with engine orders."""
         return {
             "speed_hz": self.speed_hz.tolist(), "freq_hz": self.freq.tolist(), "southwell": self.southwell.tolist(),
             "overlap": self.overlap.tolist(),
@@ -144,7 +140,7 @@ class Campbell(Reported):
         }  # fmt: skip
 
     def to_csv(self) -> str:
-        """One row a speed, one column a mode."""
+        """One row for each speed, one column for each mode."""
         columns = self.columns()
         head = ",".join(columns)
         rows = [",".join(map(str, row)) for row in zip(*(column.tolist() for column in columns.values()), strict=True)]
@@ -168,20 +164,14 @@ def zero_crossings(speed: FloatArray, gap: FloatArray) -> list[tuple[int, float]
 def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArray, count: int = 6) -> Campbell:
     """Follow the lowest `count` modes of a structure over speeds [rad/s], one assembly and one static solution for all.
 
-    Parameters
-    ----------
-    structure
-        A supported `Shell`, `Solid` or `MeshShell` with a `rotation`; its own speed is not used. A solid is taken about
-        its steady shape at each speed where its displacements ask for it.
-    omega
-        Speeds [rad/s], ascending.
-    count
-        Modes followed, lowest at the first speed.
+    Parameters ---------- structure A supported `Shell`, `Solid` or `MeshShell` with a `rotation`; its own speed is not
+    used. For large displacements a solid is linearised about its steady shape at each speed. omega Speeds [rad/s],
+    ascending. count Number of modes followed, the lowest at the first speed.
 
     Raises
     ------
     ModelError
-        `rotation-none` for a structure without an axis; `rotation-unstable` where K(Omega) is not positive definite.
+        `rotation-none` for a structure without an axis; `rotation-unstable` if K(Omega) is not positive definite.
 
     Examples
     --------
@@ -238,7 +228,7 @@ def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System 
 def modes_at(
     structure: Shell | MeshStructure, system: System | MeshSystem, K: csc_array, speed: float, count: int
 ) -> ModeSet:
-    """Modes at a speed, with its stiffness."""
+    """Modes at a speed, with the stiffness there."""
     owner: Any = structure
     turning = replace(owner, rotation=owner.rotation.at(speed))
     if isinstance(system, System):

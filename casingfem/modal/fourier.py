@@ -1,4 +1,4 @@
-"""Modes of a perfect casing: one dense meridian problem for each number of nodal diameters, doublets exact."""
+"""Modes of a perfect casing: one dense meridian problem for each number of nodal diameters, with exact doublets."""
 
 import time
 from dataclasses import replace
@@ -28,7 +28,10 @@ DROWNED = 0.1  # round-off of more than this part of an eigenvalue that no rigid
 
 
 class Found(NamedTuple):
-    """One mode: omega^2, nodal diameters, which member, meridian shape, the rings' turns, round-off of omega^2."""
+    """One mode.
+
+    Omega^2, nodal diameters, cosine or sine member, meridian shape, rotations of rings, round-off of omega^2.
+    """
 
     value: float
     n: int
@@ -39,10 +42,10 @@ class Found(NamedTuple):
 
 
 def fourier_modes(shell: Shell, count: int) -> Modes:
-    """Lowest modes of a perfect casing, one dense meridian problem for each n, doublets exact.
+    """Lowest modes of a perfect casing, by one dense meridian problem for each n, with exact doublets.
 
-    n runs until `harmonic_floor` alone lies above the band: frequencies fall with n before they rise, and a low n = 0
-    or 1 may come before a higher valley. The count is then checked by the inertia of every harmonic at one shift.
+    n increases until `harmonic_floor` alone is above the band, since frequencies decrease with n before they increase,
+    and a low n = 0 or 1 may precede a higher minimum. Then the inertia of every harmonic at one shift checks the count.
 
     Raises
     ------
@@ -52,7 +55,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no inertia can show it.
+        `modes-round-off` if the inertia cannot show it.
     """
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2
@@ -82,17 +85,17 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
 
 
 def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
-    """Every mode of a perfect casing in a band [Hz]; each harmonic is counted by its inertia at both ends.
+    """Every mode of a perfect casing in a band [Hz]; the inertia at both ends counts those of each harmonic.
 
     Raises
     ------
     NumericsError
-        If a harmonic does not show as many modes as its inertia counts.
+        If the number of modes found in a harmonic differs from its count.
 
     Warns
     -----
     ModelWarning
-        `modes-round-off` where no inertia can show it.
+        `modes-round-off` if the inertia cannot show it.
     """
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2
@@ -122,13 +125,13 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
 
 
 def tell_harmonic(shell: Shell, n: int, limit: float) -> None:
-    """Report n to the progress listener, and the share n over the last n: the floor rises as n^4 up to `limit`."""
+    """Report n and its share of the last n to the progress listener: the floor rises as n^4 up to `limit`."""
     share = (harmonic_floor(shell, n) / limit) ** 0.25 if 0.0 < limit < np.inf else None
     tell(f"n = {n}", None if share is None else min(share, 0.99))
 
 
 def members(meridian: Meridian, values: FloatArray, vectors: FloatArray) -> list[Found]:
-    """The modes of one harmonic, cosine and sine where n > 0."""
+    """The modes of one harmonic, cosine and sine if n > 0."""
     n, both = meridian.n, (False, True) if meridian.n else (False,)
     shapes, own, noise = meridian.expand(vectors), meridian.expand_own(vectors), round_off(meridian.K, vectors)
     return [
@@ -156,11 +159,13 @@ def revolved(
 
 
 def harmonic_floor(shell: Shell, n: int) -> float:
-    """A floor for omega^2 at n nodal diameters: .7 of the inextensional bending of a free ring, in series with shear.
+    """Lower bound of omega^2 at n nodal diameters.
+
+    .7 of the inextensional bending of a free ring, in series with shear.
 
     omega_b^2 = E t^2/(12 rho R^4) n^2 (n^2 - 1)^2/(n^2 + 1) (Rayleigh), omega_s^2 = k G n^2/(rho R^2), R the largest
-    radius; supports and the meridian's curvature only add to it. Of the rings a casing of several strips is made of
-    the lowest counts: a sum of energies over a sum of energies is not below the least of the ratios.
+    radius; supports and the meridian's curvature only increase it. For a casing of several strips the lowest of its
+    rings counts, since a ratio of sums of energies is not below the least of the ratios.
     """
     if n < 2:
         return 0.0
@@ -174,9 +179,9 @@ def harmonic_floor(shell: Shell, n: int) -> float:
 
 
 def ring_floor(shell: Shell, name: str, ring: Ring, n: int) -> float:
-    """The same for a ring's beam: its weaker bending, out of plane with torsion (Love), in series with shear.
+    """Lower bound for a ring's beam: its weaker bending, out of plane with torsion (Love), in series with shear.
 
-    R is the radius of its own centre line, which an offset moves away from the edge.
+    R is the radius of its own centre line, which an offset separates from the edge.
     """
     material, section = ring.material or shell.material, ring.section
     end = np.array([shell.line_at(name)])
@@ -191,7 +196,7 @@ def ring_floor(shell: Shell, name: str, ring: Ring, n: int) -> float:
 
 
 def resolving(shell: Shell, n: int) -> Shell:
-    """The shell on a mesh with at least six nodes a wave of n around."""
+    """The shell on a mesh with at least six nodes in a wave of n around."""
     mesh = shell.mesh
     elements = max(mesh.around, int(np.ceil(6.0 * n / mesh.order)))
     return shell if elements == mesh.around else replace(shell, mesh=replace(mesh, around=elements))
@@ -208,14 +213,14 @@ def inertia_below(meridian: Meridian, sigma: float) -> int:
 def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, FloatArray]:
     """Lowest eigenvalues and mass-normalised vectors of one harmonic: inverse of K + shift M, then Rayleigh-Ritz.
 
-    Small eigenvalues (rigid motions, thin free rings) would drown in the round-off of K's large ones; where a rigid
-    motion's exceeds the shift, on the thinnest walls, that is a hundred times as far. Values are those of the vectors'
-    strain energies, right to round-off of themselves.
+    Small eigenvalues (rigid motions, thin free rings) would be lost in the round-off of K's large ones. If round-off of
+    a rigid motion exceeds the shift, on the thinnest walls, the shift is a hundred times larger. Values come from the
+    vectors' strain energies, exact to round-off relative to themselves.
 
     Raises
     ------
     NumericsError
-        If K + shift M is indefinite then too.
+        If K + shift M is still indefinite.
     """
     root = 1.0 / np.sqrt(meridian.mass)
     size = len(root)
@@ -235,7 +240,7 @@ def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, Fl
 
 
 def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> FloatArray:
-    """Spread a meridian shape (nodes on the meridian, 5) around: nodal field (nodes, 5), mass-normalised."""
+    """Spread a meridian shape (nodes on the meridian, 5) around as a nodal field (nodes, 5), mass-normalised."""
     z, theta = grid.nodes
     _, row = np.unique(np.round(z / np.ptp(z), 9), return_inverse=True)
     wave = (shape * HOOP)[row] * np.exp(1j * n * theta)[:, None]
@@ -248,9 +253,9 @@ def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> Float
 
 
 def shown(wave: Array, n: int, *, sine: bool) -> FloatArray:
-    """Share of its wave that a mode shows; 1 at n = 0, where torsion, in quadrature, may have the same frequency.
+    """Part of its wave in a mode; 1 at n = 0, where torsion, in quadrature, may have the same frequency.
 
-    So it does at zero: a free casing's two rigid motions come out mixed.
+    At frequency zero it does, so the two rigid motions of a free casing are mixed.
     """
     if n == 0:
         return np.asarray(wave.real + wave.imag)
@@ -264,7 +269,7 @@ def ring_nodes(shell: Shell, grid: Grid) -> IntArray:
 
 
 def revolve_own(grid: Grid, shell: Shell, turns: FloatArray, n: int, *, sine: bool) -> FloatArray:
-    """Spread the rings' turns about the normal (rings,) around: (own,), as `revolve_shape` does the shape."""
+    """Spread the rings' rotations about the normal (rings,) around: (own,), as `revolve_shape` for shapes."""
     nodes = ring_nodes(shell, grid)
     wave = 1j * np.exp(1j * n * grid.nodes[1, nodes]) * np.repeat(turns, len(nodes) // max(1, len(turns)))
     part = shown(wave, n, sine=sine)

@@ -1,10 +1,10 @@
 """Circumferential content of mode shapes: nodal diameters, purity, orientation, partners.
 
-On every ring of nodes the cylindrical displacements are interpolated to equally spaced angles, four times as
-many as nodes, and Fourier transformed: u(theta) = Re sum_n c_n e^(i n theta). The energy of each n, summed
-over the rings and the three components, labels the mode; its share is the purity. On a closed chart that is not
-axisymmetric theta is 2 pi times the arc length around over its total, halfway along the chart, and the components are
-those along the chart's own directions: the label does not depend on the parameters.
+On every ring of nodes the cylindrical displacements are interpolated to four times as many equally spaced angles, and
+Fourier transformed: u(theta) = Re sum_n c_n e^(i n theta). The energy of each n, summed over the rings and the three
+components, labels the mode; its share is the purity. On a closed chart that is not axisymmetric theta is 2 pi times the
+arc length around over its total, halfway along the chart, and the components are those along the chart's own
+directions: the label does not depend on the parameters.
 """
 
 from collections.abc import Callable
@@ -57,7 +57,7 @@ class Rings:
 
 
 def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = None) -> Rings:
-    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max, by default all that the nodes resolve."""
+    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max, by default as far as the nodes resolve."""
     n_max = n_max or max(2, grid.mesh.order * grid.mesh.around // 3)
     rings, transform = ring_transform(chart, grid, n_max, None if is_axisymmetric(chart) else arc_places(chart))
     if is_axisymmetric(chart):
@@ -84,7 +84,7 @@ def ring_weights(mesh: ShellMesh) -> FloatArray:
 
 
 def arc_places(chart: Chart) -> Callable[[FloatArray], FloatArray]:
-    """The second parameter of a closed chart at angles 2 pi s/L, s the arc length around halfway along, L its total."""
+    """The second parameter of a closed chart at angles 2 pi s/L; s: arc length around at mid-height, L: its total."""
     (a0, a1), (b0, b1) = np.real(np.array(chart.bounds, dtype=complex))
     b = np.linspace(b0, b1, ARC)
     speed = np.linalg.norm(np.real(chart.surface(np.full(ARC, 0.5 * (a0 + a1)), b, None).x2), axis=0)
@@ -94,9 +94,9 @@ def arc_places(chart: Chart) -> Callable[[FloatArray], FloatArray]:
 
 
 def orientation(profile: Array, n: int) -> float:
-    """Angle of an antinode of the radial displacement [rad], in [0, pi/n); nan where n = 0.
+    """Angle of an antinode of the radial displacement [rad], in [0, pi/n); nan for n = 0.
 
-    u_r ~ cos n (theta - psi) has amplitude e^(-i n psi); squaring makes the rings' signs immaterial.
+    u_r ~ cos n (theta - psi) has amplitude e^(-i n psi); squaring removes the rings' signs.
     """
     if n == 0:
         return float("nan")
@@ -107,12 +107,12 @@ def orientation(profile: Array, n: int) -> float:
 
 
 def quadrature(a: Array, b: Array) -> float:
-    """Agreement of b with a turned by a quarter wave: 1 for the members of a perfect pair."""
+    """Agreement of b with a rotated by a quarter wave: 1 for the members of a perfect pair."""
     return float(abs(np.real(np.vdot(1j * a, b))) / (np.linalg.norm(a) * np.linalg.norm(b)))
 
 
 def find_doublets(rings: Rings, n: IntArray) -> list[tuple[int, int]]:
-    """Pairs of modes that belong together: the same n >= 1, a quarter wave apart, nearest in frequency."""
+    """Pairs of modes that belong together: equal n >= 1, a quarter wave apart, nearest in frequency."""
     pairs = []
     for label in np.unique(n[n > 0]):
         waiting = np.flatnonzero(n == label).tolist()
@@ -127,9 +127,9 @@ def find_doublets(rings: Rings, n: IntArray) -> list[tuple[int, int]]:
 
 
 def align_pair(first: Array, second: Array) -> FloatArray:
-    """Rotation (2, 2) that turns a degenerate pair into its cosine and sine members.
+    """Rotation (2, 2) of a degenerate pair into its cosine and sine members.
 
-    The cosine member has the least imaginary part; columns are (cosine, sine), signs with positive peaks.
+    The cosine member has the least imaginary part; columns are (cosine, sine), with positive peaks.
     """
     profiles = np.stack([first, second], axis=1)
     radial = profiles[: len(profiles) // 3]

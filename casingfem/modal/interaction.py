@@ -1,15 +1,14 @@
 """Speeds at which casing and blade can excite each other: f_c + f_b = n f and its difference forms.
 
-A wave of n nodal diameters and frequency f_c is met by a blade that moves past it at f turns a second with the
-frequency |f_c -+ n f|. Sum: f_b = n f - f_c, both grow while they touch, even without friction. Difference:
-f_b = |f_c -+ n f|, a resonance that something must force, unless friction drives the blade into the casing,
-mu > tan(lean). For a bladed disk f_b is that of n diameters, folded at half the number of blades (Legrand, Pierre,
-Cartraud, Lombard, J. Sound Vib. 319, 2009, 366). The contact shifts all of it: `casingfem stability` computes by how
-much.
+In the frame of a blade that moves past it at f turns per second, a wave of n nodal diameters and frequency f_c has the
+frequency |f_c -+ n f|. Sum: f_b = n f - f_c, both grow while they touch, even without friction. Difference: f_b = |f_c
+-+ n f|, a resonance, which needs excitation unless friction drives the blade into the casing, mu > tan(lean). For a
+bladed disk f_b belongs to n diameters, folded at half the number of blades (Legrand, Pierre, Cartraud, Lombard, J.
+Sound Vib. 319, 2009, 366). Contact shifts all these frequencies; `casingfem stability` computes the shift.
 
-Where the casing turns, Coriolis forces and centrifugal stress change f_c. Ring theory (G. F. Carrier, Quart. Appl.
-Math. 3, 1945, 235) gives sqrt(f_c^2 + a^2 f^2) -+ b f in the casing's frame, b = 2 n/(n^2 + 1), a = n - b, and at the
-blade sqrt(f_c^2 + a^2 f^2) +- a f: never below 0, so that f_c + f_b = n f is not met.
+If the casing rotates, Coriolis forces and centrifugal stress change f_c. Ring theory (G. F. Carrier, Quart. Appl. Math.
+3, 1945, 235) gives sqrt(f_c^2 + a^2 f^2) -+ b f in the casing's frame, b = 2 n/(n^2 + 1), a = n - b, and in the blade's
+frame sqrt(f_c^2 + a^2 f^2) +- a f. This is never below 0, so f_c + f_b = n f does not occur.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -39,7 +38,7 @@ WAVES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiskFrequencies:
-    """A disk of equal blades: frequencies [Hz] by its nodal diameters 0 .. blades/2.
+    """A disk of equal blades: frequencies [Hz] by nodal diameters 0 .. blades/2.
 
     >>> DiskFrequencies(blades=22, freq={3: (110.0,), 5: (120.0,)}).of(19)
     (110.0,)
@@ -55,11 +54,11 @@ class DiskFrequencies:
             raise ModelError("interaction-blade", f"interactions: found {found} beyond half the blades")
 
     def folded(self, n: int) -> int:
-        """Nodal diameters of the disk that n of the casing press on: n, folded at half the number of blades."""
+        """Nodal diameters of the disk that n diameters of the casing excite: n, folded at half the number of blades."""
         return min(n % self.blades, -n % self.blades)
 
     def of(self, n: int) -> tuple[float, ...]:
-        """Frequencies [Hz] that n diameters of the casing can meet."""
+        """Frequencies [Hz] with which n diameters of the casing can coincide."""
         return tuple(self.freq.get(self.folded(n), ()))
 
 
@@ -68,7 +67,7 @@ Blade: TypeAlias = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Meeting:
-    """One coincidence: casing pair of n diameters, rank m; blade mode; the speed; which condition, which wave."""
+    """One coincidence: casing pair of n diameters and rank m; blade mode; speed; condition; wave."""
 
     n: int
     m: int
@@ -81,13 +80,13 @@ class Meeting:
 
     @property
     def effect(self) -> str:
-        """Effect of contact at this crossing."""
+        """Effect of contact at this coincidence."""
         return EFFECT[self.branch]
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Interactions(Reported):
-    """Coincidences by speed; `pairs` (n, m, f_c) that were examined, `speed_hz` the range.
+    """Coincidences by speed; `pairs` (n, m, f_c) are those examined, `speed_hz` the range.
 
     >>> found = Interactions(meetings=(), pairs=((8, 1, 367.9),), speed_hz=(0.0, 60.0), turning="blade")
     >>> found.records(), found.speed_hz
@@ -100,11 +99,11 @@ class Interactions(Reported):
     turning: Turning
 
     def of(self, branch: Branch) -> tuple[Meeting, ...]:
-        """Those of one condition."""
+        """Coincidences of one condition."""
         return tuple(meeting for meeting in self.meetings if meeting.branch == branch)
 
     def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a coincidence."""
+        """One plain dictionary for each coincidence."""
         return [asdict(c) | {"condition": CONDITION[c.branch], "effect": c.effect} for c in self.meetings]
 
     def __repr__(self) -> str:
@@ -136,25 +135,19 @@ def interactions(
     speed_hz: tuple[float, float],
     turning: Turning = "blade",
 ) -> Interactions:
-    """Every speed in a range at which a casing's pair meets a blade: f_b = f_c -+ n f, and f_c + f_b = n f of blades.
+    """Every speed in a range at which a casing's pair coincides with a blade: f_b = |f_c -+ n f|, or f_c + f_b = n f.
 
-    Parameters
-    ----------
-    casing
-        Modes of a casing (a doublet counts by its mean frequency), or frequencies [Hz] by nodal diameters.
-    blade
-        Frequencies [Hz] of one blade, which meets every n; or over speed, as `campbell` gives them; or a bladed disk,
-        whose n diameters meet the casing's.
-    speed_hz
-        First and last speed f [Hz], 0 <= first < last; with a `Campbell` cut to its speeds.
-    turning
-        What turns: "blade" in a fixed "casing", or the reverse. A casing that turns has the frequencies of ring theory,
-        from those at rest; `contact.stability.interactions` takes the matrices of its reduced basis.
+    Parameters ---------- casing Modes of a casing (with the mean frequency of each doublet), or frequencies [Hz] by
+    nodal diameters. blade Frequencies [Hz] of one blade, which can coincide with every n; or over speed, from
+    `campbell`; or a bladed disk, whose n diameters coincide only with those of the casing. speed_hz First and last
+    speed f [Hz], 0 <= first < last; with a `Campbell` limited to its speeds. turning The rotating side: "blade" or
+    "casing". A rotating casing has the frequencies of ring theory, from those at rest; `contact.stability.interactions`
+    uses the matrices of its reduced basis.
 
     Raises
     ------
     ModelError
-        `interaction-speed` for a range that is none, `interaction-blade` for frequencies that are not positive,
+        `interaction-speed` for an invalid range, `interaction-blade` for frequencies that are not positive,
         `interaction-casing` for a casing without nodal diameters.
 
     Examples
@@ -175,7 +168,7 @@ def interactions(
 
 
 def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple[int, int, float], ...]:
-    """(n, m, f_c [Hz]) of every pair with n >= 1, the mean of the two; a mode whose partner was cut off by itself."""
+    """(n, m, f_c [Hz]) of every pair with n >= 1: the mean, or that of a mode without partner."""
     if isinstance(casing, ModeSet):
         upper = {high: low for low, high in casing.doublets}
         partner = {low: high for high, low in upper.items()}
@@ -210,7 +203,7 @@ def blade_over_speed(blade: Blade, n: int, low: float, high: float) -> tuple[Flo
 def wave_hz(n: int, still_hz: float, speed_hz: FloatArray, turning: Turning, sense: int) -> FloatArray:
     """Frequency [Hz] in the casing's frame of a wave with (1) or against (-1) the casing's rotation, by speed [Hz].
 
-    `still_hz` is that of the pair at rest, which a casing keeps before blades that turn.
+    `still_hz` is that of the pair at rest, which does not change if the blades rotate.
 
     >>> wave_hz(10, 422.0, np.array([0.0, 5.0]), "casing", -1).round(2).tolist()
     [422.0, 425.83]

@@ -18,13 +18,13 @@ SOUND = 1e-9  # least over largest eigenvalue of S, and of rows, below which the
 def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     """K and M of a structure on its free dofs [SI], nodes by their numbers.
 
-    Shells have two rotations about tangents of their own at each node, labelled 4 and 5, and where walls meet a third,
-    labelled 6; they mean nothing to another program beyond the matrices. Nodes of a chart are counted from 1.
+    Shells have two rotations about local tangents at each node, labelled 4 and 5, and a third, labelled 6, where walls
+    meet; other programs cannot use them outside the matrices. Nodes of a chart are counted from 1.
 
     Raises
     ------
     ModelError
-        `matrix-size` for a shell whose edges bring dofs of their own, or fix directions that are not Cartesian.
+        `matrix-size` for a shell whose edges have additional dofs, or fixed directions that are not Cartesian.
 
     Examples
     --------
@@ -72,14 +72,14 @@ def basis_matrices(basis: ModalBasis) -> MatrixSet:
 
         K = [[S^-1, -S^-1 rows], [-rows^T S^-1, omega^2 + rows^T S^-1 rows]],   M = [[0, 0], [0, 1]]
 
-    Without (Craig-Bampton) the modes are turned so that the channels come first: q = rows^+ u + Z z, rows Z = 0.
-    C and G are those of q in the same coordinates; K is that of the speed of the basis. Channels such as 6.x keep node
+    Without it (Craig-Bampton) the modes are rotated so that the channels come first: q = rows^+ u + Z z, rows Z = 0.
+    C and G are those of q in the same coordinates; K is that at the speed of the basis. Channels such as 6.x keep node
     and direction; others are scalars 1, 2, ... in the basis's order, and so are q.
 
     Raises
     ------
     ModelError
-        `matrix-size` where channels hang together: S is singular and not zero, or rows have less rank than channels.
+        `matrix-size` if channels are dependent: S is singular and not zero, or rows have less rank than channels.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Modes of imported solids and shells, labelled by nodal diameters where the mesh is a body of revolution about z."""
+"""Modes of imported solids and shells, labelled by nodal diameters if the mesh is a body of revolution about z."""
 
 import time
 from dataclasses import dataclass
@@ -53,13 +53,13 @@ def mesh_modes(
     """A number of modes of an imported structure, or the modes of a band [Hz], labelled, complete by Sturm counts.
 
     A count of modes of a large thick solid (`large_and_thick`) is found by LOBPCG with multigrid unless `multigrid` is
-    false or `direct` is given; where that fails, by shift-invert with a warning. Of more than `COUNTABLE`
-    unknowns a factor takes minutes: their completeness is searched instead of counted, `sturm_count` is None.
+    false or `direct` is given; if that fails, by shift-invert with a warning. Above `COUNTABLE` unknowns a factor takes
+    minutes, so missing modes are searched for, not counted, and `sturm_count` is None.
 
     Raises
     ------
     NumericsError
-        If the modes cannot be computed or certified.
+        If the modes cannot be computed or verified.
 
     Examples
     --------
@@ -101,26 +101,26 @@ def mesh_modes(
 
 
 def large_and_thick(system: MeshSystem) -> bool:
-    """Whether LOBPCG with multigrid is worth it: a solid of `LARGE` unknowns or more, its wall `THICK` of its size.
+    """Whether LOBPCG with multigrid is faster: a solid of `LARGE` unknowns or more, its wall `THICK` of its size.
 
-    The wall is twice the volume over the surface, the size the diagonal of its box. Blocks of .18 gain
-    from some 50,000 unknowns on, a plate of .035 loses, one of .003 fails:
-    `python -m reports.benchmarks.solid_solvers --large`.
+    The wall is twice the volume over the surface, the size the diagonal of its box. Blocks with .18 gain from about
+    50,000 unknowns on, a plate with .035 loses, one with .003 fails: `python -m reports.benchmarks.solid_solvers
+    --large`.
     """
     return system.size >= LARGE and thick(system)
 
 
 def thick(system: MeshSystem) -> bool:
-    """Whether a solid's wall is `THICK` of its size and no attachment ties it, so that multigrid converges."""
+    """Whether a solid's wall is `THICK` of its size and it has no attachments, so that multigrid converges."""
     mesh = system.structure.mesh
     free = system.lift is None and bool(np.all(system.M.diagonal() > 0.0))
     return mesh.cell_kind.dim == 3 and free and system.wall >= THICK * mesh.size
 
 
 def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigrid: bool) -> EigenResult:
-    """The eigenpairs, by LOBPCG with multigrid where that is wanted and a count is asked for, or by shift-invert.
+    """The eigenpairs, by LOBPCG with multigrid if suitable and a count is requested, else by shift-invert.
 
-    A thick solid whose factor does not fit into memory goes to LOBPCG too.
+    LOBPCG is also used for a thick solid whose factor does not fit into memory.
     """
     shift = -((SHIFT * system.frequency_scale) ** 2)
     if multigrid and isinstance(wanted, int):
@@ -135,7 +135,7 @@ def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigr
 
 
 def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
-    """Warn of a body with more motions near zero than its supports leave rigid: parts hinge on an edge or a node."""
+    """Warn of a body with more near-zero motions than its supports allow: parts hinge on an edge or a node."""
     near_zero = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * system.frequency_scale))
     if near_zero > system.rigid:
         where = system.structure.mesh.source
@@ -146,8 +146,8 @@ def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
 def projected(structure: MeshStructure, fields: Array, n_max: int | None = None) -> Rings:
     """Mass-weighted Fourier content of nodal fields: u = Re sum_nj c_nj P_j(r, z) e^(i n theta).
 
-    P_j are polynomials in r and z, orthonormal over the mass; each replaces a ring of nodes, so labels,
-    partners and angles are found as on a shell. n runs as far as a third of the nodes around, by default.
+    P_j are polynomials in r and z, orthonormal over the mass; each takes the role of a ring of nodes, so labels,
+    partners and angles are found as on a shell. By default n is at most a third of the number of nodes around.
     """
     mesh = structure.mesh
     n_max = n_max or max(2, elements_around(mesh) * (1 + bool(mesh.cell_kind.middles)) // 3)
@@ -174,8 +174,8 @@ def projected(structure: MeshStructure, fields: Array, n_max: int | None = None)
 def meridional_shapes(r: FloatArray, z: FloatArray, weight: FloatArray) -> FloatArray:
     """Polynomials in r and z up to `DEGREE`, orthonormal under the weights, (points, functions).
 
-    Both are scaled by the size of the body: the radius of a cylinder varies by the digits of its file alone, which is
-    no meridional coordinate but turns with theta.
+    Both are scaled by the size of the body, since the radius of a cylinder varies only by the rounding of its file,
+    which depends on theta and is no meridional coordinate.
 
     >>> r, z, weight = np.array([1.0, 2.0, 1.5, 1.2]), np.array([0.0, 1.0, 0.3, 0.2]), np.ones(4)
     >>> P = meridional_shapes(r, z, weight)
@@ -192,7 +192,7 @@ def meridional_shapes(r: FloatArray, z: FloatArray, weight: FloatArray) -> Float
 
 
 def require_stable(K: Symmetric, found: EigenResult, where: str = "") -> None:
-    """Refuse a turning structure whose lowest omega^2 lies below zero by more than round-off in K(Omega) moves it.
+    """Refuse a rotating structure whose lowest omega^2 is below zero by more than round-off in K(Omega).
 
     Raises
     ------

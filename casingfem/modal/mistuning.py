@@ -1,4 +1,4 @@
-"""Random mistuning: how far imperfections split the pairs of a casing, over many draws of its random fields."""
+"""Random mistuning: splits of the pairs of a casing due to imperfections, over many draws of its random fields."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ TINY = 1e-12  # a split that is none
 
 
 class Drawn(NamedTuple):
-    """A doublet of the mean shell, its frequency [Hz], and which rows of all draws are of it."""
+    """A doublet of the mean shell, its frequency [Hz], and its rows among all draws."""
 
     n: int
     m: int
@@ -32,7 +32,7 @@ class Drawn(NamedTuple):
 
 
 def quantiles(what: Callable[["Mistuning", Drawn], FloatArray], level: float) -> Callable[["Mistuning"], list[Any]]:
-    """A quantile of a value over the draws of each doublet; None for a doublet that no draw has."""
+    """A quantile of a value over the draws of each doublet; None for a doublet that occurs in no draw."""
     return lambda found: [
         float(np.quantile(what(found, one), level)) if one.own.any() else None for one in found.doublets()
     ]
@@ -94,12 +94,12 @@ class Pair(NamedTuple):
 
 
 def redrawn_shell(shell: Shell, draw: int) -> Shell:
-    """The shell with its random fields drawn anew, on the same mesh.
+    """The shell with new draws of its random fields, on the same mesh.
 
     Raises
     ------
     ValueError
-        If it has none.
+        If it has no random fields.
     """
     if not any(map(is_random, shell.defects.values())):
         found = "nothing of this shell is random: give it a RandomField, in study.toml [[imperfection]] random"
@@ -114,7 +114,7 @@ def drawn_fields(shell: Shell, draw: int) -> dict[str, Field]:
 
 
 def mean_shell(shell: Shell) -> Shell:
-    """The shell without the random parts of its fields, on the same mesh; deterministic parts stay."""
+    """The shell without the random parts of its fields, on the same mesh; deterministic parts are kept."""
     fields: dict[str, Any] = {f"{quantity}_defect": drop_random(field) for quantity, field in shell.defects.items()}
     return replace(shell, **fields)
 
@@ -137,7 +137,7 @@ class DrawnModes(NamedTuple):
 
 
 def drawn_modes(shell: Shell, family: Family | None, count: int, draw: int) -> DrawnModes:
-    """Lowest `count` modes of one draw: near the perfect casing's modes, or in full where that is not sure enough."""
+    """Lowest `count` modes of one draw: from the perfect casing's modes, or in full if that is not accurate enough."""
     if family is not None:
         near = family.near(drawn_fields(shell, draw), count)
         if near.complete and near.estimate <= LIMIT:
@@ -146,9 +146,9 @@ def drawn_modes(shell: Shell, family: Family | None, count: int, draw: int) -> D
 
 
 class Difference(NamedTuple):
-    """Largest differences of a draw's modes to those of the full solution: of frequencies and of splits, relative.
+    """Largest relative differences of a draw's modes from the full solution: of frequencies and of splits.
 
-    Splits are compared by how far they are apart over the largest split of the draw.
+    The difference of splits is relative to the largest split of the draw.
     """
 
     freq: float
@@ -170,8 +170,8 @@ class Mistuning(Reported):
 
     Attributes
     ----------
-    draw, n, m : (rows,) which draw, nodal diameters and meridional rank
-    freq : (rows,) Hz, mean of the pair
+    draw, n, m : (rows,) index of the draw, nodal diameters and meridional rank
+    freq : (rows,) mean frequency of the pair [Hz]
     split : (rows,) (f_upper - f_lower)/mean
     angle_deg : (rows,) orientation of the lower member
     perfect : (n, m) -> frequency [Hz] of the casing without the random fields
@@ -208,14 +208,14 @@ class Mistuning(Reported):
         return len(np.unique(self.draw))
 
     def columns(self) -> dict[str, Any]:
-        """One row a doublet of each draw."""
+        """One row for each doublet of each draw."""
         return {column.name: column.values(self) for column in DRAWS}
 
     def doublets(self) -> list[Drawn]:
         """The doublets of the mean shell, ascending, each with its draws.
 
         The draws are those in which a doublet of this n and m was among the modes computed: fields that mix shapes may
-        rename one, or lift it out of the band.
+        change its label, or move it out of the band.
         """
         ascending = sorted(self.perfect.items(), key=lambda item: item[1])
         return [Drawn(n, m, freq, (self.n == n) & (self.m == m)) for (n, m), freq in ascending]
@@ -233,14 +233,14 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
     """Splits and orientations of a shell's pairs over draws 0, 1, ... of its random fields, one after the other.
 
     Most draws come from the modes of the perfect casing (`modal.family`). This needs fields that are Fourier series
-    around, and edges that are free, clamped or embedded. Other casings are solved in full, and so are draws whose
-    estimated error of a frequency is above 2e-4. A draw depends on its own number alone.
-    `casingfem mistune study.toml` does the same on several cores. It checks some draws, and it can be resumed.
+    around, and edges that are free, clamped or embedded. Other casings are solved in full, and so are draws with an
+    estimated frequency error above 2e-4. A draw depends only on its number. `casingfem mistune study.toml` does the
+    same on several cores. It checks some draws, and it can be resumed.
 
     Raises
     ------
     ValueError
-        If nothing of the shell is random, or it is open: no pairs.
+        If nothing of the shell is random, or it is open and has no pairs.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The columns of a table of modes, whatever computed them: a casing, an imported part, a wheel from one sector."""
+"""Columns of a table of modes, for all structures: a casing, an imported part, a wheel from one sector."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ from contact.io.columns import Column, known, mark, present
 
 
 class ModeRows(NamedTuple):
-    """Arrays (modes,) that the columns read; nan, and -1 of n and doublet, where a mode has no such value.
+    """Arrays (modes,) for the columns; nan, or -1 for n and doublet, if a mode has no such value.
 
     freq [Hz], n, share of n, rank m, number of the doublet from 1, its relative split, angle [deg], rigid or not.
     """

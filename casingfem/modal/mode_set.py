@@ -1,4 +1,4 @@
-"""A set of modes: frequencies, shapes, labels, and the table an engineer wants."""
+"""A set of modes: frequencies, shapes, labels, and their table."""
 
 import time
 from dataclasses import dataclass, field
@@ -25,35 +25,17 @@ RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
 class ModeSet(Reported):
     """Modes of a structure, ascending, mass-normalised, with labels.
 
-    Attributes
-    ----------
-    freq
-        Frequencies [Hz], (modes,).
-    fields
-        Shapes at the nodes: u_x, u_y, u_z, and w_1, w_2 on shells, (nodes, 3 or 5, modes), phi^T M phi = 1.
-    nodal_diameters
-        Dominant circumferential order n (waves around, by arc length on a closed chart that is not axisymmetric), -1 on
-        open shells, (modes,).
-    purity
-        Share of the dominant order in the shape's circumferential energy, nan on open shells.
-    meridional
-        Rank m = 1, 2, ... among the modes of the same n in this set, a doublet counted once.
-    doublets
-        Index pairs (lower, upper).
-    angle_deg
-        Orientation: an antinode of the radial displacement, in [0, 180/n); nan where it means nothing,
-        as for a perfect double mode, and on surfaces that are not of revolution.
-    rigid
-        Number of rigid motions, which come first: modes that move as the supports let the body move.
-    sturm_count
-        Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the cut splits a
-        pair. None for solids too large to count (`mesh_modes`), and where round-off outweighs what is counted.
-    dofs
-        Unknowns of the eigenproblem (over all harmonics for a perfect casing).
-    rings
-        Circumferential Fourier amplitudes of the shapes, None on open shells.
-    seconds
-        Run time by part.
+    Attributes ---------- freq Frequencies [Hz], (modes,). fields Shapes at the nodes: u_x, u_y, u_z, and w_1, w_2 on
+    shells, (nodes, 3 or 5, modes), phi^T M phi = 1. nodal_diameters Dominant circumferential order n (waves around, by
+    arc length on a closed chart that is not axisymmetric), -1 on open shells, (modes,). purity Share of the dominant
+    order in the shape's circumferential energy, nan on open shells. meridional Rank m = 1, 2, ... among the modes of
+    the same n in this set, a doublet counted once. doublets Index pairs (lower, upper). angle_deg Orientation: an
+    antinode of the radial displacement, in [0, 180/n); nan if it is undefined, as for a perfect double mode, and on
+    surfaces that are not of revolution. rigid Number of rigid motions that the supports allow; they come first.
+    sturm_count Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the list ends
+    within a pair. None for solids too large to count (`mesh_modes`), and if round-off is too large for a count. dofs
+    Unknowns of the eigenproblem (over all harmonics for a perfect casing). rings Circumferential Fourier amplitudes of
+    the shapes, None on open shells. seconds Run time by part.
     """
 
     COLUMNS: ClassVar = COLUMNS
@@ -102,11 +84,11 @@ class ModeSet(Reported):
         )
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a mode: mode, freq_hz, n, n_purity, m, doublet, split_rel, angle_deg, rigid."""
+        """One plain dictionary for each mode: mode, freq_hz, n, n_purity, m, doublet, split_rel, angle_deg, rigid."""
         return records_of(self.COLUMNS, self.rows())
 
     def __repr__(self) -> str:
-        """The columns as a table, and how the modes were computed."""
+        """The columns as a table, and the method of computation."""
         counted = f"Sturm count {self.sturm_count}" if self.sturm_count is not None else "not counted"
         computed = f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s"
         return "\n".join([*table_lines(self.COLUMNS, self.records()), computed])
@@ -116,8 +98,7 @@ class ModeSet(Reported):
 class Modes(ModeSet):
     """Modes of a shell on a chart: `fields` are at the nodes of `grid`.
 
-    `own` contains the motions of the dofs that rings bring beside the nodes', turns about the wall's normal, (own,
-    modes).
+    `own` contains the additional dofs of rings, rotations about the wall's normal, (own, modes).
 
     >>> import casingfem as cf
     >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
@@ -134,14 +115,14 @@ class Modes(ModeSet):
 
     @property
     def structure(self) -> Shell:
-        """The shell, by the name that structures of all kinds have."""
+        """The shell, under the name that all structures use."""
         return self.shell
 
 
 def frequency_scale(shell: Shell) -> float:
-    """Bending frequency [rad/s] of the shell taken as flat: a floor for its elastic modes.
+    """Bending frequency [rad/s] of the shell as a flat plate: a lower bound for its elastic modes.
 
-    sqrt(min(E t^3)/max(rho t))/size^2, the weakest section with the heaviest wall; c t/size^2 where all are alike.
+    sqrt(min(E t^3)/max(rho t))/size^2, the weakest section with the heaviest wall; c t/size^2 for a uniform wall.
 
     >>> import casingfem as cf
     >>> steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -171,7 +152,10 @@ class Labels(NamedTuple):
 
 
 def make_labels(rings: Rings | None, freq: FloatArray, fields: FloatArray, rigid: int) -> Labels:
-    """Label modes by their circumferential content, align perfect pairs, fix signs; without it there are no labels."""
+    """Label modes by their circumferential content, align perfect pairs, fix signs.
+
+    Without content there are no labels.
+    """
     total = len(freq)
     if rings is None:
         nothing = np.full(total, np.nan)
@@ -241,13 +225,13 @@ def first_modes(freq: FloatArray, labels: Labels, kept: int) -> dict[str, Any]:
 def double_turns(
     rings: Rings, n: IntArray, freq: FloatArray, pairs: list[tuple[int, int]]
 ) -> list[tuple[int, int, FloatArray]]:
-    """Perfect double modes, and the rotations (2, 2) that make them cosine and sine."""
+    """Perfect double modes, and the rotations (2, 2) into cosine and sine."""
     doubles = [pair for pair in pairs if freq[pair[1]] - freq[pair[0]] <= DOUBLE * freq[pair[1]]]
     return [(a, b, align_pair(rings.profile(a, n[a]), rings.profile(b, n[a]))) for a, b in doubles]
 
 
 def turned(columns: Array, turns: list[tuple[int, int, FloatArray]]) -> Array:
-    """Fields or amplitudes (..., modes) with some pairs of modes turned."""
+    """Fields or amplitudes (..., modes) with some pairs of modes rotated."""
     T = np.eye(columns.shape[-1])
     for low, high, turn in turns:
         T[np.ix_([low, high], [low, high])] = turn
@@ -263,7 +247,7 @@ def peak_signs(fields: FloatArray) -> FloatArray:
 
 
 def ranks(n: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
-    """Meridional rank of each mode among those of its n, a doublet counted once."""
+    """Meridional rank of each mode among those with its n, a doublet counted once."""
     upper = {high: low for low, high in pairs}
     m = np.zeros(len(n), dtype=np.int64)
     seen: dict[int, int] = {}

@@ -1,7 +1,7 @@
 """Modes of a structure: `modes(shell, count)` or `modes(shell, band=(f0, f1))`, and whether the mesh resolves them.
 
-A shape is expanded in Legendre polynomials of each element; where it is resolved the coefficients fall off. On frusta,
-cylinders and plates from order 2 to 8, every mesh whose frequencies were more than 2.5 % off had a share above FINEST.
+A shape is expanded in Legendre polynomials of each element; if it is resolved the coefficients decrease. On frusta,
+cylinders and plates from order 2 to 8, every mesh with frequency errors above 2.5 % had a share above FINEST.
 """
 
 import time
@@ -69,34 +69,25 @@ def modes(
 ) -> ModeSet:
     """Lowest `count` modes of a structure, or all in a band, labelled, complete by Sturm counts.
 
-    K phi = omega^2 M phi, phi^T M phi = 1. A rotating shell has the stiffness of its speed; Coriolis forces
-    are left to `whirl_modes`.
+    K phi = omega^2 M phi, phi^T M phi = 1. A rotating shell has the stiffness at its speed; for Coriolis forces use
+    `whirl_modes`.
 
-    Parameters
-    ----------
-    shell
-        The structure: a shell on a chart, an imported `Solid` or `MeshShell`, or any `MeshStructure`. Without supports
-        the rigid motions come first and are marked as such.
-    count
-        Number of modes; 40 where no band is given either.
-    band
-        Lower and upper frequency [Hz], instead of a count. A mode on an end belongs to it, and so does its double.
-    method
-        "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings.
-        "auto": "fourier" where nothing varies around, else "shell". Imported structures take "auto" alone.
-    system
-        The assembled structure, if there is one already.
-    direct
-        The factorisation: "multifrontal", "superlu", or "pardiso" if pypardiso is installed.
+    Parameters ---------- shell The structure: a shell on a chart, an imported `Solid` or `MeshShell`, or any
+    `MeshStructure`. Without supports the rigid motions come first and are marked. count Number of modes; by default 40
+    without a band. band Lower and upper frequency [Hz], instead of a count. A mode on an end belongs to it, as does its
+    double. method "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings.
+    "auto": "fourier" if nothing varies around, else "shell". Imported structures allow only "auto". system The
+    assembled structure, if it exists already. direct The factorisation: "multifrontal", "superlu", or "pardiso" if
+    pypardiso is installed.
 
     Raises
     ------
     ValueError
-        Unknown method, count below 1, or "fourier" asked of a casing that is not axisymmetric.
+        The method is unknown, the count is below 1, or "fourier" is requested for a casing that is not axisymmetric.
     ModelError
-        `rotation-unstable` where a rotating shell softens more than it is fixed.
+        `rotation-unstable` if the softening of a rotating shell exceeds its stiffness.
     NumericsError
-        If the modes cannot be computed or certified.
+        If the modes cannot be computed or verified.
 
     Examples
     --------
@@ -142,7 +133,7 @@ def modes(
 
 
 def warn_of_surveys(found: Modes) -> None:
-    """Warn where modes have more nodal diameters than a survey can split: cos 2n theta beyond its resolution."""
+    """Warn of modes with more nodal diameters than a survey can split: cos 2n theta is beyond its resolution."""
     n = int(found.nodal_diameters.max(initial=0))
     for quantity, field in found.shell.defects.items():
         resolved = getattr(field, "n_resolved", None)
@@ -156,7 +147,7 @@ def warn_of_surveys(found: Modes) -> None:
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:
-    """The requested count or band, checked; the default is 40 modes."""
+    """The requested count or band after checks; the default is 40 modes."""
     if count is not None and band is not None:
         raise ModelError("modes-band", "found both a count of modes and a band")
     if band is not None and not 0.0 <= band[0] < band[1] < HIGHEST:
@@ -167,7 +158,7 @@ def count_or_band(count: int | None, band: Band | None) -> int | Band:
 
 
 def plate_count(shell: Shell, wanted: int | Band) -> float:
-    """Number of modes of a band, from the modal density of a plate, sqrt(3) area/(c t) per hertz."""
+    """Number of modes in a band, from the modal density of a plate, sqrt(3) area/(c t) per hertz."""
     if isinstance(wanted, int):
         return float(wanted)
     size, steel = extent(shell), shell.material
@@ -188,7 +179,7 @@ def count_below(structure: Shell | MeshStructure, freq: float, system: System | 
 
 
 def finest_shares(modes: Modes) -> FloatArray:
-    """Amplitude in the highest polynomials over the whole, along both parameters, (2, modes)."""
+    """Amplitude share of the highest polynomials along both parameters, (2, modes)."""
     order = modes.grid.mesh.order
     i, j = ElementQuadLobatto(order).pairs.T
     to_legendre = np.linalg.inv(legendre.legvander(2.0 * lobatto(order)[0] - 1.0, order))
@@ -209,7 +200,7 @@ def split_by_mesh(modes: Modes) -> BoolArray:
 
 
 def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
-    """Warn of shapes the mesh does not resolve; `around` False checks along the meridian only."""
+    """Warn of shapes that the mesh does not resolve; with `around` False only along the meridian."""
     shares = finest_shares(modes)
     worst = shares.max(axis=0) if around else shares[0]
     split = split_by_mesh(modes) & around
@@ -224,7 +215,7 @@ def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
 
 
 def checked_resolution(modes: Modes, *, around: bool = True) -> Modes:
-    """The same modes, with a warning where they show a coarse mesh or survey, or supports that leave motions free."""
+    """The same modes, after warnings of a coarse mesh or survey, or of supports that leave motions free."""
     if around:
         warn_of_surveys(modes)
     warn_of_coarse_mesh(modes, around=around)
@@ -235,7 +226,7 @@ def checked_resolution(modes: Modes, *, around: bool = True) -> Modes:
 
 
 class RitzModes(NamedTuple):
-    """Frequencies [Hz] ascending, nodal fields (nodes, 5, modes) and the rings' own motions (own, modes)."""
+    """Frequencies [Hz] ascending, nodal fields (nodes, 5, modes) and the additional dofs of rings (own, modes)."""
 
     freq: FloatArray
     fields: FloatArray
@@ -243,10 +234,11 @@ class RitzModes(NamedTuple):
 
 
 def ritz_modes(system: System, vectors: FloatArray) -> RitzModes:
-    """Rayleigh-Ritz of modes (free, modes) on their strain and kinetic energies.
+    """Rayleigh-Ritz on modes (free, modes) with their strain and kinetic energies.
 
-    (Phi^T K Phi) y = omega^2 (Phi^T M Phi) y with both products summed over points, not from the assembled matrices:
-    frequencies to round-off of themselves, and close pairs turned apart. Costs about a tenth of an assembly.
+    (Phi^T K Phi) y = omega^2 (Phi^T M Phi) y with both products summed over points, not from the assembled matrices. So
+    frequencies are exact to round-off relative to themselves, and close pairs are separated. It costs about a tenth of
+    an assembly.
     """
     fields, own = system.expand(vectors), system.expand_own(vectors)
     if not vectors.shape[1]:

@@ -1,14 +1,14 @@
-"""Modes of one structure after another that differs little: an update's way from step to step.
+"""Modes of a sequence of slightly different structures, as in the steps of an update.
 
-An update's solution keeps a factor of K - s M of a structure on the way. The modes X of the next one start from the
-last, and grow by what the old factor makes of their residuals (block Davidson),
+An update keeps a factor of K - s M of an earlier structure. The modes X of the next one start from the last ones, and
+the space grows by the old factor applied to their residuals (block Davidson),
 
     R = K X - M X Lambda,   V = [X, F R, F R', ...],   F = (K_old - s M_old)^-1,
 
-until r^T F r, the first order of what an eigenvalue has yet to fall, is below TOL of it; the block that shows it is
-taken in too, which leaves a hundredth or less. Near the end of an update one block is enough and nothing is factored.
-A long step needs a factor of its own. One more mode could come from far above: modes are counted when asked
-(`counted`), at the end of an update.
+until r^T F r, the first-order remaining decrease of an eigenvalue, is below TOL of it. The last block is also added,
+which reduces the error to a hundredth or less. Near the end of an update one block is enough and no factor is needed; a
+long step needs a new factor. A further mode could enter from far above, so modes are counted on request (`counted`) at
+the end of an update.
 """
 
 import time
@@ -39,7 +39,7 @@ MOST = 12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OldFactor:
-    """(K - s M)^-1 of a structure on the way, as scaled by its own pencil."""
+    """(K - s M)^-1 of an earlier structure, in the scaling of its own pencil."""
 
     factor: Factor
     scale: FloatArray
@@ -52,20 +52,20 @@ class OldFactor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """Modes of a structure with data from which a similar structure starts.
+    """Modes of a structure, with data from which the solution of a similar structure starts.
 
     Attributes
     ----------
     modes
-        The modes wanted.
+        The wanted modes.
     guard
         These and GUARD more above them.
     system, pencil
         Matrices of the structure.
     old
-        A factor of it or of a neighbour.
+        A factor of it or of a similar structure.
     blocks
-        How many blocks the restart took; 0 from nothing.
+        Number of blocks of the restart; 0 without a restart.
     """
 
     modes: Modes
@@ -77,26 +77,26 @@ class Solution:
 
     @property
     def vectors(self) -> FloatArray:
-        """These as orthonormal columns of the pencil, (free, count + GUARD)."""
+        """The modes as orthonormal columns of the pencil, (free, count + GUARD)."""
         return np.asarray(self.system.collect(self.guard.fields, self.guard.own) / self.pencil.scale[:, None])
 
 
 def shift_of(shell: Shell) -> float:
-    """A negative shift: K - s M is positive definite even for a shell without support [rad^2/s^2]."""
+    """A negative shift for which K - s M is positive definite even without support [rad^2/s^2]."""
     return -float((SHIFT * frequency_scale(shell)) ** 2)
 
 
 def factored(pencil: Pencil, shift: float) -> tuple[OldFactor, dict[str, float]]:
-    """A factor, and the seconds it took."""
+    """A factor, and its time in seconds."""
     started = time.perf_counter()
     factor = factorise(pencil.shifted(shift))
     return OldFactor(factor, pencil.scale), {"factor": time.perf_counter() - started}
 
 
 def solved(shell: Shell, count: int, system: System | None = None) -> Solution:
-    """The lowest modes of a shell without a start, counted, and data from which a similar shell starts.
+    """The lowest modes of a shell without earlier data, counted, and data from which a similar shell starts.
 
-    `system` is the assembled shell, if there is one already.
+    `system` is the assembled shell, if it exists already.
     """
     warn_of(shell)
     started = time.perf_counter()
@@ -139,9 +139,9 @@ def solved_near(shell: Shell, known: Solution, count: int) -> Solution:
 def davidson(
     pencil: Pencil, start: FloatArray, old: OldFactor, shift: float, count: int
 ) -> tuple[FloatArray, OldFactor, int, dict[str, float]]:
-    """Vectors (free, as many as started with) whose first `count` have converged.
+    """Vectors (free, as many as at the start) whose first `count` have converged.
 
-    With the factor last used, the blocks it took, and the seconds of a new factor.
+    Returns also the factor used last, the number of blocks, and the seconds of a new factor.
     """
     space = Space(pencil, MOST + 2, start)
     seconds: dict[str, float] = {}
@@ -183,11 +183,11 @@ class Space:
 
     @property
     def H(self) -> FloatArray:
-        """V^T A V, its lower triangle, which is all that `eigh` reads."""
+        """V^T A V, its lower triangle, which is all that `eigh` needs."""
         return self._H[: self.count, : self.count]
 
     def grow(self, block: FloatArray) -> None:
-        """Add the part of a block that V does not contain."""
+        """Add the part of a block that is outside V."""
         block = np.array(block, order="F")
         for _ in range(2):  # twice is enough
             project_out(self.pencil, self.V, block)
@@ -201,7 +201,7 @@ class Space:
 
 
 def counted(solution: Solution) -> Solution | None:
-    """The solution with its Sturm count; None if the inertia finds modes that it does not have."""
+    """The solution with its Sturm count; None if the inertia shows modes that are missing."""
     found = solution.modes
     if found.sturm_count is not None:
         return solution

@@ -1,12 +1,11 @@
 """Reduction of a structure to a modal basis seen from its interface.
 
-Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 581): the modes of the supported
-shell, and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all that they leave out, P the interface's load
-columns. S is computed as R^T K R of the part R of K^-1 P that is M-orthogonal to the modes. Craig-Bampton (AIAA J. 6,
-1968, 1313): static shapes of unit interface displacements and the modes of the shell held there, diagonalised; exact in
-statics with S = 0, but the interface then has mass. Both answer a static push at the interface exactly as the full
-model does. A rim's basis, and that of a structure with a rotation, has the matrices of rotation between its modes
-(`turning.py`).
+Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 581): the modes of the supported shell,
+and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all omitted modes, with the interface's load columns P. S is
+computed as R^T K R of the part R of K^-1 P that is M-orthogonal to the modes. Craig-Bampton (AIAA J. 6, 1968, 1313):
+static shapes of unit interface displacements and the modes of the shell with fixed interface, diagonalised; exact in
+statics with S = 0, but the interface then has mass. Both reproduce the static response to interface forces exactly. A
+rim's basis, and that of a structure with a rotation, has the matrices of rotation between its modes (`turning.py`).
 """
 
 import hashlib
@@ -57,7 +56,7 @@ def reduce(
     outputs: Sequence[Output] = (),
     system: System | MeshSystem | None = None,
 ) -> ModalBasis:
-    """Reduce a supported structure to `modes` modes seen from an interface.
+    """Reduce a supported structure to `modes` modes with an interface.
 
     Parameters
     ----------
@@ -67,26 +66,22 @@ def reduce(
         `Rim` of a casing, `Tip` or `TipNodes` of a blade; on an imported part their edge is a group of facets.
         `AtNodes` of an imported part.
     modes
-        Free modes kept, or fixed-interface modes beside the static shapes.
+        Number of kept free modes, or of fixed-interface modes in addition to the static shapes.
     method
         "free" (with residual compliance) or "craig-bampton".
     zeta
         Damping ratio given to every mode.
     recovery
-        Also store what recovers the displacements at all nodes, and the cells that draw them.
+        Also store the data for displacements at all nodes, and the cells for pictures.
     outputs
-        To be had from a run by their names: `Displacement` and `Strain` at places of a chart, `NodeDisplacement`,
+        Quantities that a run gives by name: `Displacement` and `Strain` at places of a chart, `NodeDisplacement`,
         `NodeStrain` and `NodeStress` of an imported part.
     system
-        The assembled structure, if there is one already.
+        The assembled structure, if it exists already.
 
-    Raises
-    ------
-    ValueError
-        Unknown method, negative damping, an interface the structure does not have, rigid motions, or a rotation about
-        another axis than that of a rim.
-    NumericsError
-        If the stiffness is singular.
+    Raises ------ ValueError The method is unknown, damping is negative, the structure does not have the interface,
+    there are rigid motions, or the axis of rotation differs from that of a rim. NumericsError If the stiffness is
+    singular.
 
     Examples
     --------
@@ -176,7 +171,7 @@ def reduce(
 def beside(vectors: FloatArray, motions: FloatArray, mass: csc_array) -> FloatArray:
     """The part of motions (free, k) outside the mass-normalised modes `vectors` (free, m).
 
-    Of K^-1 P this is (K^-1 - Phi Lambda^-1 Phi^T) P. A difference of compliances would keep the round-off of a soft
+    For K^-1 P this is (K^-1 - Phi Lambda^-1 Phi^T) P. A difference of compliances would contain the round-off of a soft
     support, which can exceed the residual.
     """
     for _ in range(2):  # the second time for round-off
@@ -185,7 +180,9 @@ def beside(vectors: FloatArray, motions: FloatArray, mass: csc_array) -> FloatAr
 
 
 def participation(system: System | MeshSystem, axes: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Phi^T M e of unit translations e, (3, modes) [sqrt(kg)]: along x, y, z of a casing, span, flap, chord of a blade.
+    """Phi^T M e for unit translations e, (3, modes) [sqrt(kg)].
+
+    Along x, y, z of a casing, span, flap, chord of a blade.
 
     Its squares are effective masses: over all modes they add up to the mass that moves.
     """
@@ -198,7 +195,7 @@ def stiffness(system: System | MeshSystem) -> Symmetric:
 
 
 def static_solver(system: System | MeshSystem) -> Solve:
-    """Loads (free, k) -> K^-1 loads; of thick solids whose factor does not fit into memory by multigrid."""
+    """Solver for loads (free, k) -> K^-1 loads; by multigrid for thick solids whose factor does not fit into memory."""
     try:
         factor = factorise(stiffness(system))
     except MemoryNeedError:
@@ -222,7 +219,7 @@ def free_vectors(system: System | MeshSystem, count: int) -> tuple[FloatArray, F
 
 
 def refuse_rigid(rigid: int) -> None:
-    """Refuse a structure that its supports leave rigid motions."""
+    """Refuse a structure with rigid motions."""
     if rigid:
         raise ModelError("reduce-rigid", f"the structure has {rigid} rigid motions")
 
@@ -255,7 +252,7 @@ def craig_bampton_vectors(
 
 
 def provenance(system: System | MeshSystem, method: str, count: int) -> dict[str, object]:
-    """Method, package versions, and a hash of the matrices the basis was made from."""
+    """Method, package versions, and a hash of the matrices from which the basis was made."""
     digest = hashlib.sha256(system.K.data.tobytes() + system.M.data.tobytes()).hexdigest()
     versions = {}
     for package in ("casingfem", "numpy", "scipy", "scikit-fem"):

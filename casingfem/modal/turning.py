@@ -6,8 +6,8 @@ in the frame of the body, which turns at Omega. G and E are polynomials of degre
 the whole structure (`structure/shell/prestress`, `structure/imported/spin`); those of fixed-interface modes are their
 projections, of degree 0.
 
-A positive Omega turns a rim about its axis, from cos 1 to sin 1, and a tip from span to flap, which is how contact has
-them: span along the radius, flap along growing angles. For nodes it is the direction of the study's rotation.
+A positive Omega rotates a rim about its axis from cos 1 to sin 1, and a tip from span to flap, as in contact: span
+along the radius, flap along growing angles. For nodes it is the direction of the study's rotation.
 """
 
 from dataclasses import dataclass, replace
@@ -34,14 +34,14 @@ ALONG = 1e-6  # sine of an angle between axes, or distance between them over the
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ModalTurning:
-    """A structure to be reduced and the axis about which it may turn.
+    """A structure to be reduced and the axis about which it may rotate.
 
     Attributes
     ----------
     part
         Centrifugal load of the structure at rest, and what rotation adds to modes.
     sense
-        1 where a positive speed turns about the axis of `part`, -1 where it turns the other way.
+        1 if a positive speed rotates about the axis of `part`, -1 if in the opposite sense.
     spin
         Speed of the modes [rad/s], with the sign of `sense`.
     """
@@ -52,15 +52,15 @@ class ModalTurning:
 
     @property
     def load(self) -> FloatArray:
-        """Columns to be solved beside the unit forces of the interface, (free, 1), or none at speed, (free, 0).
+        """Columns to solve for in addition to the unit interface forces, (free, 1); none at speed, (free, 0).
 
-        The static state is that of the structure at rest, whose stiffness at speed is another one.
+        The static state is that of the structure at rest, whose stiffness differs from that at speed.
         """
         load = self.part.load[:, None]
         return load if self.spin == 0.0 else load[:, :0]
 
     def arrays(self, static: FloatArray, modes: Kept) -> dict[str, Any]:
-        """Fields of the basis, of the static answer (free, 1) to `load`, or of none at speed, and the modes kept.
+        """Fields of the basis, from the static response (free, 1) to `load` (none at speed) and the kept modes.
 
         Raises
         ------
@@ -83,19 +83,19 @@ class ModalTurning:
 def modal_turning(
     structure: Shell | MeshStructure, system: System | MeshSystem, interface: Interface, axes: FloatArray, radius: float
 ) -> ModalTurning | None:
-    """A structure's rotation, else that of its rim; None where no axis is known, or where rotation is not modelled.
+    """Rotation of a structure, else that of its rim; None if no axis is known or rotation is not modelled.
 
     Parameters
     ----------
     system
-        The structure assembled, at its own speed.
+        The assembled structure, at its own speed.
     axes, radius
-        Of the interface, as of `View`.
+        Data of the interface, as in `View`.
 
     Raises
     ------
     ModelError
-        `reduce-axis` where a structure turns about another axis than that of its rim.
+        `reduce-axis` if the axis of rotation of the structure differs from that of its rim.
     """
     owner: Any = structure
     rotation = rotation_of(structure)
@@ -121,25 +121,25 @@ def modal_turning(
 
 
 def rim_axis(structure: Shell | MeshStructure, rim: Rim) -> Rotation:
-    """The axis of a rim: z of a chart."""
+    """The axis of a rim; z for a chart."""
     if isinstance(structure, Shell):
         return Rotation(omega=0.0)
     return Rotation(omega=0.0, axis=rim.axis, centre=rim.point)
 
 
 def modelled(structure: Shell | MeshStructure, system: System | MeshSystem) -> bool:
-    """Whether the structure provides the terms of rotation; your own structure need not."""
+    """Whether the structure provides the terms of rotation; a structure of your own need not."""
     return isinstance(system, System) or isinstance(structure, TurningStructure)
 
 
 def mesh_turning(structure: Shell | MeshStructure, system: MeshSystem, turns: Rotation) -> MeshTurning:
-    """The rotation of a mesh that `modelled` lets through."""
+    """Rotation of a mesh for which `modelled` is true."""
     assert isinstance(structure, TurningStructure)
     return structure.turning(system, turns)
 
 
 def require_axis(rotation: Rotation, rim: Rotation, radius: float) -> None:
-    """Refuse a rotation about another axis than that of the rim."""
+    """Refuse an axis of rotation that differs from that of the rim."""
     apart = np.asarray(rotation.centre) - np.asarray(rim.centre)
     aside = np.linalg.norm(np.cross(rim.direction, apart))
     tilted = np.linalg.norm(np.cross(rim.direction, rotation.direction))

@@ -1,19 +1,19 @@
-"""C and K of the modes in a basis over the speed; the response of the other modes is eliminated.
+"""C and K of the modes in a basis as functions of speed, with the response of the other modes eliminated.
 
     M x'' + Omega G x' + K(Omega) x = 0,   K(Omega) = K_s + (Omega^2 - s^2) K1 + (Omega^4 - s^4) K2
 
-K_s is that at the speed s of the modes Phi. Coriolis forces and stress move what the basis leaves out. It follows by
+K_s is K at the speed s of the modes Phi. Coriolis forces and stress also excite the omitted modes, whose response is in
 K_s^-1 G Phi, K_s^-1 K1 Phi and K_s^-1 K2 Phi. These and Phi span a small model of the structure.
 
 With K = L L^T and y = (L^T x, x'), y' = S y with S = [[0, L^T], [-L, -Omega G]], which is skew. `SWEEPS` inverse
-iterations turn the motions (L^T Phi, Phi) of the modes towards the slow motions of S. U is the orthonormal basis of
-these that is nearest to the first one. U^T S U is skew too. Its frequencies err by the square of the error of U. A
-rotation that makes its first block zero gives U^T S U = [[0, B], [-B^T, -C]], the matrices of
+iterations bring the motions (L^T Phi, Phi) of the modes towards the slow motions of S. U is their orthonormal basis
+nearest to the first one. U^T S U is also skew. The error of its frequencies is the square of the error of U. A rotation
+that makes its first block zero gives U^T S U = [[0, B], [-B^T, -C]], the matrices of
 
     q'' + C q' + B^T B q = 0.
 
 C/Omega and K are smooth in x = Omega^2 - s^2. The basis has polynomials through three speeds: C/Omega of degree 2, K of
-degree 3. The speeds reach to where rotation changes a frequency by `REACH`.
+degree 3. The speeds extend to a frequency change of `REACH`.
 """
 
 from collections.abc import Callable
@@ -53,9 +53,10 @@ class Kept(NamedTuple):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class SmallModel:
-    """A turning structure in a few mass-normalised motions, the modes first; matrices (N, N).
+    """A rotating structure in a few mass-normalised motions, the modes first; matrices (N, N).
 
-    `stiff` K_s, `coriolis` G, `first` and `second` K1 and K2; `modes` how many modes, `spin` their speed [rad/s].
+    `stiff` K_s, `coriolis` G, `first` and `second` K1 and K2; `modes` is the number of modes, `spin` their speed
+    [rad/s].
     """
 
     stiff: FloatArray
@@ -71,14 +72,14 @@ class SmallModel:
         return self.stiff + (square - s2) * self.first + (square**2 - s2**2) * self.second
 
     def between_modes(self) -> dict[str, Any]:
-        """Projections of G and of dK/dOmega^2 on the modes, without the motions that follow them."""
+        """Projections of G and of dK/dOmega^2 on the modes, without the motions that respond to them."""
         m = self.modes
         slope = self.first[:m, :m] + 2.0 * self.spin**2 * self.second[:m, :m]
         return {"gyroscopic": self.coriolis[:m, :m], "stiffness_by_speed": slope}
 
 
 def small_model(modes: Kept, times: Times, spin: float) -> SmallModel:
-    """The modes of a basis and the motions that follow them; `times` gives G, K1 and K2 times motions."""
+    """The modes of a basis and the motions that respond to them; `times` gives G, K1 and K2 times motions."""
     assert modes.solve is not None
     follow = independent(modes.vectors, modes.solve(np.hstack(times(modes.vectors))), modes.mass)
     V, m = np.hstack([modes.vectors, follow]), len(modes.omega)
@@ -105,7 +106,7 @@ def independent(vectors: FloatArray, more: FloatArray, mass: csc_array) -> Float
 
 
 def series(model: SmallModel) -> dict[str, Any]:
-    """Fields of the basis: polynomials of C/Omega and K in Omega^2 - spin^2, or projections where K is indefinite."""
+    """Fields of the basis: polynomials of C/Omega and K in Omega^2 - spin^2, or projections if K is indefinite."""
     low, high = squares_within_reach(model)
     for _ in range(SHORTER):
         x = high * NODES if low == 0.0 else np.where(BOTH < 0.0, -low * BOTH, high * BOTH)
@@ -117,9 +118,9 @@ def series(model: SmallModel) -> dict[str, Any]:
 
 
 def through(model: SmallModel, x: FloatArray) -> dict[str, Any]:
-    """The polynomials through three values of Omega^2 - spin^2, (3,); K also has its value at the speed of the modes.
+    """Polynomials through three values of Omega^2 - spin^2, (3,); K also has its value at the speed of the modes.
 
-    Raises LinAlgError where K is not positive definite.
+    Raises LinAlgError if K is not positive definite.
     """
     m, s2 = model.modes, model.spin**2
     at_modes = np.diag(np.diag(model.stiff)[:m]) if s2 == 0.0 else slow_motions(model, s2)[1]
@@ -150,7 +151,7 @@ def squares_within_reach(model: SmallModel) -> tuple[float, float]:
 def slow_motions(model: SmallModel, square: float) -> tuple[FloatArray, FloatArray]:
     """C/Omega and K of the modes at a squared speed, (m, m) each.
 
-    Raises LinAlgError where K is not positive definite.
+    Raises LinAlgError if K is not positive definite.
     """
     m, N, speed = model.modes, len(model.stiff), float(np.sqrt(square))
     L, G = np.linalg.cholesky(model.stiffness(square)), speed * model.coriolis

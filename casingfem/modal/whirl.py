@@ -1,9 +1,9 @@
-"""Modes of a rotating shell with Coriolis forces, which turn the doublets of a casing into travelling waves.
+"""Modes of a rotating shell with Coriolis forces, which split the doublets of a casing into travelling waves.
 
 In the rotating frame M x'' + Omega G x' + K(Omega) x = 0 with M, K symmetric and G skew. With (x, v = x') the inverse
 problem (x, v) -> (-K^-1 (M v + Omega G x), x) has the eigenvalues 1/(i omega): one factorisation of K and Arnoldi's
 largest ones. While K is positive definite all omega are real, and K + i omega Omega G - omega^2 M has as many negative
-eigenvalues as there are frequencies between 0 and omega: the count that certifies them (K. Veselic, Damped Oscillations
+eigenvalues as there are frequencies between 0 and omega: the count that verifies them (K. Veselic, Damped Oscillations
 of Linear Systems, 2011).
 """
 
@@ -49,7 +49,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class WhirlModes(Reported):
-    """Modes of a rotating shell or imported part, ascending, as an observer who turns with it sees them.
+    """Modes of a rotating shell or imported part in the rotating frame, ascending.
 
     Attributes
     ----------
@@ -58,9 +58,9 @@ class WhirlModes(Reported):
     fields
         Complex shapes at the nodes, (nodes, 3 or 5, modes): the motion is the real part of shape times e^(i omega t).
     nodal_diameters
-        Dominant n of a casing of revolution that turns about z, -1 elsewhere, (modes,).
+        Dominant n of a casing of revolution that rotates about z, else -1, (modes,).
     sense
-        1 for a wave that runs with the rotation, -1 for one against it, 0 for none (n = 0, open shells), (modes,).
+        1 for a wave that travels with the rotation, -1 for one against it, 0 for none (n = 0, open shells), (modes,).
     sturm_count
         Modes up to the last one, by inertia.
 
@@ -90,12 +90,12 @@ class WhirlModes(Reported):
 
     @property
     def freq_fixed(self) -> FloatArray:
-        """Frequencies [Hz] of the waves on a casing for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
+        """Frequencies [Hz] of the waves on a casing in the fixed frame: |f + sense n Omega/2 pi|, (modes,)."""
         return freq_at_rest(self.freq, self.sense * self.nodal_diameters, rotation_of(self.shell))
 
 
 def freq_at_rest(freq: FloatArray, waves: IntArray, rotation: Rotation | None) -> FloatArray:
-    """Frequencies [Hz] for an observer at rest: |f + s n Omega/2 pi|, of `waves` s n that run with the rotation."""
+    """Frequencies [Hz] in the fixed frame: |f + s n Omega/2 pi|, for `waves` s n that travel with the rotation."""
     turns = 0.0 if rotation is None else abs(rotation.omega) / (2.0 * np.pi)
     return np.abs(freq + waves * turns)
 
@@ -115,7 +115,7 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
     ModelError
         `rotation-none` for a shell at rest, `rotation-unstable` if K(Omega) is not positive definite.
     NumericsError
-        If the modes cannot be computed or certified.
+        If the modes cannot be computed or verified.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def gyroscopic_modes(
 ) -> tuple[FloatArray, Array, int]:
     """Frequencies [rad/s] ascending and complex shapes of M x'' + G x' + A x = 0, up to a gap at or after `count`.
 
-    M is 1 if left out. Of a Hermitian A and a skew-Hermitian G those with a motion x e^(i omega t), omega > 0.
+    M is 1 by default. For a Hermitian A and a skew-Hermitian G, those with motion x e^(i omega t), omega > 0.
     """
     size = A.shape[0]
     M = csc_array(diags_array(np.ones(size))) if mass is None else mass
@@ -187,16 +187,16 @@ def gyroscopic_modes(
 
 
 def expand_complex(system: System | MeshSystem, vectors: Array) -> Array:
-    """Free dofs (free, modes) -> nodal fields (nodes, dofs, modes) with the largest displacement 1."""
+    """Nodal fields (nodes, dofs, modes) with largest displacement 1, from free dofs (free, modes)."""
     fields = system.expand(vectors)
     flat = fields[:, :3].reshape(-1, fields.shape[2])
     return np.asarray(fields / flat[np.abs(flat).argmax(axis=0), np.arange(fields.shape[2])])
 
 
 def wave_labels(system: System | MeshSystem, rotation: Rotation, fields: Array) -> tuple[IntArray, IntArray]:
-    """Nodal diameters and sense of the waves on a casing of revolution that turns about z, each (modes,).
+    """Nodal diameters and sense of the waves on a casing of revolution that rotates about z, each (modes,).
 
-    e^(i n theta) e^(i omega t) runs towards smaller theta, e^(-i n theta) e^(i omega t) towards larger.
+    e^(i n theta) e^(i omega t) travels towards smaller theta, e^(-i n theta) e^(i omega t) towards larger.
     """
     both = (fields.conj(), fields)
     about_z = bool(np.abs(rotation.direction[2]) > 1.0 - 1e-9 and not np.any(rotation.centre[:2]))

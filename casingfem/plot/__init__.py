@@ -1,4 +1,4 @@
-"""Everything that draws: figures and pages."""
+"""Figures and pages; the only packages that draw."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Chances of random casings: probability over speed, splits of the pairs, importance of each input."""
+"""Pictures of chances of random casings: probability over speed, splits of the pairs, importance of each input."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

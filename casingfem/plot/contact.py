@@ -1,6 +1,6 @@
-"""Pictures of a contact run: force, gap and amplitudes against time, the wear of a coating; a rub that plays.
+"""Pictures of a contact run: force, gap and amplitudes over time, the wear of a coating; an animated rub.
 
-Of a film rim and tips, force and gap beside, are drawn by `scripts/film.js` from numbers in 16 bits.
+`scripts/film.js` draws the film (rim and tips, with force and gap) from numbers in 16 bits.
 """
 
 from itertools import pairwise
@@ -54,8 +54,8 @@ class _Run(Protocol):
 def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4, rim: Any = None) -> Figure:
     """Force, gap and motion of one run over time, and a close-up of its largest force.
 
-    Motion is the rim's largest deflection where `rim`, a `contact.rim_motion.RimMotion`, is given; else that of up to
-    so many coordinates, by the names of their bodies.
+    Motion is the rim's largest deflection if `rim`, a `contact.rim_motion.RimMotion`, is given; else that of the
+    coordinates that move most, with the names of their bodies.
     """
     force = result.windowed_force()[:, contact]
     panels = [
@@ -75,7 +75,7 @@ def _step(time: Array) -> float:
 
 
 def deflection_panel(rim: Any) -> Panel:
-    """Largest deflection around the rim; with the limit of the linear model where that is near."""
+    """Largest deflection around the rim, with the limit of the linear model if it is close."""
     allowed = 1e3 * float(rim.allowed)
     near = np.isfinite(allowed) and 1e3 * rim.largest > 0.2 * allowed
     return Panel(
@@ -85,7 +85,7 @@ def deflection_panel(rim: Any) -> Panel:
 
 
 def _coordinates(result: _Run, most: int) -> list[Panel]:
-    """The coordinates that move most: modes, ends of rods, masses; no panel of bodies without such names."""
+    """The coordinates that move most: modes, ends of rods, masses; no panel for bodies without such names."""
     modal = "modal" in result.scheme
     names = {
         start + k: name
@@ -103,7 +103,7 @@ def _coordinates(result: _Run, most: int) -> list[Panel]:
 
 
 def named_coordinates(body: str, count: int, *, modal: bool) -> dict[int, str]:
-    """Names of the coordinates of a body that have one, by their place.
+    """Names of those coordinates of a body that have one, by index.
 
     >>> named_coordinates("blade", 2, modal=True), named_coordinates("rod 1", 101, modal=False)
     ({0: 'blade, mode 1', 1: 'blade, mode 2'}, {0: 'rod 1, left end', 100: 'rod 1, right end'})
@@ -118,8 +118,8 @@ def named_coordinates(body: str, count: int, *, modal: bool) -> dict[int, str]:
 class _Worn(Protocol):
     """Material removed from a coating, by angle of its bars [rad].
 
-    Deviations of the radius [m] as made, before and after a run, (cells,); worn depths [m] at the times [s] of the map,
-    (times, cells).
+    Deviations of the radius [m] as manufactured, before and after a run, (cells,); worn depths [m] at the times [s] of
+    the map, (times, cells).
     """
 
     @property
@@ -143,7 +143,7 @@ class _Worn(Protocol):
 
 @styled
 def figure_wear(wear: _Worn) -> Figure:
-    """Profile of the coating's surface above, the map of its wear below; larger radius upwards."""
+    """Profile of the coating's surface (top), and the map of its wear (bottom); larger radius upwards."""
     figure = new_figure(8.0, 6.0)
     axes: Any = figure.subplots(2, 1, sharex=True)
     degrees = np.degrees(wear.angle)
@@ -163,7 +163,7 @@ def figure_wear(wear: _Worn) -> Figure:
 
 
 def rub_film(film: Any, run: _Run) -> Picture:
-    """A film, a `contact.histories.RubFilm`, as a picture of the page: a slider, the whole run's force and gap."""
+    """A film, a `contact.histories.RubFilm`, for a page, with a slider, force and gap of the whole run."""
     scale = exaggeration(film)
     data: dict[str, Any] = {
         "time": coded(film.time.astype("<f4")), "turned": coded(film.turned.astype("<f4")),
@@ -189,13 +189,13 @@ def exaggeration(film: Any) -> float:
 
 
 def trace(name: str, time: Array, values: Array) -> dict[str, Any]:
-    """A curve over the whole run, thinned so that no peak is lost."""
+    """A curve over the whole run, thinned without losing peaks."""
     t, y = thinned(time, values, TRACE)
     return {"name": name, "time": coded(t.astype("<f4")), "values": packed(y)}
 
 
 def listed(numbers: list[int]) -> str:
-    """Whole numbers in words, runs of three or more as from .. to.
+    """Whole numbers as text, with runs of three or more as from .. to.
 
     >>> listed([0, 2, 3, 4, 5, 9])
     '0, 2 to 5, 9'

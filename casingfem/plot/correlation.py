@@ -1,4 +1,4 @@
-"""A test beside a model: the MAC matrix, where the shapes differ, which bolts or masses explain a table."""
+"""A test compared with a model: MAC matrix, differences of shapes, bolts or masses that explain a table."""
 
 from collections.abc import Iterable
 from itertools import product
@@ -40,11 +40,10 @@ def mac_panel(
     freq_hz: FloatArray,
     size: float = 6.5,
 ) -> QuadMesh:
-    """A MAC matrix, rows labelled by frequency, columns by mode and n; frames around rows and modes of each pair.
+    """A MAC matrix with rows by frequency, columns by mode and n; frames around rows and modes of each pair.
 
-    Cells are drawn as shapes: an image is resampled to whole points, and its cells shift against their frames. Members
-    of a pair that are not neighbours have frames of their own. Values from WRITTEN on are written into their cells, in
-    per cent.
+    Cells are drawn as shapes, since resampling of an image would shift cells against their frames. Members of a pair
+    that are not neighbours have separate frames. Values of at least WRITTEN are printed in their cells, in per cent.
     """
     height, width = mac.shape
     edges = np.arange(width + 1) - 0.5, np.arange(height + 1) - 0.5
@@ -69,7 +68,7 @@ def mac_panel(
 
 
 def runs(places: IntArray) -> list[tuple[float, float]]:
-    """Edges of the cells at these places, those of neighbours joined.
+    """Edges of the cells at these indices, joined for neighbours.
 
     >>> runs(np.array([4, 2, 3, 7]))
     [(1.5, 4.5), (6.5, 7.5)]

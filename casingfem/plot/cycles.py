@@ -27,7 +27,7 @@ LARGEST = 6  # multipliers of an orbit that are drawn
 def figure_cycles(
     rows: Sequence[Mapping[str, Any]], marks: Sequence[Mapping[str, Any]], reached: Sequence[Mapping[str, Any]] = ()
 ) -> Figure:
-    """Amplitude of each channel over the parameter, one panel a channel.
+    """Amplitude of each channel over the parameter, one panel for each channel.
 
     `rows` are those of `Cycles.records`; `marks` its special points: kind, branch, the parameter, amplitudes; `reached`
     the motions of `Basins.records` with the parameter, drawn with the part of random starts that end on them.
@@ -61,7 +61,7 @@ def figure_cycles(
 
 
 def _branch(axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str, colour: str) -> None:
-    """One branch; a stretch reaches to the first point of the next, so that nothing is left out."""
+    """One branch; an interval of equal stability extends to the first point of the next, without gaps."""
     start = 0
     for kept, part in groupby(rows, key=lambda row: row["stable"]):
         stop = start + len(list(part))
@@ -75,8 +75,8 @@ def _branch(axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str,
 def figure_multipliers(found: Any) -> Figure:
     """Floquet multipliers of all orbits in the complex plane, and the largest magnitude over the parameter.
 
-    `found` is a `contact.cycles.Cycles`. An orbit is stable where all its multipliers lie inside the circle.
-    The LARGEST of each orbit are drawn, those up to the magnitude PLANE in the plane.
+    `found` is a `contact.cycles.Cycles`. An orbit is stable if all its multipliers are inside the unit circle. The
+    LARGEST of each orbit are drawn, in the plane those up to magnitude PLANE.
     """
     figure = new_figure(8.2, 3.9)
     plane, beside = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
@@ -115,7 +115,7 @@ def largest(multipliers: Any) -> Any:
 
 @styled
 def figure_orbits(traces: Sequence[Any]) -> Figure:
-    """Displacement over the period and velocity over displacement of the first channel, one colour an orbit.
+    """Displacement over the period, and velocity over displacement, of the first channel; one colour for each orbit.
 
     `traces` are `contact.cycles.Trace`; unstable orbits are dashed.
     """

@@ -13,7 +13,9 @@ BINS = 60
 
 @styled
 def figure_response(found: Any, drawn: Any = None) -> Figure:
-    """Amplitudes of all blades over speed, the tuned wheel dotted; below, how often drawn wheels amplify.
+    """Amplitudes of all blades over speed, dotted for the tuned wheel; bottom.
+
+    Histogram of amplification of drawn wheels.
 
     `found` is a `cf.modal.EngineOrderResponse`, `drawn` a `cf.modal.Amplification` or None.
     """
@@ -34,10 +36,10 @@ def figure_response(found: Any, drawn: Any = None) -> Figure:
 
 @styled
 def figure_safe(wheel: Any, responses: Sequence[Any]) -> Figure:
-    """Frequencies over nodal diameters with the line of each engine order at its largest amplitude: the SAFE diagram.
+    """Frequencies over nodal diameters, with the line of each engine order at its largest amplitude: the SAFE diagram.
 
-    A line runs with the slope of the speed, and is folded at 0 and N/2 diameters. Circles mark the modes that an order
-    excites: same diameter, within 2 % of its frequency. `wheel` is a `cf.modal.BladedWheel`, `responses` are
+    The slope of a line is the speed; it is folded at 0 and N/2 diameters. Circles mark the modes that an order excites:
+    equal diameter, within 2 % of its frequency. `wheel` is a `cf.modal.BladedWheel`, `responses` are
     `cf.modal.EngineOrderResponse`.
     """
     figure = new_figure(7.6, 4.6)

@@ -1,4 +1,4 @@
-"""Measurements drawn: frequency responses with marked lines, the spectrum of a circle scan, deflections around."""
+"""Measurements: frequency responses with marked lines, the spectrum of a circle scan, deflections around."""
 
 from collections.abc import Sequence
 
@@ -29,7 +29,7 @@ def say_synthetic(figure: Figure, card: Sequence[str]) -> None:
 def figure_responses(
     frfs: FrfSet, *, marks: ArrayLike = (), labels: Sequence[str] = (), coherence: FrfSet | None = None
 ) -> Figure:
-    """All channels in grey, their rms in black, the frequencies `marks` [Hz] as lines with `labels` above."""
+    """All channels in grey, their rms in black; the frequencies `marks` [Hz] are lines with `labels` above."""
     figure = new_figure(height=4.2 if coherence is None else 5.4)
     grid = figure.add_gridspec(1 if coherence is None else 2, 1, height_ratios=[4, 1][: 1 if coherence is None else 2])
     axes = figure.add_subplot(grid[0])
@@ -59,7 +59,7 @@ def figure_responses(
 
 @styled
 def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
-    """Spectrum of a scan around its tones (Hann window), and the fitted lines w +- nW that exceed the noise."""
+    """Spectrum of a scan around its tones (Hann window), and the fitted lines w +- nW above the noise."""
     figure = new_figure()
     axes = figure.add_subplot()
     count = len(record.velocity)
@@ -94,7 +94,7 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
 
 @styled
 def figure_deflections(found: CircleScan, waves: Sequence[tuple[int, int]]) -> Figure:
-    """Deflections round the circle of (tone, n): the real part when it is largest, the envelope, the antinodes."""
+    """Deflections around the circle of (tone, n): the real part at its maximum, the envelope, the antinodes."""
     columns = min(len(waves), 4)
     rows = -(-len(waves) // max(columns, 1))
     figure = new_figure(2.6 * columns, 2.9 * rows)

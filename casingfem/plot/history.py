@@ -1,4 +1,4 @@
-"""Histories as envelopes: the lowest and highest value of each stretch, and beside them a close-up of one instant."""
+"""Time histories as envelopes of lowest and highest values, with a close-up of one time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ POINTS = 4000  # drawn per curve of a close-up: extremes of each bin beyond that
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Panel:
-    """Curves over time that share an axis: (name, values, colour) each; `level` is a line, with its name."""
+    """Curves over time that share an axis, each (name, values, colour); `level` is a horizontal line with its name."""
 
     label: str
     time: Array
@@ -31,9 +31,9 @@ class Panel:
 
 @styled
 def figure_history(panels: Sequence[Panel], closeup: tuple[float, float] | None = None) -> Figure:
-    """Panels one below the other over the whole run, and beside them the same curves in a stretch of time.
+    """Panels one below the other over the whole run, with the same curves over a short interval at their right.
 
-    A long record is drawn as the band between the lowest and the highest value of each of BINS stretches. `figure.axes`
+    A long record is drawn as the band between the lowest and the highest value of each of BINS intervals. `figure.axes`
     are the panels of the whole run, then those of the close-up.
     """
     figure = new_figure(8.2, 0.7 + 1.75 * len(panels))
@@ -65,7 +65,7 @@ def figure_history(panels: Sequence[Panel], closeup: tuple[float, float] | None 
 
 
 def _one(axes: Any, panel: Panel, stretch: tuple[float, float] | None) -> None:
-    """The curves of a panel over the whole run, or in a stretch of it."""
+    """The curves of a panel over the whole run, or over an interval of it."""
     if panel.level is not None:
         value, name = panel.level
         axes.axhline(value, color="#777777", linewidth=0.8, linestyle="--" if name else "-", label=name or None)
@@ -95,7 +95,7 @@ def _one(axes: Any, panel: Panel, stretch: tuple[float, float] | None) -> None:
 
 
 def time_unit(span: float) -> tuple[float, str]:
-    """Factor and unit for times of a run of this length [s].
+    """Factor and unit for times of a run with this length [s].
 
     >>> time_unit(0.4), time_unit(2.5e-4)
     ((1.0, 's'), (1000.0, 'ms'))
@@ -104,7 +104,7 @@ def time_unit(span: float) -> tuple[float, str]:
 
 
 def envelope(time: Array, values: Array, bins: int) -> tuple[Array, Array, Array]:
-    """Middle, lowest and highest value of stretches of equally many samples; no peak is lost.
+    """Middle, lowest and highest value of intervals with equally many samples; no peak is lost.
 
     >>> at, low, high = envelope(np.arange(6.0), np.array([0.0, 5.0, 1.0, -2.0, 3.0, 9.0]), 3)
     >>> at.tolist(), low.tolist(), high.tolist()
@@ -117,7 +117,7 @@ def envelope(time: Array, values: Array, bins: int) -> tuple[Array, Array, Array
 
 
 def thinned(time: Array, values: Array, points: int) -> tuple[Array, Array]:
-    """A long record as the lowest and highest of each bin, so that no peak is lost.
+    """A long record as the lowest and highest value of each bin, so that no peak is lost.
 
     >>> t, y = thinned(np.arange(100_000.0), np.eye(1, 100_000, 777)[0], 6000)
     >>> len(t) <= 6000, float(y.max())
@@ -134,10 +134,10 @@ def thinned(time: Array, values: Array, points: int) -> tuple[Array, Array]:
 
 
 def closeup_of(time: Array, force: Array, least: float) -> tuple[float, float] | None:
-    """A stretch about the largest value of `force`, three times as long as it is above zero there.
+    """An interval about the largest value of `force`, three times as long as it is positive there.
 
-    It is 3 `least` [s] long at least and a third of the record at most; None where these contradict each other, and
-    where nothing is above zero.
+    It is at least 3 `least` [s] and at most a third of the record; None if these contradict each other, or without
+    positive values.
 
     >>> t = np.linspace(0.0, 10.0, 1001)
     >>> closeup_of(t, np.where(abs(t - 4.0) < 0.105, 1.0, 0.0), 0.0)

@@ -1,4 +1,4 @@
-"""Values under the pointer: positions of the data in a figure that matplotlib has drawn."""
+"""Values at the pointer: positions of the data in a matplotlib figure."""
 
 import re
 from typing import Any
@@ -16,10 +16,10 @@ Series = dict[str, Any]
 
 
 def hover_values(figure: Figure) -> list[Series]:
-    """Every series of a figure that was saved: its name, the names of its axes, and rows (x, y of the page, values).
+    """Every series of a saved figure: its name, the names of its axes, and rows (x, y on the page, values).
 
-    Places are parts of the figure's width and height from its upper left corner. Lines without a name and without
-    markers are none: grids, bars that join points.
+    Positions are fractions of the figure's width and height from its upper left corner. Lines without name and markers,
+    such as grids and error bars, are left out.
 
     >>> figure = Figure()
     >>> _ = figure.add_subplot().plot([1.0, 2.0], [3.0, 5.0], "o", label="modes")
@@ -41,7 +41,7 @@ def hover_values(figure: Figure) -> list[Series]:
 
 
 def series(axes: Axes) -> list[tuple[str, Array, list[str]]]:
-    """Name, values (rows, 2 or 3) and name of the third value of every line, cloud of dots and map of some axes."""
+    """Name, values (rows, 2 or 3) and name of the third value, for every line, scatter plot and map of some axes."""
     found: list[tuple[str, Array, list[str]]] = []
     for line in axes.lines:
         named = not str(line.get_label()).startswith("_")
@@ -67,7 +67,7 @@ def series(axes: Axes) -> list[tuple[str, Array, list[str]]]:
 
 
 def placed(figure: Figure, axes: Axes, values: Array) -> list[list[float]]:
-    """Rows of places on the page and values, those inside the axes."""
+    """Rows of positions on the page and values, for points inside the axes."""
     kept = values[np.isfinite(values).all(axis=1)]
     if not len(kept):
         return []
@@ -80,13 +80,13 @@ def placed(figure: Figure, axes: Axes, values: Array) -> list[list[float]]:
 
 
 def short(value: float) -> float | int:
-    """A number in six digits, whole ones without a point."""
+    """A number with six digits, whole numbers without a point."""
     number = float(f"{value:.6g}")
     return int(number) if number.is_integer() and abs(number) < 1e15 else number
 
 
 def plain(label: str) -> str:
-    r"""A label without line breaks and mathematical type.
+    r"""A label without line breaks and mathematical markup.
 
     >>> plain("modal coordinate\n[kg$^{1/2}$ m]")
     'modal coordinate [kg^1/2 m]'

@@ -1,4 +1,4 @@
-"""Identification drawn: the stabilisation diagram, and fitted over measured responses."""
+"""Pictures of an identification: the stabilisation diagram, and fitted over measured responses."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,10 +20,10 @@ LETTER = 0.0042  # of the axis: half the width of a letter
 
 @styled
 def figure_stabilisation(found: Identified) -> Figure:
-    """Poles over model order, stable ones marked, with the chosen modes and the measured data behind.
+    """Poles over model order, with marks for stable and chosen ones, and the measured data in the background.
 
-    Behind are the singular values of the response matrix over its references (the complex mode indicator, Shih et
-    al., Mech. Syst. Signal Process. 2, 1988, 367); with one reference that is the norm over the sensors.
+    The background shows the singular values of the response matrix over its references (the complex mode indicator,
+    Shih et al., Mech. Syst. Signal Process. 2, 1988, 367); with one reference this is the norm over the sensors.
     """
     values = indicator(found)
     ends = _row_ends(found)
@@ -63,7 +63,7 @@ _STYLES: tuple[dict[str, object], ...] = (
 
 @styled
 def figure_responses(found: Identified, channel: int | None = None) -> Figure:
-    """Measured and fitted response of one channel, the strongest if none is named, with the identified modes."""
+    """Measured and fitted response of one channel (by default the strongest) with the identified modes."""
     if channel is None:
         channel = int(np.argmax(np.linalg.norm(found.measured, axis=1)))
     figure = new_figure(9.6, 5.2)
@@ -86,7 +86,7 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
 
 @styled
 def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
-    """All lines: the mode indicator with sure and doubtful modes, rms of measured, fitted and residual, coherence."""
+    """All lines: mode indicator with sure and doubtful modes, rms of measured, fitted and residual, coherence."""
     figure = new_figure(9.6, 6.4 if coherence is None else 7.4)
     panels = 2 if coherence is None else 3
     rows = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 3, 1)[:panels])
@@ -121,7 +121,7 @@ def _legend_above(axes: Axes, handles: Sequence[Any], names: Sequence[str]) -> N
 
 
 def _phase(values: Array) -> FloatArray:
-    """Phase [deg] from -270 to 90: noise about 0 and -180, where responses of real modes lie, does not jump."""
+    """Phase [deg] from -270 to 90, so that noise about 0 and -180, where real modes are, does not jump."""
     return np.asarray(np.mod(np.degrees(np.angle(values)) + 270.0, 360.0) - 270.0)
 
 
@@ -132,7 +132,7 @@ def indicator(found: Identified) -> FloatArray:
 
 
 def _row_ends(found: Identified) -> list[float]:
-    """Frequencies between rows with about equally many modes, in the widest gaps near by."""
+    """Frequencies between rows of about equally many modes, in the widest gaps nearby."""
     first, last = float(found.lines[0]), float(found.lines[-1])
     rows = min(max(-(-len(found) // MODES_A_ROW), 1), MOST_ROWS)
     cuts = []
@@ -145,7 +145,7 @@ def _row_ends(found: Identified) -> list[float]:
 
 
 def _mark(axes: Axes, found: Identified, low: float, high: float) -> None:
-    """Identified modes as lines, dashed for pairs that are not distinguished; above each cluster the n in it."""
+    """Identified modes as lines, dashed for unresolved pairs; the n of each cluster above it."""
     clusters: list[list[int]] = []
     for k in np.flatnonzero((found.freq >= low) & (found.freq <= high)).tolist():
         whole = k in found.unresolved

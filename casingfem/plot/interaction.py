@@ -1,4 +1,4 @@
-"""Pictures of coincidences: Campbell in the blade's frame, and frequency over nodal diameters at one speed."""
+"""Pictures of coincidences: Campbell diagram in the blade's frame, and frequency over nodal diameters at one speed."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,7 +22,7 @@ Blade = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 @styled
 def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Figure:
-    """Campbell diagram of a blade: waves |f_c -+ n f|, its own modes, engine orders; filled where contact excites."""
+    """Campbell diagram of a blade: waves |f_c -+ n f|, the blade's modes, engine orders; filled: contact excites."""
     figure = new_figure(7.6, 4.8)
     axes: Any = figure.add_subplot()
     speed = np.linspace(*found.speed_hz, 400)
@@ -118,7 +118,7 @@ def _zigzag(axes: Any, found: Interactions, disk: DiskFrequencies, speed_hz: flo
 
 @styled
 def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
-    """A structure's frequencies over speed with engine orders, their crossings as dots."""
+    """A structure's frequencies over speed with engine orders, and dots at their crossings."""
     figure = new_figure(7.6, 4.6)
     axes: Any = figure.add_subplot()
     top = 1.15 * float(found.freq.max())
@@ -140,7 +140,7 @@ def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
 
 
 def beside_ends(axes: Any, ends: Sequence[tuple[str, float]], top: float) -> None:
-    """Names right of the panel at the heights of their curves' ends; of names that would overlap the first stays."""
+    """Names right of the panel at the ends of their curves; of overlapping names only the first is kept."""
     low = -np.inf
     for name, height in sorted(ends, key=lambda end: end[1]):
         if height < top and height - low > 0.035 * top:
@@ -152,7 +152,7 @@ def beside_ends(axes: Any, ends: Sequence[tuple[str, float]], top: float) -> Non
 
 
 def _engine_orders(axes: Any, speed: FloatArray, top: float, orders: int) -> None:
-    """Lines n f with their n at the end, where the numbers keep apart."""
+    """Lines n f with their n at the end, where the numbers do not overlap."""
     last = (-np.inf, -np.inf)
     for order in range(orders, 0, -1):
         axes.plot(speed, order * speed, color=PERFECT, linewidth=0.6, linestyle=":", zorder=1)
@@ -168,7 +168,7 @@ def _engine_orders(axes: Any, speed: FloatArray, top: float, orders: int) -> Non
 
 @styled
 def figure_stability(found: Any) -> Figure:
-    """Growth of a closed contact over speed, a `contact.stability.StabilityMap`, bands that diverge shaded."""
+    """Growth of a closed contact over speed, a `contact.stability.StabilityMap`, with shaded unstable bands."""
     figure = new_figure(7.6, 3.6)
     axes: Any = figure.add_subplot()
     _growth(axes, found)
@@ -179,10 +179,10 @@ def figure_stability(found: Any) -> Figure:
 
 @styled
 def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
-    """The table of dangerous speeds: Campbell in the blade's frame, growth and amplitude over speed.
+    """The table of dangerous speeds: Campbell diagram in the blade's frame, growth and amplitude over speed.
 
-    `found` as `contact.interactions` gives it. Ranges are shaded where the table states unstable, and nowhere else. A
-    row that closed contact proposed is marked at the frequency of its pole, with its nodal diameters.
+    `found` is the result of `contact.interactions`. Only the unstable ranges of the table are shaded. A row that closed
+    contact proposed is marked at the frequency of its pole, with its nodal diameters.
     """
     runs = len(found.runs) > 0
     figure = new_figure(8.2, 7.4 if runs else 6.0)
@@ -235,7 +235,7 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
 
 
 def _names_apart(axes: Any, names: Sequence[tuple[str, float, float]], speed: FloatArray, top: float) -> None:
-    """Names above their places; of names that would overlap the first stays."""
+    """Names above their positions; of overlapping names only the first is kept."""
     kept = list[tuple[float, float]]()
     for name, at, height in names:
         place = (at / (float(np.ptp(speed)) or 1.0), height / top)
@@ -251,8 +251,9 @@ def _names_apart(axes: Any, names: Sequence[tuple[str, float, float]], speed: Fl
 def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], speed_hz: float) -> Figure:
     """Interaction map at one speed: frequency over nodal diameters of casing and blade, with coincidences.
 
-    `pairs` are n and f_c of the casing's modes. Triangles are blades that the casing's waves meet: f_b = n f - f_c
-    flutters, f_b = f_c - n f is in resonance. Where a triangle lies on a line of the blade, the two interact.
+    `pairs` are n and f_c of the casing's modes. Triangles are blade frequencies that coincide with the casing's waves:
+    f_b = n f - f_c for flutter, f_b = f_c - n f for resonance. If a triangle lies on a line of the blade, the two
+    interact.
     """
     figure = new_figure(7.6, 4.2)
     axes: Any = figure.add_subplot()
@@ -278,7 +279,7 @@ def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], sp
 
 
 def _growth(axes: Any, found: Any) -> None:
-    """Growth over speed, the bands that diverge shaded, on a scale that one sharp peak does not flatten."""
+    """Growth over speed with shaded unstable bands, on a scale that shows more than one sharp peak."""
     axes.axhline(0.0, color="#777777", linewidth=0.8)
     axes.plot(found.speed_hz, found.growth, color=BEFORE, linewidth=1.0)
     axes.plot(found.peak_speed_hz, found.peak_growth, "^", color=AFTER, markersize=5)

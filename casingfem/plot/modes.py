@@ -20,7 +20,7 @@ FLOOR = 1e-4  # per cent: splits over draws below are drawn there
 
 @styled
 def figure_frequencies(actual: ModeSet, perfect: Modes | None = None) -> Figure:
-    """Frequencies against nodal diameters (mode number on open shells), and those of the perfect shell."""
+    """Frequencies against nodal diameters (mode number on open shells), with those of the perfect shell."""
     figure = new_figure()
     axes: Any = figure.add_subplot()
     axes.set_ylabel("frequency [Hz]")
@@ -50,7 +50,7 @@ def figure_frequencies(actual: ModeSet, perfect: Modes | None = None) -> Figure:
 
 
 def branches(axes: Any, perfect: Modes) -> None:
-    """Lines through the perfect shell's modes of one meridional rank."""
+    """Lines through the perfect shell's modes of the same meridional rank."""
     for place, m in enumerate(np.unique(perfect.meridional[perfect.rigid :])):
         of_m = [k for k in range(perfect.rigid, len(perfect)) if perfect.meridional[k] == m]
         of_m.sort(key=lambda k: int(perfect.nodal_diameters[k]))
@@ -93,7 +93,7 @@ def radial(modes: Modes, mode: int) -> Array:
 
 
 def lattice(modes: Modes, most: tuple[int, int] = (15, 181)) -> Array:
-    """Node numbers on the mesh's lines, thinned to at most this many, closed around, (along, around)."""
+    """Node numbers on the lines of the mesh, thinned to at most this many, closed around, (along, around)."""
     a, b = np.round(modes.grid.nodes / np.ptp(modes.grid.nodes, axis=1)[:, None], 9)
     order = np.lexsort((b, a))
     table = order.reshape(len(np.unique(a)), -1)
@@ -117,10 +117,10 @@ MEMBERS = ((BEFORE, "-", "lower member"), (AFTER, "--", "upper member"))  # of a
 
 @styled
 def figure_rim(modes: Modes, which: Sequence[tuple[int, ...]], edge: str | None = None, columns: int = 4) -> Figure:
-    """Radial displacement around an edge for doublets or single modes (tuples of indices), seen along the axis.
+    """Radial displacement around an edge for doublets or single modes (tuples of indices), viewed along the axis.
 
-    In the middle of each circle are the frequencies and, where a mode has an orientation of its own, the angle of
-    its first antinode; ticks outside mark it. Without `edge` it is the one that moves most.
+    The middle of each circle shows the frequencies and, if a mode has an orientation, the angle of its first antinode,
+    with ticks outside. By default `edge` is the one that moves most.
     """
     rows = -(-len(which) // columns)
     figure = new_figure(9.0, 2.5 * rows + 0.35)

@@ -1,4 +1,4 @@
-"""Pictures of a run: spectrum and waterfall, the orbit of a tip and of the rim before it, energies."""
+"""Pictures of a run: spectrum and waterfall, orbit of a tip and of the rim at the tip, energies."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -21,7 +21,7 @@ COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
 
 
 class _Orbit(Protocol):
-    """Motion of a tip and of the rim before it, along normal and rim [m], (ns, 2), at times [s], (ns,)."""
+    """Motion of a tip and of the rim at the tip, along normal and rim [m], (ns, 2), at times [s], (ns,)."""
 
     @property
     def time(self) -> Array: ...
@@ -38,11 +38,11 @@ def figure_spectrum(
     time: Array, values: Array, *, label: str, unit: str, top_hz: float | None = None, marks: Sequence[Mark] = (),
     turn_hz: float = 0.0, waterfall: bool = True,
 ) -> Figure:  # fmt: skip
-    """Amplitude spectrum over the whole run and at its end, and how it came to be: a waterfall over time.
+    """Amplitude spectrum over the whole run and at its end; below, a waterfall over time.
 
     `values` at equal steps of `time` [s]; frequencies up to `top_hz`, or to where the amplitude has fallen to QUIET of
-    the largest. `marks` are above the spectrum; of a structure that turns at `turn_hz` the axis also counts engine
-    orders. Colours are decibels of the loudest slice, FLOOR of them: neither one shock nor silence sets the scale.
+    the largest. `marks` are above the spectrum; for a structure that rotates at `turn_hz` the axis also shows engine
+    orders. Colours are decibels below the loudest slice, over a range of FLOOR.
     """
     figure = new_figure(8.2, 5.6 if waterfall else 3.0)
     panels: Any = figure.subplots(1 + waterfall, 1, height_ratios=(1.0, 1.2)[: 1 + waterfall], squeeze=False)[:, 0]
@@ -76,7 +76,7 @@ def figure_spectrum(
 
 
 def heard(freq: Array, amplitude: Array, marks: Sequence[float]) -> float:
-    """Up to where a spectrum is drawn [Hz]: a quarter beyond the last line above QUIET of the largest, and three marks.
+    """Upper limit of a spectrum [Hz]: a quarter beyond the last line above QUIET of the largest, and three marks.
 
     >>> heard(np.array([0.0, 10.0, 20.0, 30.0]), np.array([0.0, 1.0, 0.5, 1e-5]), [4.0])
     25.0
@@ -88,7 +88,7 @@ def heard(freq: Array, amplitude: Array, marks: Sequence[float]) -> float:
 
 
 def spectrum(values: Array, step: float) -> tuple[Array, Array]:
-    """Frequencies [Hz] and amplitudes by Hann's window: 1 for a sine of amplitude 1 between two lines or on one.
+    """Frequencies [Hz] and amplitudes with a Hann window: 1 for a sine of amplitude 1 on a line or between two lines.
 
     >>> freq, a = spectrum(np.sin(2.0 * np.pi * 50.0 * 1e-3 * np.arange(1000)), 1e-3)
     >>> float(freq[a.argmax()]), round(float(a.max()), 3)
@@ -100,7 +100,7 @@ def spectrum(values: Array, step: float) -> tuple[Array, Array]:
 
 
 def waterfall(values: Array, step: float) -> tuple[Array, Array, Array]:
-    """Starts of slices [samples], frequencies [Hz], amplitudes (slices, frequencies); none of too short a record."""
+    """Starts of slices [samples], frequencies [Hz], amplitudes (slices, frequencies); None for too short a record."""
     size = max(LEAST, 2 * values.size // SLICES)
     if values.size < size:
         return np.zeros(0), np.zeros(0), np.zeros((0, 0))
@@ -128,7 +128,7 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
 
 @styled
 def figure_orbit(motion: _Orbit) -> Figure:
-    """Orbit of a tip, and of the rim under it, in the contact's plane: the whole run with its peaks, its end on top."""
+    """Orbit of a tip, and of the rim at the tip, in the contact plane: the whole run with its peaks, its end on top."""
     figure = new_figure(8.2, 4.0)
     panels: Any = figure.subplots(1, 2)
     for axes, values, name in ((panels[0], motion.tip, "tip"), (panels[1], motion.rim, "rim under it")):
@@ -144,7 +144,7 @@ def figure_orbit(motion: _Orbit) -> Figure:
 
 
 def _whole(axes: Any, points: Array) -> None:
-    """Limits about all points (n, 2), in one scale for both axes where the sides are alike."""
+    """Limits of all points (n, 2), with one scale for both axes if their ranges are similar."""
     low, high = points.min(axis=0), points.max(axis=0)
     size = np.maximum(high - low, 1e-9)
     middle = 0.5 * (low + high)
@@ -159,7 +159,7 @@ def _whole(axes: Any, points: Array) -> None:
 def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str, Array]) -> Figure:
     """Sources and sinks of energy over a run [J], and strain energy of each body over time.
 
-    Sources below SMALL of the largest are left out.
+    Sources below SMALL of the largest are omitted.
     """
     figure = new_figure(8.2, 2.6 + 2.4 * bool(strain))
     rows: Any = figure.subplots(1 + bool(strain), 1, squeeze=False)[:, 0]

@@ -1,6 +1,6 @@
-"""A page in one file: a verdict, sections of paragraphs, tables and figures, with style and scripts inside.
+"""A page in one file: verdict, sections of paragraphs, tables and figures, with embedded style and scripts.
 
-The scripts read numbers as small integers and a scale, in base64.
+The scripts read numbers as small integers with a scale, in base64.
 """
 
 import base64
@@ -58,7 +58,7 @@ class Table:
         return cls(caption, heads, tuple(lines), folded, meanings)
 
     def right(self) -> list[bool]:
-        """Whether each column contains numbers alone, which align at the right."""
+        """Whether each column contains only numbers, which align right."""
         columns = [[cell for cell in column if cell is not None] for column in zip(*self.rows, strict=True)]
         return [bool(cells) and all(map(numeric, cells)) for cells in columns] or [False] * len(self.columns)
 
@@ -77,7 +77,7 @@ class Picture:
 
     @classmethod
     def of(cls, figure: Figure | Drawn, caption: str, *, kind: str = "svg") -> "Picture":
-        """Embed a figure with its caption as its text for screen readers, and values that show under the pointer."""
+        """Embed a figure with its caption as alternative text, and values that show at the pointer."""
         if isinstance(figure, Drawn):
             wide = float(figure.figure.get_size_inches()[0])
             html, values = image(figure.png, "png", caption, width=wide), hover_values(figure.figure)
@@ -132,7 +132,7 @@ def written(cell: Cell, digits: int = 5) -> str:
 
 
 def raised(text: str) -> str:
-    """A number with its power of ten as one writes it.
+    """A number with its power of ten in the usual notation.
 
     >>> raised("1e+13"), raised("2.5e-06"), raised("7")
     ('10¹³', '2.5 × 10⁻⁶', '7')
@@ -145,7 +145,7 @@ def raised(text: str) -> str:
 
 
 def powers(text: str) -> str:
-    """A text with its powers as one writes them.
+    """A text with its powers in the usual notation.
 
     >>> powers("2.5e-06 N/m^3")
     '2.5 × 10⁻⁶ N/m³'
@@ -154,7 +154,7 @@ def powers(text: str) -> str:
 
 
 def prose(text: str) -> Markup:
-    """A sentence as HTML: powers of ten as one writes them, and commands between backticks as code.
+    """A sentence as HTML: powers of ten in the usual notation, and commands between backticks as code.
 
     >>> prose("The rim moves 4.2e-05 m, less than 1e-3 m.")
     Markup('The rim moves 4.2 × 10⁻⁵ m, less than 10⁻³ m.')
@@ -166,7 +166,7 @@ def prose(text: str) -> Markup:
 
 
 def numeric(cell: Cell) -> bool:
-    """Whether a cell belongs to the right, with the numbers.
+    """Whether a cell aligns right, like numbers.
 
     >>> numeric(3.1), numeric("-0.12"), numeric("0.95 decades"), numeric("8.79 × 10¹²"), numeric("2.4.6")
     (True, True, True, True, False)
@@ -175,9 +175,9 @@ def numeric(cell: Cell) -> bool:
 
 
 def origin(source: Mapping[str, Any]) -> str:
-    """One line on where a page comes from: input and its hash, versions, date (that of SOURCE_DATE_EPOCH if it is set).
+    """One line on the origin of a page: input and its hash, versions, date (SOURCE_DATE_EPOCH if that is set).
 
-    `source` is what results have: "study", "scene" or "file", "sha256", and "versions" or the packages themselves.
+    `source` is that of results, with "study", "scene" or "file", "sha256", and "versions" or the packages themselves.
 
     >>> import os; os.environ["SOURCE_DATE_EPOCH"] = "1000000000"
     >>> origin({"scene": "rub.toml", "sha256": "0123456789abcdef", "numpy": "2.0.0"})
@@ -213,7 +213,7 @@ class Page:
     source: str = ""
 
     def html(self) -> str:
-        """HTML of this page alone."""
+        """HTML of this page only."""
         return render_pages(self.title, [self])
 
 
@@ -226,7 +226,7 @@ def render_page(
     notice: str = "",
     source: str = "",
 ) -> str:
-    """HTML of a page, of the same arguments as `Page`.
+    """HTML of a page, with the arguments of `Page`.
 
     >>> page = render_page("Casing", [Section("Modes", ("Forty modes.",))], notice="SYNTHETIC data")
     >>> "SYNTHETIC data" in page, "http" in page
@@ -236,7 +236,7 @@ def render_page(
 
 
 def render_pages(title: str, pages: Sequence[Page]) -> str:
-    """HTML of one page with the contents of several, that needs no other file.
+    """HTML of one page with the contents of several, independent of other files.
 
     >>> html = render_pages("Rotor", [Page(title=name, sections=(Section("Modes"),)) for name in ("Blade", "Casing")])
     >>> html.count("<h1>"), html.count("<h2>"), html.count("<h3>")
@@ -253,7 +253,7 @@ def render_pages(title: str, pages: Sequence[Page]) -> str:
 
 
 def packed(values: ArrayLike, *, most: float | None = None, bits: int = 16) -> dict[str, Any]:
-    """Values as integers with a number of bits, little-endian, and the value of the largest; `most` if given.
+    """Values as little-endian integers with a number of bits, and the value of the largest, which is `most` if given.
 
     >>> packed([0.5, -1.0, 0.25])
     {'data': '/z8BgP8f', 'most': 1.0}
@@ -271,7 +271,7 @@ def coded(array: np.ndarray[Any, Any]) -> str:
 
 
 def island(script: str, data: Mapping[str, Any] | list[Any], inside: str = "") -> str:
-    r"""The element that a script of this name finds, with its data; `inside` shows where scripts do not run.
+    r"""The element with the data for a script of this name; `inside` is shown if scripts do not run.
 
     >>> island("shapes", {"a": "</script>"})
     '<div class="live" data-live="shapes"><script type="application/json">{"a":"\\u003c/script>"}</script></div>'

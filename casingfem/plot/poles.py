@@ -1,4 +1,4 @@
-"""A stabilisation diagram in which a reader chooses poles, and every channel with its fit (`scripts/poles.js`)."""
+"""A stabilisation diagram in which the reader chooses poles, and every channel with its fit (`scripts/poles.js`)."""
 
 from typing import Any
 
@@ -15,9 +15,9 @@ TINY = 1e-300
 
 
 def picking_diagram(found: Identified, name: str, caption: str, still: Picture, *, pick: bool) -> Picture:
-    """The diagram of responses in a file of this name; `still` shows where scripts do not run.
+    """The diagram of responses in a file of this name; `still` is shown if scripts do not run.
 
-    With `pick` clicks choose poles, and a button saves them as the table that `casingfem identify --pick` reads.
+    With `pick`, clicks choose poles, and a button saves them as the table for `casingfem identify --pick`.
     """
     curves = indicator(found)
     at = drawn_lines(curves[0])
@@ -49,7 +49,7 @@ def picking_diagram(found: Identified, name: str, caption: str, still: Picture, 
 
 
 def drawn_lines(curve: FloatArray) -> IntArray:
-    """Lines that are drawn: from each group the one where a curve is largest, and the ends.
+    """Lines to draw: from each group the one with the largest value of a curve, and the ends.
 
     >>> drawn_lines(np.ones(10)).tolist()
     [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]
@@ -61,7 +61,7 @@ def drawn_lines(curve: FloatArray) -> IntArray:
 
 
 def drawn_channels(found: Identified, lines: int) -> IntArray:
-    """Channels that are drawn: all, or the strongest, in the order of the set."""
+    """Channels to draw: all, or the strongest, in the order of the set."""
     most = max(1, MOST_VALUES // max(lines, 1))
     strength = np.linalg.norm(found.measured, axis=1)
     return np.sort(np.argsort(-strength, kind="stable")[:most])
@@ -83,7 +83,7 @@ def channel(found: Identified, k: int, at: IntArray) -> dict[str, Any]:
 
 
 def logarithm(values: Array) -> FloatArray:
-    """Decimal logarithm of sizes; of 0 that of the smallest other one."""
+    """Decimal logarithm of magnitudes; 0 is replaced by the smallest other one."""
     size = np.abs(values)
     least = float(size[size > 0.0].min(initial=1.0)) if np.any(size > 0.0) else 1.0
     return np.asarray(np.log10(np.maximum(size, max(least, TINY))))

@@ -1,4 +1,4 @@
-"""Records drawn: force and responses of a hit with their windows, the responses estimated from them, coherence."""
+"""Pictures of records: force and responses of a hit with their windows, estimated responses, coherence."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +13,7 @@ PULSE = 8.0  # widths of a pulse that the picture of the force shows
 
 @styled
 def figure_hit(found: Estimate) -> Figure:
-    """Force and responses of the first hit that was used, with their windows."""
+    """Force and responses of the first used hit, with their windows."""
     shown = found.shown
     assert shown is not None  # of a hammer test
     width = max(found.kept[0].width, 2.0 * float(shown.time[1] - shown.time[0]))
@@ -38,7 +38,7 @@ def figure_hit(found: Estimate) -> Figure:
 
 
 def outline(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A curve by the largest value of each of many parts.
+    """A curve by the largest value in each of many parts.
 
     >>> [len(part) for part in outline(np.arange(9000.0), np.ones(9000))]
     [3000, 3000]
@@ -56,7 +56,7 @@ def figure_estimate(found: Estimate) -> Figure:
 
 @styled
 def figure_peaks(found: Estimate) -> Figure:
-    """Peak and ringing left of every hit; those that were left out are crosses."""
+    """Peak and remaining ringing of every hit; crosses for those that were left out."""
     figure = new_figure(9.6, 2.6)
     peak, left = figure.subplots(1, 2)
     for used, style, label in ((True, "o", "used"), (False, "x", "left out")):

@@ -1,4 +1,4 @@
-"""The picture of each kind of result, by the name of its class, for `plot` of a result."""
+"""The picture of each kind of result, by the name of its class, for the `plot` method of results."""
 
 from collections.abc import Callable
 from functools import partial
@@ -15,7 +15,7 @@ Draw = Callable[..., Figure]
 
 
 def draw(result: Any, ax: Axes | None = None, **options: Any) -> Figure | None:
-    """The figure of a result; of `ax`, if given, where it is drawn; None where there is none for its kind.
+    """The figure of a result, drawn in `ax` if given; None if there is none for its kind.
 
     >>> from casingfem.experiment.frequency_table import FrequencyTable
     >>> table = FrequencyTable.from_arrays(freq_hz=[367.9, 368.4], sigma_hz=0.2, n=[8, 8])
@@ -46,7 +46,7 @@ def by_name(module: str, name: str) -> Draw:
 def columns(
     result: Any, *, x: str, y: str, labels: tuple[str, str], sigma: str | None = None, level: float | None = None
 ) -> Figure:
-    """Dots of one column of a table over another, with three standard deviations, over a line at `level`."""
+    """Dots of one column of a table over another, with three standard deviations, and a line at `level`."""
     rows = list(result.records())
     at = [row[x] for row in rows]
     words = any(isinstance(value, str) for value in at)
@@ -81,7 +81,7 @@ def samples(result: Any, *, bins: int = 40) -> Figure:
 
 @styled
 def deflection(result: Any) -> Figure:
-    """Size of the displacement of all nodes, seen where they are in space."""
+    """Magnitude of the displacement of all nodes, at their positions in space."""
     table = result.columns()
     figure = new_figure(6.0, 5.0)
     axes: Any = figure.add_subplot(projection="3d")
@@ -99,14 +99,14 @@ def sweep(result: Any) -> Figure:
 
 
 def identified(result: Any) -> Figure:
-    """The fit over all lines; where responses were not kept, the modes with their uncertainty."""
+    """The fit over all lines; without stored responses, the modes with their uncertainty."""
     if result.lines.size:
         return by_name("identify", "figure_fit")(result)
     return columns(result, x="mode", y="freq_hz", sigma="sigma_hz", labels=("mode", "identified frequency [Hz]"))
 
 
 def scan(result: Any, *, most: int = 8) -> Figure:
-    """Deflections of the strongest waves that exceed the noise."""
+    """Deflections of the strongest waves above the noise."""
     seen = sorted((wave for wave in result.waves() if wave.seen), key=lambda wave: -wave.amplitude)[:most]
     tones = result.tones.tolist()
     shown = [(tones.index(wave.tone), wave.n) for wave in seen]
@@ -114,7 +114,7 @@ def scan(result: Any, *, most: int = 8) -> Figure:
 
 
 def update(result: Any) -> Figure:
-    """Measured and computed, before and after: by nodal diameters where the table has them, else their errors."""
+    """Measured and computed, before and after: by nodal diameters if the table has them, else their errors."""
     from casingfem.plot.update import Paired, figure_comparison, figure_errors
 
     before, after = Paired(result.before, result.pairing_before), Paired(result.after, result.pairing)
@@ -123,14 +123,14 @@ def update(result: Any) -> Figure:
 
 
 def measured(result: Any) -> Figure:
-    """Measured frequencies by nodal diameters where the table has them, else by mode."""
+    """Measured frequencies by nodal diameters if the table has them, else by mode."""
     known = np.any(result.n >= 0)
     labels = ("nodal diameters n" if known else "mode", "measured frequency [Hz]")
     return columns(result, x="n" if known else "mode", y="freq_hz", sigma="sigma_hz", labels=labels)
 
 
 def run(result: Any, *, contact: int | None = None) -> Figure:
-    """Force, gap and largest coordinates of a contact, counted from 1; that of the largest impulse if left out."""
+    """Force, gap and largest coordinates of a contact, counted from 1; by default that of the largest impulse."""
     place = int(result.impulse.argmax()) if contact is None else contact - 1
     return by_name("contact", "figure_contact")(result, contact=place)
 

@@ -15,9 +15,9 @@ SENSES = {"forward": (AFTER, "o"), "backward": (BEFORE, "s"), "planar": (GREEN, 
 
 @styled
 def figure_whirl(found: Any, response: Any, critical_hz: Sequence[float]) -> Figure:
-    """Whirl frequencies over speed (top) and the radius of the steady orbit (bottom); dotted lines: critical speeds.
+    """Whirl frequencies over speed (top) and radius of the steady orbit (bottom); dotted lines: critical speeds.
 
-    `found` and `response` are what `ct.rotor.campbell` and `ct.rotor.unbalance_response` return.
+    `found` and `response` are the results of `ct.rotor.campbell` and `ct.rotor.unbalance_response`.
     """
     figure = new_figure(7.6, 5.6)
     axes: Any = figure.subplots(2, 1, sharex=True)
@@ -41,7 +41,7 @@ def figure_whirl(found: Any, response: Any, critical_hz: Sequence[float]) -> Fig
 
 @styled
 def figure_rotor_stability(found: Any) -> Figure:
-    """Growth of a rotor over speed, free and in a synchronous rub (top); orbit of the rub and dry whirl (below).
+    """Growth of a rotor over speed, free and in synchronous rub (top); orbit of the rub, and dry whirl (below).
 
     `found` is a `contact.stability.RotorStability`.
     """
@@ -72,9 +72,9 @@ def figure_rotor_stability(found: Any) -> Figure:
 
 @styled
 def figure_rotor_run(history: Any, clearance: float = 0.0) -> Figure:
-    """Speed, distance of the disk from its place, forces of bearings and mounts over time; right: the disk's orbit.
+    """Speed, distance of the disk from rest, forces of bearings and mounts over time; right: the disk's orbit.
 
-    `history` is a `contact.on_rotor.RotorHistory`; `clearance` [m] is drawn as a circle where it is given.
+    `history` is a `contact.on_rotor.RotorHistory`; `clearance` [m] is drawn as a circle if given.
     """
     figure = new_figure(9.2, 5.2)
     parts: Any = figure.subfigures(1, 2, width_ratios=(1.5, 1.0))
@@ -103,7 +103,7 @@ def figure_rotor_run(history: Any, clearance: float = 0.0) -> Figure:
 
 
 def _sizes(axes: Any, time: Array, curves: Sequence[tuple[str, Array, str]], unit: float) -> None:
-    """Lowest and highest length of vectors (ns, 2) in each stretch of time."""
+    """Lowest and highest length of vectors (ns, 2) in each interval of time."""
     for name, vectors, colour in curves:
         t, low, high = envelope(time, unit * np.hypot(*vectors.T), BINS)
         axes.fill_between(t, low, high, color=colour, linewidth=0.5, alpha=0.7, label=name)

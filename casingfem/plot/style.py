@@ -1,4 +1,4 @@
-"""Style of figures: one set of colours that colour-blind readers can distinguish, one size of type."""
+"""Style of figures: colours that colour-blind readers can distinguish, one font size."""
 
 import base64
 import io
@@ -48,7 +48,7 @@ PLACE: ContextVar[Axes | None] = ContextVar("place", default=None)
 
 @contextmanager
 def placed(ax: Axes | None) -> Iterator[None]:
-    """Figures that are made inside replace these axes."""
+    """Within this context new figures are drawn in these axes."""
     token = PLACE.set(ax)
     try:
         yield
@@ -57,7 +57,7 @@ def placed(ax: Axes | None) -> Iterator[None]:
 
 
 class Inset(SubFigure):
-    """A figure of a picture in the place of some axes: one plain panel is these axes, several replace them."""
+    """A stand-in for a figure inside some axes: one plain panel uses these axes, several replace them."""
 
     def __init__(self, ax: Axes) -> None:
         self.given = ax
@@ -82,14 +82,14 @@ class Inset(SubFigure):
         return super().subplots(*args, **kwargs)
 
     def legend(self, *args: Any, **kwargs: Any) -> Any:
-        """A legend outside of a figure's panels is inside of axes that are one of many."""
+        """A legend that would be outside a figure's panels, moved inside axes that are one of many."""
         if self.given in self.root.axes:
             kwargs.pop("loc", None)
             return self.given.legend(*(args or self.given.get_legend_handles_labels()), **kwargs)
         return super().legend(*args, **kwargs)
 
     def colorbar(self, *args: Any, **kwargs: Any) -> Any:
-        """A colour bar beside its panel."""
+        """A colour bar next to its panel."""
         if self.given in self.root.axes:
             return self.root.colorbar(*args, **kwargs)
         return super().colorbar(*args, **kwargs)
@@ -105,7 +105,7 @@ R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw with this style, whatever the user's matplotlibrc states."""
+    """Draw in this style, independent of the user's matplotlibrc."""
 
     @wraps(draw)
     def styled_draw(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -117,20 +117,20 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(width: float = 7.6, height: float = 4.0) -> Figure:
-    """An empty figure (inches) that no global state knows of; where a picture is `placed`, one inside of its axes."""
+    """An empty figure (inches) outside matplotlib's global state; inside `placed`, one in the given axes."""
     ax = PLACE.get()
     know_in_notebook()
     return Figure(figsize=(width, height), layout="constrained") if ax is None else cast(Figure, Inset(ax))
 
 
 def rpm_above(axes: Any) -> None:
-    """The speed of the lower axis [Hz] in revolutions a minute, above."""
+    """The speed of the lower axis [Hz] in revolutions per minute, above."""
     above = axes.secondary_xaxis("top", functions=(lambda f: 60.0 * f, lambda rpm: rpm / 60.0))
     above.set_xlabel("speed [rpm]")
 
 
 def know_in_notebook() -> None:
-    """Let a notebook show figures: of itself it shows those of pyplot, which nothing here loads."""
+    """Let a notebook show figures; by itself it only shows those of pyplot, which this package does not load."""
     ipython: Any = sys.modules.get("IPython")
     shell = None if ipython is None else ipython.get_ipython()
     if shell is not None:
@@ -141,7 +141,7 @@ def know_in_notebook() -> None:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A figure that is complete: the file and the page show one picture, drawn once."""
+    """A complete figure, drawn once for both the file and the page."""
 
     figure: Figure
 
@@ -153,7 +153,7 @@ class Drawn:
 
 @styled
 def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
-    """The figure as an <img> that has its own data; "png" for surfaces with many faces.
+    """The figure as an <img> with embedded data; "png" for surfaces with many faces.
 
     >>> embed(new_figure(1.0, 1.0), "an empty figure")[:38]
     '<img alt="an empty figure" src="data:i'
@@ -171,7 +171,7 @@ def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
 
 
 def png(figure: Figure, *, dpi: int = 150) -> bytes:
-    r"""The figure as a PNG file that names neither date nor program: the same picture, the same bytes.
+    r"""The figure as a PNG file without date and program name, so that the same picture gives the same bytes.
 
     >>> png(new_figure(1.0, 1.0))[:8]
     b'\x89PNG\r\n\x1a\n'
@@ -184,7 +184,7 @@ def png(figure: Figure, *, dpi: int = 150) -> bytes:
 
 @contextmanager
 def _canvas(kind: type[FigureCanvasBase], figure: Figure, dpi: float) -> Iterator[Any]:
-    """A canvas of this kind for one drawing, which finds the layout: `savefig` draws twice, first for the layout."""
+    """A canvas of this kind for one drawing, which also finds the layout, since `savefig` would draw twice."""
     canvas, own = figure.canvas, figure.dpi
     figure.dpi = dpi
     try:

@@ -30,7 +30,7 @@ Rows = Sequence[Mapping[str, Any]]
 
 
 class Mark(NamedTuple):
-    """A name of some runs and how they are marked, at the lower edge where they have no value of their own."""
+    """A name of some runs and their marker; at the lower edge if they have no value."""
 
     name: str
     marker: str
@@ -43,8 +43,8 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Rows) -> Figure:
     """Amplitude, force, growth, contact and dominant nodal diameter of all runs, with their outcomes.
 
     `keys` names the varied numbers with their units, one or two of them; `values` (runs, keys). Runs that diverged are
-    triangles, refused or broken ones crosses, those with warnings hollow squares. Growth has its interval of 95 %.
-    Over one key, values between which motions grow or runs diverge are shaded.
+    triangles, refused or failed ones crosses, those with warnings hollow squares. Growth has its 95 % interval. Over
+    one key, ranges in which motions grow or runs diverge are shaded.
     """
     keys = [named(key) for key in keys]
     status = np.array([row["status"] for row in rows])
@@ -89,7 +89,7 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Rows) -> Figure:
 
 
 def named(label: str) -> str:
-    """The name of a varied key on an axis or in a table: a speed in Hz, beside which is rpm.
+    """The name of a varied key on an axis or in a table; for a speed in Hz with rpm.
 
     >>> named("speed.hz [turns/s]"), named("rod[1].velocity [m/s]")
     ('speed [Hz]', 'rod[1].velocity [m/s]')
@@ -98,7 +98,7 @@ def named(label: str) -> str:
 
 
 def column(rows: Rows, name: str) -> FloatArray:
-    """Values of a column, nan where a run has none."""
+    """Values of a column, nan if a run has none."""
     return np.array([np.nan if row.get(name) is None else float(row[name]) for row in rows])
 
 
@@ -153,7 +153,7 @@ def _curve(axes: Any, x: FloatArray, measured: FloatArray, shown: Mask, marks: S
 
 
 def _interval(axes: Any, x: FloatArray, rows: Rows, shown: Mask) -> None:
-    """The interval of 95 % of each growth."""
+    """The 95 % interval of each growth."""
     low, high = column(rows, "growth_low_1_s"), column(rows, "growth_high_1_s")
     known = shown & np.isfinite(low) & np.isfinite(high)
     axes.vlines(x[known], low[known], high[known], color=BEFORE, linewidth=1.2, alpha=0.45)

@@ -1,4 +1,4 @@
-"""Tick labels with powers of ten in plain characters: a label in mathematical type takes ten times as long to draw."""
+"""Tick labels with powers of ten in plain characters, since mathematical type takes ten times as long to draw."""
 
 import re
 from typing import Any
@@ -11,14 +11,14 @@ POWER = re.compile(r"1e-?\d+")
 
 
 class Powers(ScalarFormatter):
-    """Numbers with one power of ten for the whole axis, which is outside 10^low and 10^high."""
+    """Numbers with a common power of ten for the whole axis if they are outside 10^low and 10^high."""
 
     def __init__(self, low: int, high: int) -> None:
         super().__init__(useMathText=False)
         self.set_powerlimits((low, high))
 
     def get_offset(self) -> str:
-        """The power of ten as one writes it.
+        """The power of ten in the usual notation.
 
         >>> ticks = Powers(-3, 4)
         >>> from matplotlib.figure import Figure
@@ -33,7 +33,7 @@ class Powers(ScalarFormatter):
 
 
 def label_decades(axis: Any) -> None:
-    """Label the decades of a logarithmic axis that spans several: no ticks between them.
+    """Label the decades of a logarithmic axis over several decades, without ticks between.
 
     >>> from matplotlib.figure import Figure
     >>> axes = Figure().add_subplot(yscale="log", ylim=(1e-5, 1.0))

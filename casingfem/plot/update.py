@@ -25,7 +25,7 @@ SHIFTS = {"measured": 0.08, "perfect": -0.24, "imperfect": -0.08, "before": -0.0
 
 
 class Paired(NamedTuple):
-    """A model's modes and how they pair with the table."""
+    """A model's modes and their pairing with the table."""
 
     modes: ModeSet
     pairing: Pairing
@@ -46,7 +46,7 @@ class Doublets(NamedTuple):
 
 
 def measured_doublets(table: FrequencyTable) -> Doublets:
-    """The doublets of a table; where only the upper's angle is known, the lower's follows from it."""
+    """The doublets of a table; if only the upper's angle is known, the lower's follows from it."""
     rows = [(group.n, *group.rows) for group in table.groups() if len(group.rows) == 2]
     low, high = (np.array([row[k] for row in rows], dtype=int) for k in (1, 2))
     n = np.array([row[0] for row in rows], dtype=float)
@@ -107,7 +107,7 @@ def figure_comparison(table: FrequencyTable, models: Mapping[str, Paired]) -> Fi
 
 @styled
 def figure_errors(table: FrequencyTable, models: Mapping[str, Paired]) -> Figure:
-    """Relative frequency error of every paired row, with the measurement's two sigma."""
+    """Relative frequency error of every paired row, with two sigma of the measurement."""
     figure = new_figure(8.0, 3.2)
     axes = figure.add_subplot()
     band = 200.0 * table.sigma_hz / table.freq_hz
@@ -137,8 +137,8 @@ HALF = 0.47  # of a cell
 def figure_corner(fit: UpdateResult, samples: FloatArray | None = None) -> Figure:
     """Posterior of the parameters: densities on the diagonal, ellipses of 1 and 2 sigma below, correlations above.
 
-    Every cell spans REACH standard deviations to each side of the value. A dashed density is the prior. `samples`
-    (draws, parameters), in the solver's variables, are dots; the Gaussian of the linearised fit stays above them.
+    Every cell extends REACH standard deviations to each side of the value. A dashed density is the prior. `samples`
+    (draws, parameters), in the solver's variables, are dots below the Gaussian of the linearised fit.
     """
     names, R = [wrapped(p.name) for p in fit.parameters], np.asarray(fit.correlation)
     count = len(names)
@@ -185,7 +185,7 @@ def figure_corner(fit: UpdateResult, samples: FloatArray | None = None) -> Figur
 
 
 def wrapped(name: str, most: int = 16) -> str:
-    """An address in lines of a limited length, broken at dots.
+    """A dotted name in lines of limited length, broken at dots.
 
     >>> wrapped("support.base.k_face.p8.cos").split(chr(10))
     ['support.base', '.k_face.p8.cos']
@@ -200,7 +200,7 @@ def wrapped(name: str, most: int = 16) -> str:
 
 
 def value_words(fit: UpdateResult, k: int) -> str:
-    """A value over its standard deviation, which is relative where the value is large against it."""
+    """A value with its standard deviation, which is relative if the value is much larger."""
     value, sigma, log = float(fit.value[k]), float(fit.sigma[k]), fit.parameters[k].log
     if log:
         spread = f"{100.0 * (10.0**sigma - 1.0):.2g} %" if sigma < PERCENT else f"{sigma:.2g} decades"

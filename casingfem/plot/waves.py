@@ -1,4 +1,4 @@
-"""Pictures of motion: marks of spectra, waves around the rim by nodal diameter, force over angle, sections."""
+"""Pictures of motion: marks in spectra, waves around the rim by nodal diameter, force over angle, Poincare sections."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
@@ -27,7 +27,7 @@ LOOKS = {"f_b": (AFTER, "-", "blade alone, f_b"), "f_c": (GREEN, ":", "casing al
 
 
 def mark_frequencies(axes: Any, marks: Sequence[Mark], top: float) -> None:
-    """Lines at frequencies up to `top`, their names above the panel in as many rows as keep them apart."""
+    """Lines at frequencies up to `top`, with names above the panel in enough rows to avoid overlap."""
     shown = sorted((mark for mark in marks if 0.0 < mark.freq_hz < top), key=lambda mark: mark.freq_hz)
     ends: list[float] = []
     for mark in shown:
@@ -63,10 +63,10 @@ class _Rim(Protocol):
 
 
 def full_spectrum(rim: _Rim) -> tuple[Array, Array]:
-    """Frequencies [Hz], ascending and positive with the blades, and amplitudes [m] (N + 1, lines) of the second half.
+    """Frequencies [Hz], positive with the blades, and amplitudes [m] (N + 1, lines) of the second half of a run.
 
-    By Hann's window; a wave a cos(n theta - omega t) has the amplitude a at omega/2 pi, a standing one half of it at
-    both signs. Means are left out.
+    With a Hann window, a wave a cos(n theta - omega t) has the amplitude a at omega/2 pi, and a standing wave half of
+    that at both signs. Means are removed.
     """
     late = rim.waves[int((1.0 - LATE) * len(rim.waves)) :]
     window = np.hanning(len(late))
@@ -82,7 +82,7 @@ def full_spectrum(rim: _Rim) -> tuple[Array, Array]:
 def figure_waves(rim: _Rim, pairs: Sequence[tuple[int, float]] = (), top_hz: float | None = None) -> Figure:
     """Amplitude of the rim's waves by nodal diameter and frequency, with the blades and against them.
 
-    `pairs` (n, f_c) of the casing alone are marked at both signs. Beside, the amplitude by nodal diameter in both
+    `pairs` (n, f_c) of the casing alone are marked at both signs. Right: the amplitude by nodal diameter in both
     directions, root of the sum of squares.
     """
     freq, amplitude = full_spectrum(rim)
@@ -144,7 +144,7 @@ def gathered(freq: Array, amplitude: Array, most: int) -> tuple[Array, Array]:
 
 @styled
 def figure_force_map(found: Any) -> Figure:
-    """Largest contact force over the place on the casing and time, a `contact.rim_motion.ForceMap`."""
+    """Largest contact force over angle on the casing and time, a `contact.rim_motion.ForceMap`."""
     figure = new_figure(8.2, 3.6)
     axes: Any = figure.add_subplot()
     axes.set_facecolor("#eeeeee")
@@ -162,7 +162,7 @@ def figure_force_map(found: Any) -> Figure:
 
 @styled
 def figure_section(found: Any) -> Figure:
-    """One point a turn: displacement and velocity of the first tip, a `contact.rim_motion.Section`."""
+    """Poincare section, once per turn: displacement and velocity of the first tip (`contact.rim_motion.Section`)."""
     figure = new_figure(6.0, 4.0)
     axes: Any = figure.add_subplot()
     drawn = axes.scatter(

@@ -1,11 +1,11 @@
-"""A wheel as the response to engine orders sees it: its stiffness in waves, one channel of each blade, mistuning, air.
+"""A wheel for engine-order response: its stiffness in waves, one channel of each blade, mistuning, air.
 
-Coordinates are mass-normalised waves a (D,). Blade j of relative frequency deviation delta_j adds
-((1 + delta_j)^2 - 1) E_j, E_j the elastic energy of that blade. The air pushes blade j with
+Coordinates are mass-normalised waves a (D,). Blade j with relative frequency deviation delta_j adds
+((1 + delta_j)^2 - 1) E_j, where E_j is the elastic energy of that blade. The aerodynamic force on blade j is
 
-    -sum_k (k_k + i w c_k) x_{j+k},   x the motion of the channel,
+    -sum_k (k_k + i w c_k) x_{j+k},   with the motion x of the channel,
 
-by the influence coefficients of the blades at the offsets k (F. Lane, J. Aeronaut. Sci. 23, 1956, 65).
+from the influence coefficients of the blades at offsets k (F. Lane, J. Aeronaut. Sci. 23, 1956, 65).
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ HEADER = ("offset", "stiffness", "damping")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Influence:
-    """Influence coefficients of the air: forces on a blade by the motion of the blade `offset` places further on.
+    """Influence coefficients of the air: forces on a blade due to the motion of the blade `offset` places ahead.
 
     `stiffness` [N/m] and `damping` [N s/m] oppose the motion; offset 0 is the blade's own motion.
 
@@ -60,7 +60,7 @@ class Influence:
 
     @staticmethod
     def from_csv(path: str | Path) -> "Influence":
-        """Read the columns offset, stiffness [N/m], damping [N s/m]; raises InputError naming the line."""
+        """Read the columns offset, stiffness [N/m], damping [N s/m]; raises InputError with the line."""
         table = strict_csv.read(Path(path))
         if set(table.header) != set(HEADER):
             raise table.refuse_header(found=",".join(table.header), expected=",".join(HEADER))
@@ -74,7 +74,7 @@ class Influence:
         return complex(np.sum(values * np.exp(2j * np.pi * n * self.offset / blades)))
 
     def between(self, blades: int, omega: float) -> Array:
-        """Force on blade j by the motion of blade l at omega, its sign turned, (N, N) [N/m]."""
+        """Force on blade j due to the motion of blade l at omega, with reversed sign, (N, N) [N/m]."""
         found = np.zeros((blades, blades), dtype=np.complex128)
         values = self.stiffness + 1j * omega * self.damping
         own = np.arange(blades)
@@ -118,7 +118,7 @@ class BladedWheel:
 
     @staticmethod
     def chain(*, blades: int, freq_hz: float, mass: float, coupling: float) -> "BladedWheel":
-        """Make N masses on springs of their own, joined in a ring by springs `coupling` times as stiff.
+        """Make N masses, each on its own spring, joined in a ring by springs `coupling` times as stiff.
 
         Frequencies of n nodal diameters: f sqrt(1 + 4 coupling sin^2(pi n/N)).
         """
@@ -136,11 +136,11 @@ class BladedWheel:
     @staticmethod
     def of(sector: CyclicSector, interface: Interface, *, channel: str = "flap", modes: int = 2,
            blade: str | None = None) -> "BladedWheel":  # fmt: skip
-        """The wheel of one meshed sector, seen and pushed at a channel of its tip.
+        """The wheel of one meshed sector, with a tip channel for motion and force.
 
-        `modes` of each nodal diameter are wanted; the waves have twice as many, and the static answers to a push at the
-        tip and to a change of the blade's stiffness.
-        Raises ModelError as `cyclic_reduce`, and for a channel that the tip does not have.
+        `modes` is the number of modes of each nodal diameter. The waves have twice as many, and the static responses to
+        a force at the tip and to a change of the blade's stiffness. Raises the ModelErrors of `cyclic_reduce`, and one
+        for a channel that the tip does not have.
         """
         if isinstance(interface, Rim | AtNodes):
             raise ModelError("interface-edge", f"found {type(interface).__name__}, expected a Tip or TipNodes")
@@ -171,7 +171,7 @@ class BladedWheel:
         return self.stiffness + np.tensordot(factor, self.energy, axes=1)
 
     def load(self, order: int) -> Array:
-        """Forces of one newton an engine order brings to the blades, e^(2 pi i r j/N), on the coordinates (D,)."""
+        """Modal forces (D,) of an engine order with one newton on each blade, e^(2 pi i r j/N)."""
         phase = np.exp(2j * np.pi * (order % self.blades) * np.arange(self.blades) / self.blades)
         return np.asarray(self.rows.T @ phase)
 
@@ -183,9 +183,9 @@ class BladedWheel:
 
 
 def blade_forces(system: CyclicSystem, stiff: csc_array, count: int) -> FloatArray:
-    """Forces in sector 0 by which a stiffer blade answers the first modes of all diameters, (free, forces).
+    """Forces in sector 0 due to a stiffer blade in the first modes of all diameters, (free, forces).
 
-    A basis of them that leaves out less than FAINT of the largest.
+    The basis omits only forces below FAINT of the largest.
     """
     moved = [solved(system, n, count).vectors[:, :count] for n in system.sector.diameters]
     forces = stiff @ np.hstack([part for X in moved for part in (X.real, X.imag)])
@@ -194,7 +194,7 @@ def blade_forces(system: CyclicSystem, stiff: csc_array, count: int) -> FloatArr
 
 
 def excited(order: int, blades: int) -> int:
-    """The nodal diameter that an engine order excites: orders beyond N/2 are aliased.
+    """The nodal diameter that an engine order excites; orders beyond N/2 are aliased.
 
     >>> [excited(order, 12) for order in (3, 6, 9, 12, 15)]
     [3, 6, 3, 0, 3]
@@ -204,7 +204,7 @@ def excited(order: int, blades: int) -> int:
 
 
 def whitehead(blades: int) -> float:
-    """Whitehead's bound (1 + sqrt(N))/2 of the amplification of a mistuned wheel (J. Mech. Eng. Sci. 8, 1966, 15).
+    """Whitehead's bound (1 + sqrt(N))/2 for the amplification of a mistuned wheel (J. Mech. Eng. Sci. 8, 1966, 15).
 
     >>> whitehead(25)
     3.0

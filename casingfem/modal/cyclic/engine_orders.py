@@ -2,7 +2,7 @@
 
 (K (1 + 2 i zeta) + R^T L R - w^2) a = R^T f,  w = order times the speed, f_j = F e^(2 pi i order j/N),
 
-with the hysteretic damping 2 zeta of all material and the air's influence L. Amplitudes are |R a|.
+with hysteretic damping 2 zeta of the material and the aerodynamic influence L. Amplitudes are |R a|.
 """
 
 import math
@@ -80,7 +80,7 @@ class OrderLoad:
 class EngineOrderResponse(Reported):
     """Amplitudes [m] of the blades over speed, (speeds, N), and of the tuned wheel, (speeds,).
 
-    `peak` and `peak_hz` are the largest amplitude and its speed, between the listed speeds too; `tuned_peak` and
+    `peak` and `peak_hz` are the largest amplitude and its speed, also between the listed speeds; `tuned_peak` and
     `tuned_peak_hz` those of the tuned wheel. `diameter` is the nodal diameter that the order excites.
 
     >>> wheel = BladedWheel.chain(blades=12, freq_hz=100.0, mass=0.2, coupling=0.01)
@@ -108,7 +108,7 @@ class EngineOrderResponse(Reported):
 
     @property
     def bound(self) -> float:
-        """Whitehead's."""
+        """Whitehead's bound."""
         return whitehead(self.amplitude.shape[1])
 
     @property
@@ -142,11 +142,11 @@ class Amplification(Reported):
 
     @property
     def bound(self) -> float:
-        """Whitehead's."""
+        """Whitehead's bound."""
         return whitehead(self.worst.size)
 
     def quantile(self, share: float | Sequence[float]) -> FloatArray:
-        """Amplification that a share of the draws does not pass."""
+        """Amplification that a given share of the draws does not exceed."""
         return np.asarray(np.quantile(self.amplification, share))
 
     @property
@@ -170,18 +170,18 @@ def engine_order_response(
     order
         Engine order, 1 or more; forces `force` [N] on the channel of each blade with the phase 2 pi order j/N.
     speed_hz
-        Speeds [turns/s], (speeds,); the largest amplitude between the first and the last is searched for.
+        Speeds [turns/s], (speeds,); the largest amplitude between the first and the last is also found.
     zeta
         Damping ratio of the material; the loss factor is 2 zeta.
     deviations
-        Relative deviation of each blade's frequency, (N,); none of a tuned wheel.
+        Relative deviation of each blade's frequency, (N,); None for a tuned wheel.
     influence
-        Forces of the air.
+        Aerodynamic influence coefficients.
 
     Raises
     ------
     InputError
-        For an order, speeds or a damping that cannot be, and where nothing damps the wheel.
+        For an impossible order, speed or damping, and for a wheel without damping.
 
     Examples
     --------
@@ -207,10 +207,10 @@ def amplification(
     wheel: BladedWheel, order: int, *, sigma: float, draws: int, seed: int, zeta: float,
     influence: Influence | None = None, band_hz: tuple[float, float] = (0.0, math.inf),
 ) -> Amplification:  # fmt: skip
-    """Amplification factors of wheels whose blades deviate by a normal law of standard deviation `sigma`.
+    """Amplification factors of wheels with normally distributed blade deviations of standard deviation `sigma`.
 
-    `band_hz` bounds the frequencies of the excitation. The air's influence is that of the tuned resonance. Raises as
-    `engine_order_response`.
+    `band_hz` is the range of excitation frequencies. The aerodynamic influence is that at the tuned resonance. Raises
+    the errors of `engine_order_response`.
 
     >>> wheel = BladedWheel.chain(blades=6, freq_hz=100.0, mass=0.2, coupling=0.01)
     >>> found = amplification(wheel, 2, sigma=0.01, draws=50, seed=5, zeta=1e-3)
@@ -232,7 +232,7 @@ def amplification(
 
 
 def checked_speeds(order: int, speed_hz: ArrayLike, zeta: float) -> FloatArray:
-    """Speeds (speeds,), ascending and positive."""
+    """Check that speeds (speeds,) are ascending and positive."""
     speeds = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     if order < 1:
         raise InputError("response.order", found=str(order), expected="an engine order of 1 or more")
@@ -249,7 +249,7 @@ def amplitudes(
     wheel: BladedWheel, order: int, freq_hz: FloatArray, force: float, zeta: float, deviations: FloatArray | None,
     influence: Influence | None,
 ) -> FloatArray:  # fmt: skip
-    """Amplitudes [m] at each frequency of the excitation, (frequencies, N), by a solution each."""
+    """Amplitudes [m] at each frequency of the excitation, (frequencies, N), by one solution each."""
     K, f, unit = wheel.mistuned(deviations) * (1.0 + 2j * zeta), force * wheel.load(order), np.eye(len(wheel.stiffness))
     omega, found = 2.0 * np.pi * freq_hz, np.empty((freq_hz.size, wheel.blades))
     for first in range(0, omega.size, CHUNK):
@@ -266,9 +266,10 @@ def largest(
     wheel: BladedWheel, order: int, band_hz: tuple[float, float], force: float, zeta: float,
     deviations: FloatArray | None, influence: Influence | None, at_hz: float = 0.0,
 ) -> tuple[float, float]:  # fmt: skip
-    """Largest amplitude [m] in a band of frequencies and where it is [Hz], by the poles of the wheel.
+    """Largest amplitude [m] in a band and its frequency [Hz], from the poles of the wheel.
 
-    The air is that of `at_hz`, or of the largest amplitude itself if 0: found again until both agree to AGREE.
+    The aerodynamic influence is that at `at_hz`; if that is 0, at the largest amplitude, iterated until both agree to
+    AGREE.
     """
     if influence is not None and at_hz == 0.0:
         before, at = 0.0, near(wheel, order, band_hz)
@@ -299,7 +300,7 @@ def poles(
     wheel: BladedWheel, order: int, zeta: float, deviations: FloatArray | None, influence: Influence | None,
     at_hz: float,
 ) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Squared complex frequencies (D,), motion of the blades in each mode (N, D), and how the order drives it (D,)."""
+    """Squared complex frequencies (D,), blade motion of each mode (N, D), and its modal force from the order (D,)."""
     K, f = wheel.mistuned(deviations), wheel.load(order)
     if influence is None:
         squares, turn = np.linalg.eigh(K)
@@ -309,7 +310,7 @@ def poles(
 
 
 def near(wheel: BladedWheel, order: int, band_hz: tuple[float, float]) -> float:
-    """The tuned frequency of the excited diameter in the band, or nearest to it [Hz]."""
+    """The tuned frequency of the excited diameter in the band, or the nearest one [Hz]."""
     own = wheel.freq[wheel.diameters == excited(order, wheel.blades)]
     away = np.maximum(band_hz[0] - own, 0.0) + np.maximum(own - band_hz[1], 0.0)
     return float(own[int(away.argmin())])

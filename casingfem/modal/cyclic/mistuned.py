@@ -1,8 +1,8 @@
 """Modes of a wheel with different blades: a basis of tuned waves, with the exact stiffness of the blades.
 
-Blade j of relative frequency deviation delta_j has the stiffness (1 + delta_j)^2 of the tuned one. In the waves of the
-tuned wheel the stiffness is diag(omega^2) + sum_j ((1 + delta_j)^2 - 1) V_j^T K_b V_j, the mass one (subset of nominal
-modes: M.-T. Yang & J. H. Griffin, J. Eng. Gas Turbines Power 123, 2001, 893).
+Blade j with relative frequency deviation delta_j has (1 + delta_j)^2 times the stiffness of the tuned one. In the waves
+of the tuned wheel the stiffness is diag(omega^2) + sum_j ((1 + delta_j)^2 - 1) V_j^T K_b V_j, the mass one (subset of
+nominal modes: M.-T. Yang & J. H. Griffin, J. Eng. Gas Turbines Power 123, 2001, 893).
 """
 
 from collections.abc import Sequence
@@ -70,11 +70,14 @@ class MistunedModes:
 
     @property
     def localisation(self) -> FloatArray:
-        """Largest share of one blade over the mean one, (modes,): 1 to 2 of tuned pairs, N of a blade alone."""
+        """Largest energy share of one blade over the mean share, (modes,).
+
+        1 to 2 for tuned pairs, N for a single blade.
+        """
         return np.asarray(self.energy.max(axis=1) * self.energy.shape[1])
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a mode: mode, freq_hz, n, n_share, blade (from 1), localisation."""
+        """One plain dictionary for each mode: mode, freq_hz, n, n_share, blade (from 1), localisation."""
         return records_of(COLUMNS, self)
 
     def __repr__(self) -> str:
@@ -85,21 +88,23 @@ class MistunedModes:
 def mistuned_modes(
     sector: CyclicSector, deviations: Deviations, count: int = 6, *, blade: str | None = None, families: int = 0
 ) -> MistunedModes:
-    """Modes of a wheel with mistuned blades, `count` times the sectors, as many as `count` tuned ones a diameter are.
+    """Modes of a wheel with mistuned blades.
+
+    `count` times the number of sectors, like `count` tuned modes of each diameter.
 
     Parameters
     ----------
     deviations
-        Relative deviation of each blade's own frequency, (sectors,); sector 0 is the one of the mesh.
+        Relative deviation of each blade's own frequency, (sectors,); sector 0 is that of the mesh.
     blade
-        Group of the cells whose stiffness deviates; all of the sector if left out.
+        Group of the cells whose stiffness deviates; by default the whole sector.
     families
-        Tuned modes of each diameter in the basis; twice `count` and two more if left out.
+        Tuned modes of each diameter in the basis; by default twice `count` plus two.
 
     Raises
     ------
     ModelError
-        `cyclic-mistuning` for deviations that are not one for each sector, above -1.
+        `cyclic-mistuning` unless there is one deviation above -1 for each sector.
 
     Examples
     --------
@@ -130,17 +135,17 @@ def mistuned_modes(
 
 
 def richer(count: int) -> int:
-    """Number of tuned modes of each diameter in the basis for a number of mistuned modes."""
+    """Number of tuned modes of each diameter in the basis for a given number of mistuned modes."""
     return 2 * count + 2
 
 
 def mixed(waves: Waves, deviations: FloatArray | None) -> tuple[FloatArray, FloatArray]:
-    """Frequencies [rad/s] and modes (D, D) in the waves of a wheel whose blades deviate, ascending; tuned modes first.
+    """Frequencies [rad/s] and modes (D, D) in the waves of a wheel with deviating blades, ascending, tuned modes first.
 
     Raises
     ------
     NumericsError
-        If a stiffness is left negative.
+        If the remaining stiffness of a mode is negative.
     """
     if deviations is None:
         order = np.lexsort((waves.omega, ~waves.modes))
@@ -156,7 +161,7 @@ def mixed(waves: Waves, deviations: FloatArray | None) -> tuple[FloatArray, Floa
 
 
 def checked_deviations(deviations: Deviations, sectors: int) -> FloatArray:
-    """Deviations (sectors,), above -1."""
+    """Check deviations (sectors,), which must be above -1."""
     values = np.asarray(deviations, dtype=float)
     if values.shape != (sectors,) or not np.all(np.isfinite(values)) or values.min() <= -1.0:
         found = f"{values.size} values" if values.shape != (sectors,) else f"{values.min():g}"

@@ -1,4 +1,4 @@
-"""Modes of a wheel by nodal diameter, from one sector; on the mesh of the whole wheel for pictures and tests."""
+"""Modes of a wheel by nodal diameter, from one sector; and on the mesh of the whole wheel for pictures and tests."""
 
 import time
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ ACROSS = 6  # frequencies on a line of the table
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class CyclicModes:
-    """Modes of a wheel, by nodal diameters and then by frequency; those with 0 < n < N/2 represent a pair each.
+    """Modes of a wheel, by nodal diameter and then by frequency; those with 0 < n < N/2 stand for a pair each.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class CyclicModes:
         n, and m = 1, 2, ... among the modes of the same n, (modes,).
     fields
         Shapes z of sector 0 at its nodes, (nodes, 3 or 5, modes). The wheel's mass-normalised modes are Re and Im of
-        z e^(2 pi i n j/N) in the axes that turn with sector j; for n = 0 and N/2 the real part alone.
+        z e^(2 pi i n j/N) in axes rotated with sector j; for n = 0 and N/2 only the real part.
     rigid
-        Which of them are rigid motions of the wheel, (modes,).
+        Whether each is a rigid motion of the wheel, (modes,).
     sturm_counts
-        n -> modes up to the last one returned, by inertia; None where round-off outweighs what is counted.
+        n -> modes up to the last one returned, by inertia; None if round-off is too large for a count.
     unknowns
-        Of the largest pencil.
+        Number of unknowns of the largest eigenproblem.
     seconds
         Run time by part.
 
@@ -69,11 +69,11 @@ class CyclicModes:
     seconds: dict[str, float]
 
     def __len__(self) -> int:
-        """Return the number of modes, a pair counted once."""
+        """Number of modes, with a pair counted once."""
         return len(self.freq)
 
     def rows(self) -> ModeRows:
-        """Columns of a table of modes, one row for each mode of the wheel; pairs are perfect."""
+        """Columns of a table of modes with one row for each mode of the wheel; pairs are perfect."""
         count = np.array([self.sector.count(n) for n in self.nodal_diameters.tolist()], dtype=int)
         double = count == 2
         doublet, split = np.where(double, np.cumsum(double), -1), np.where(double, 0.0, np.nan)
@@ -84,11 +84,11 @@ class CyclicModes:
         )  # fmt: skip
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary for each mode of the wheel, the keys those of `ModeSet.records`."""
+        """One plain dictionary for each mode of the wheel, with the keys of `ModeSet.records`."""
         return records_of(COLUMNS, self.rows())
 
     def __repr__(self) -> str:
-        """Table: of each nodal diameter its frequencies."""
+        """Table of the frequencies of each nodal diameter."""
         lines = [f"{'n':>4} {'':6} freq [Hz]"]
         for n in sorted(set(self.nodal_diameters.tolist())):
             cells = [f"{freq:11.3f}" for freq in self.freq[self.nodal_diameters == n]]
@@ -109,19 +109,14 @@ def cyclic_modes(
     Parameters
     ----------
     sector
-        One sector. With a `rotation` its stiffness is that of the speed; Coriolis forces are left to `cyclic_whirl`.
+        One sector. With a `rotation` its stiffness is that at the speed; for Coriolis forces use `cyclic_whirl`.
     wanted
-        Modes of each diameter, a pair counted once, or a band [Hz].
+        Number of modes of each diameter, with a pair counted once, or a band [Hz].
     diameters
-        Some of 0 .. N/2; all if left out.
+        Some of 0 .. N/2; by default all.
 
-    Raises
-    ------
-    ModelError
-        `cyclic-diameters` for those the wheel does not have; `rotation-unstable` where K(Omega) is not positive
-        definite.
-    NumericsError
-        If the modes cannot be computed or certified.
+    Raises ------ ModelError `cyclic-diameters` for diameters that the wheel does not have; `rotation-unstable` if
+    K(Omega) is not positive definite. NumericsError If the modes cannot be computed or verified.
 
     Examples
     --------
@@ -157,7 +152,7 @@ def cyclic_modes(
 
 
 def checked_diameters(sector: CyclicSector, diameters: Sequence[int] | None) -> tuple[int, ...]:
-    """The nodal diameters asked for, ascending, each once."""
+    """The requested nodal diameters, ascending, each once."""
     chosen = tuple(sorted(set(sector.diameters if diameters is None else diameters)))
     if not chosen or not set(chosen) <= set(sector.diameters):
         found = f"cyclic.nodal_diameters: found {list(diameters or [])}, expected some of 0 to {sector.sectors // 2}"
@@ -176,7 +171,7 @@ def solved(system: CyclicSystem, n: int, wanted: int | Band) -> EigenResult:
 
 
 def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:
-    """Vectors of one diameter as shapes that are mass-normalised over the wheel, their largest displacement real."""
+    """Vectors of one diameter as shapes, mass-normalised over the wheel, with real largest displacement."""
     shapes = system.system.expand(vectors * np.sqrt(system.sector.count(n) / system.sector.sectors))
     flat = shapes[:, :3].reshape(3 * len(shapes), -1)
     peak = flat[np.abs(flat).argmax(axis=0), np.arange(shapes.shape[2])]
@@ -184,9 +179,9 @@ def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:
 
 
 def wheel_modes(found: CyclicModes) -> MeshModes:
-    """The modes of all sectors, ascending, pairs as cos and sin.
+    """The modes of all sectors, ascending, with pairs as cos and sin.
 
-    Of `count` modes of each diameter the wheel's list is complete up to the least of their highest frequencies.
+    With `count` modes of each diameter, the list is complete up to the lowest of their highest frequencies.
 
     >>> import casingfem as cf
     >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)

@@ -1,4 +1,4 @@
-"""A wheel, tuned or mistuned, as a modal basis seen from the tips of all its blades."""
+"""A wheel, tuned or mistuned, as a modal basis with channels at the tips of all its blades."""
 
 import numpy as np
 
@@ -29,17 +29,17 @@ def cyclic_reduce(
     deviations: Deviations | None = None,
     blade: str | None = None,
 ) -> ModalBasis:
-    """Reduce a wheel to its tips: N sectors times the channels of one, as a body that a rub takes as its blades.
+    """Reduce a wheel to its tips: N sectors times the channels of one, as a body for the blades of a rub.
 
     Parameters
     ----------
     sector
-        One sector, held somewhere.
+        One supported sector.
     interface
         `Tip`, `TipNodes` or `AtNodes` of the sector; at nodes span is radial, flap along growing angles, chord along
-        the axis. Channels sector0.span, sector0.flap, ..., in the axes that turn with each sector.
+        the axis. Channels sector0.span, sector0.flap, ..., in axes rotated with each sector.
     modes
-        Kept of each nodal diameter, pairs counted once: N times as many of the wheel.
+        Number of kept modes of each nodal diameter, with pairs counted once; the wheel has N times as many.
     zeta
         Damping ratio given to every mode.
     deviations, blade
@@ -48,7 +48,7 @@ def cyclic_reduce(
     Raises
     ------
     ModelError
-        As of `reduce` and `mistuned_modes`; `interface-edge` for a rim.
+        The errors of `reduce` and `mistuned_modes`; `interface-edge` for a rim.
 
     Examples
     --------

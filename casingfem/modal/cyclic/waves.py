@@ -1,10 +1,10 @@
 """Waves that describe a wheel's motion: tuned modes of all diameters, and residual shapes of forces at its channels.
 
-The sector's residual attachment r = (K^-1 - Phi Lambda^-1 Phi^H) T^H P of each diameter joins its modes; it is
-K- and M-orthogonal to them, so the few combinations of r that are so among themselves are waves like the others. With
-them the static answer at the channels is exact, and that of a mistuned wheel right to the second order.
+The modes of each diameter are supplemented by the sector's residual attachment r = (K^-1 - Phi Lambda^-1 Phi^H) T^H P.
+It is K- and M-orthogonal to the modes, so its few combinations that are K- and M-orthogonal to each other are further
+waves. With them the static response at the channels is exact, and that of a mistuned wheel is accurate to second order.
 
-A pair z of 0 < n < N/2 has two real amplitudes: u_j = sqrt(2/N) Re(z e^(i n alpha j) (c - i s)) in sector j.
+A pair z with 0 < n < N/2 has two real amplitudes: u_j = sqrt(2/N) Re(z e^(i n alpha j) (c - i s)) in sector j.
 """
 
 from collections import defaultdict
@@ -33,15 +33,15 @@ class Waves:
     n
         Diameter of each coordinate, (D,).
     omega
-        Frequency of each, tuned [rad/s], (D,); those of attachments are far above.
+        Tuned frequency of each [rad/s], (D,); those of attachments are far above.
     modes
-        Which coordinates are modes and no attachments, (D,).
+        Whether each coordinate is a mode, not an attachment, (D,).
     partner, sign
-        The sine of a cosine and the other way round, itself for n = 0 and N/2, (D,); the factor of its part, (D,).
+        Index of the sine of a cosine and vice versa, its own for n = 0 and N/2, (D,); and the factor of its part, (D,).
     places
-        Motion of the channels of sector 0, real part before imaginary for a pair, (channels, D).
+        Motion of the channels of sector 0, with the real part before the imaginary one for a pair, (channels, D).
     blade
-        Elastic energy of the blade of sector 0 between the coordinates, (D, D); empty unless asked for.
+        Elastic energy of the blade of sector 0 between the coordinates, (D, D); empty unless requested.
     added, gyroscopic
         Modal stiffness that each (rad/s)^2 adds, and the Coriolis matrix per rad/s about the axis of the rotation,
         (D, D) each; empty without rotation.
@@ -113,13 +113,13 @@ def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blad
 
 
 def between(Z: Array, A: csc_array, copies: int) -> FloatArray:
-    """A real matrix of the wheel between the real amplitudes of its waves: Re(a^H Z^H A Z a') of a = c - i s."""
+    """A real matrix of the wheel between the real amplitudes of its waves: Re(a^H Z^H A Z a') for a = c - i s."""
     H = Z.conj().T @ (A @ Z)
     return np.asarray(np.block([[H.real, H.imag], [-H.imag, H.real]]) if copies == 2 else H.real)
 
 
 def waves_of(system: CyclicSystem, n: int, count: int, P: FloatArray) -> tuple[FloatArray, Array, Array]:
-    """Frequencies, vectors on the sector's free dofs with x^H M x = 1, and which are modes, of one diameter."""
+    """Frequencies, vectors on the sector's free dofs with x^H M x = 1, and marks of modes, for one diameter."""
     found = solved(system, n, count)
     omega, X = np.sqrt(found.eigenvalues[:count]), found.vectors[:, :count]
     if not P.shape[1]:

@@ -1,4 +1,4 @@
-"""Waves on a rotating wheel, Coriolis forces included: the two members of a pair part into forward and backward."""
+"""Waves on a rotating wheel with Coriolis forces: the two members of a pair split into forward and backward."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,11 +35,11 @@ class CyclicWhirl:
     sector
         The wheel.
     freq
-        Frequencies for an observer who turns with it [Hz], (modes,).
+        Frequencies in the rotating frame [Hz], (modes,).
     nodal_diameters
         n, (modes,).
     sense
-        1 for a wave that runs with the rotation, -1 for one against it, 0 for n = 0 and N/2, (modes,).
+        1 for a wave that travels with the rotation, -1 for one against it, 0 for n = 0 and N/2, (modes,).
     fields
         Complex shapes of sector 0, largest displacement 1, (nodes, 3 or 5, modes): in the axes of sector j the motion
         is the real part of shape times e^(i omega t -+ 2 pi i n j/N).
@@ -70,11 +70,11 @@ class CyclicWhirl:
 
     @property
     def freq_fixed(self) -> FloatArray:
-        """Frequencies [Hz] of the n waves around for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
+        """Frequencies [Hz] of the waves in the fixed frame: |f + sense n Omega/2 pi|, (modes,)."""
         return freq_at_rest(self.freq, self.sense * self.nodal_diameters, self.sector.structure.rotation)
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a mode: n, sense, freq_hz in the rotating frame, freq_fixed_hz."""
+        """One plain dictionary for each mode: n, sense, freq_hz in the rotating frame, freq_fixed_hz."""
         return records_of(COLUMNS, self)
 
     def __repr__(self) -> str:
@@ -85,15 +85,15 @@ class CyclicWhirl:
 def cyclic_whirl(sector: CyclicSector, count: int = 6, *, diameters: Sequence[int] | None = None) -> CyclicWhirl:
     """Lowest `count` modes of each nodal diameter and sense, complete by a count of inertia.
 
-    M x'' + Omega G x' + K(Omega) x = 0 with the matrices of n for a wave against the sense of the axis, their
+    M x'' + Omega G x' + K(Omega) x = 0 with the matrices of n for a wave against the sense of the axis, and their
     conjugates for one with it.
 
     Raises
     ------
     ModelError
-        `rotation-none` for a sector at rest, `rotation-unstable` where K(Omega) is not positive definite.
+        `rotation-none` for a sector at rest, `rotation-unstable` if K(Omega) is not positive definite.
     NumericsError
-        If the modes cannot be computed or certified.
+        If the modes cannot be computed or verified.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""Casings that differ by small imperfections around them: their modes from those of the perfect casing."""
+"""Casings that differ by small imperfections around the circumference: their modes from those of the perfect casing."""

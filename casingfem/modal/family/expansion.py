@@ -1,19 +1,20 @@
 """The lowest modes of imperfect casings to second order in the imperfections.
 
-With the fields f_l = sum_p F_l[p] e^(i p theta), p of both signs, a wave a of n_a nodal diameters meets b at first
-order by p = n_b - n_a alone, at second order by way of each k: p = k - n_a, then q = n_b - k. On the lowest waves
+With the fields f_l = sum_p F_l[p] e^(i p theta), with p of both signs, first order couples a wave a of n_a nodal
+diameters with b only through p = n_b - n_a. Second order couples them through each intermediate k: p = k - n_a, then q
+= n_b - k. On the lowest waves
 
     K_ba = w_a^2 d_ba + F_l[n_b - n_a] K_1[l, b, a] + sum_k F_l[k - n_a] F_m[n_b - k] K_2[k, l, m, b, a],
 
-M alike. K_2 contains the second derivative of the strain energy and what the waves j outside answer (quasi-degenerate
-perturbation theory: P.-O. Lowdin, J. Math. Phys. 3, 1962, 969),
+M alike. K_2 contains the second derivative of the strain energy and the response of the waves j outside
+(quasi-degenerate perturbation theory: P.-O. Lowdin, J. Math. Phys. 3, 1962, 969),
 
     -r_jb r_ja (1/(w_j^2 - w_a^2) + 1/(w_j^2 - w_b^2))/2,   r_ja = K_1[l, j, a] - w_a^2 M_1[l, j, a].
 
 In r and in the denominators, w_a of a wave above those wanted is the highest w wanted.
 
-The answers themselves, X_a = -sum_k sum_j r_ja/(w_j^2 - w_a^2) u_j, are kept by k: with them a casing's own energies
-are right to third order (`family`). All numbers K_1, K_2 are real: a casing is its own mirror image.
+These responses, X_a = -sum_k sum_j r_ja/(w_j^2 - w_a^2) u_j, are stored by k: with them a casing's own energies are
+accurate to third order (`family`). All numbers K_1, K_2 are real, since a perfect casing is symmetric under reflection.
 """
 
 from dataclasses import dataclass
@@ -48,15 +49,15 @@ class Expansion:
     ----------
     shell : the perfect casing
     quantities : the fields' quantities l
-    p_max : the highest harmonic of the fields
+    p_max : highest harmonic of the fields
     places : points of the meridian
-    waves : the lowest waves a, those of +-n together
-    about : omega^2 at which each wave is answered, its own, or the highest wanted, (a,)
-    above : the lowest omega^2 left out
-    k : harmonics by way of which waves meet, (ways,)
+    waves : the lowest waves a, with those of +-n together
+    about : omega^2 at which the response of each wave is computed, its own or the highest wanted one, (a,)
+    above : the lowest omitted omega^2
+    k : intermediate harmonics, (ways,)
     K_1, M_1 : (l, b, a)
     K_2, M_2 : (ways, l, m, b, a)
-    answers : jets of what answers wave a by way of k, (l, ways, points 15, a)
+    answers : jets of the response to wave a through k, (l, ways, points 15, a)
     """
 
     shell: ShellParts
@@ -113,7 +114,7 @@ class Expansion:
 
 
 def lowest(waves: Waves, count: int) -> tuple[IntArray, float]:
-    """The `count` lowest waves or a few more, +-n together, and the lowest value left out."""
+    """The `count` lowest waves or a few more, with +-n together, and the lowest omitted value."""
     order = np.lexsort((waves.n, waves.rank, np.abs(waves.n), waves.value))
     same = (np.diff(np.abs(waves.n[order])) == 0) & (np.diff(waves.rank[order]) == 0)  # as the one before
     count += int(same[count - 1])
@@ -121,9 +122,10 @@ def lowest(waves: Waves, count: int) -> tuple[IntArray, float]:
 
 
 def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, n_max: int, wanted: int) -> Expansion:
-    """The expansion of a perfect casing's `count` lowest waves, of n_max nodal diameters at most.
+    """The expansion of a perfect casing's `count` lowest waves, with n_max nodal diameters at most.
 
-    Waves above the `wanted` lowest only mix with those: what answers them is that at the highest frequency wanted.
+    Waves above the `wanted` lowest ones only mix with those, so their response is computed at the highest wanted
+    frequency.
     """
     bare, places, slots = remade(ShellParts, shell), places_of(shell), slots_of(quantities)
     waves = waves_of(shell, n_max + p_max, places)
@@ -202,7 +204,7 @@ class Motions(Protocol):
 
 
 def between(left: Motions, form: Forms, right: Motions) -> tuple[Array, Array]:
-    """left^H form right once around, of stiffness and of mass, each (left, right)."""
+    """left^H form right, integrated around the circumference, for stiffness and mass, each (left, right)."""
     points = len(form.stiffness)
     sums = []
     for matrix in form:

@@ -1,12 +1,14 @@
-"""Modes of casings that differ from a perfect one by small imperfections around: no mesh around, no large solution.
+"""Modes of casings that differ from a perfect one by small imperfections.
 
-The perfect casing's lowest waves u_a, each with what answers it to first order (`expansion`), are a casing's own basis:
+Without a mesh around and without a large solution.
+
+The perfect casing's lowest waves u_a, each with its first-order response (`expansion`), form the basis of a casing:
 
     v_a = u_a + sum_l sum_k F_l[k - n_a] X_(l,k,a)
 
-On it the casing's own energies are integrated, exactly in the imperfection (`point_forms`), and the modes are the least
-of Rayleigh's quotient: frequencies are bounds from above, wrong at fourth order. The expansion to second order needs no
-integration and is wrong at third: the two differ by more than what the better one still misses.
+In this basis the casing's own energies are integrated, exactly in the imperfection (`point_forms`), and the modes
+minimise Rayleigh's quotient. So frequencies are upper bounds, with errors of fourth order. The expansion to second
+order needs no integration and has errors of third order. The difference of the two exceeds the error of the better one.
 """
 
 from collections.abc import Mapping
@@ -37,13 +39,13 @@ TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Near:
-    """Modes of one casing of a family, and how sure they are.
+    """Modes of one casing of a family, and their reliability.
 
     Attributes
     ----------
     modes : the lowest modes, labelled; `fields` are left out
     estimate : largest relative difference of a frequency between second order and Rayleigh's quotient
-    complete : whether no mode left out of the basis can have come below the last
+    complete : whether no mode outside the basis can be below the last one
     """
 
     modes: AffineModes
@@ -53,14 +55,14 @@ class Near:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Family:
-    """Casings that differ in the series around of their fields.
+    """Casings that differ in the Fourier series of their fields.
 
     Attributes
     ----------
-    expansion : matrices to second order, and answers
-    answers : those of the waves with n >= 0, (l, ways, points 15, waves)
+    expansion : matrices to second order, and first-order responses
+    answers : responses of the waves with n >= 0, (l, ways, points 15, waves)
     rings : circumferential content of the waves: cosine members, then sine members
-    rigid : how many modes are rigid motions
+    rigid : number of rigid motions
     """
 
     expansion: Expansion
@@ -77,9 +79,9 @@ class Family:
         Parameters
         ----------
         shell
-            Any of the casings; of its fields the quantities and the highest harmonics count.
+            One of the casings; the quantities and highest harmonics of its fields are used.
         count
-            How many modes will be wanted.
+            Number of modes that will be needed.
         """
         if not is_family(shell):
             return None
@@ -108,7 +110,7 @@ class Family:
         return Near(modes=found, estimate=estimate, complete=bool(complete))
 
     def energies(self, series: Array) -> tuple[FloatArray, FloatArray]:
-        """Stiffness and mass of the casing with series F on its basis: cosine members, then sine members."""
+        """Stiffness and mass of the casing with series F in its basis: cosine members, then sine members."""
         own = self.expansion
         angles = TURN * np.arange(self.angles) / self.angles
         jets = self.jets(series)
@@ -129,7 +131,7 @@ class Family:
 
     @property
     def angles(self) -> int:
-        """Angles for the sums around: exact where two motions and a field of the highest harmonics meet."""
+        """Angles for integrals around, exact for products of two motions and a field with the highest harmonics."""
         own = self.expansion
         return int(next_fast_len(2 * int(own.k.max()) + own.p_max + 1))
 
@@ -150,7 +152,7 @@ class Family:
 def members(waves: Array, n: IntArray) -> FloatArray:
     """Cosine members of waves (..., waves), then sine members of those with n > 0.
 
-    A wave of n = 0 is real or, torsion, imaginary: its one member is the sum of both parts.
+    A wave with n = 0 is real or, for torsion, imaginary; its single member is the sum of both parts.
     """
     paired = np.flatnonzero(n > 0)
     found = np.empty((*waves.shape[:-1], len(n) + len(paired)))
@@ -161,7 +163,7 @@ def members(waves: Array, n: IntArray) -> FloatArray:
 
 
 def content(expansion: Expansion, shell: Shell) -> Rings:
-    """Circumferential content of the basis without its answers, as `ring_content` has it."""
+    """Circumferential content of the basis without its responses, as in `ring_content`."""
     waves = expansion.waves
     forth = np.flatnonzero(waves.n >= 0)
     n, motion = waves.n[forth], waves.motion[:, :3, forth]
@@ -174,7 +176,7 @@ def content(expansion: Expansion, shell: Shell) -> Rings:
 
 
 def frequencies(value: FloatArray) -> FloatArray:
-    """Hz from omega^2; 0 where round-off makes a rigid motion's negative."""
+    """Frequencies [Hz] from omega^2; 0 if round-off makes that of a rigid motion negative."""
     return np.sqrt(np.maximum(value, 0.0)) / TURN
 
 
@@ -185,13 +187,13 @@ def perfect_shell(shell: Shell) -> Shell:
 
 
 def is_family(shell: Shell) -> bool:
-    """Whether a casing is perfect but for Fourier series around, and its edges are free, clamped or embedded."""
+    """Whether a casing is perfect except for Fourier series around, with free, clamped or embedded edges."""
     even = all(terms_of(field) is not None for field in shell.defects.values())
     return bool(shell.defects) and even and perfect_shell(shell).axisymmetric and known_supports(shell)
 
 
 def terms_of(field: Field) -> list[FourierField] | None:
-    """The series around that a field is the sum of; None where a part is no series, or varies along the axis."""
+    """The Fourier series whose sum is a field; None if a part is no series or varies along the axis."""
     if isinstance(field, RandomField):
         return [field.fit]
     if isinstance(field, SumField):

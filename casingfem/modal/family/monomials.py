@@ -1,4 +1,4 @@
-"""Polynomials in the coefficients of random fields: few products, found once, summed for many casings at once."""
+"""Polynomials in the coefficients of random fields: their few products are found once and summed for many casings."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ class Monomials(NamedTuple):
 
     Attributes
     ----------
-    factor : places in x, one row a product, ascending, (products, degree)
+    factor : indices into x, one row for each product, ascending, (products, degree)
     value : (products, sums)
     """
 
@@ -31,16 +31,11 @@ class Monomials(NamedTuple):
 
 
 def collected(factor: IntArray, number: IntArray, value: FloatArray, size: FloatArray, scale: FloatArray) -> Monomials:
-    """Sums of K, then of M, of some numbers; each product once, without the smallest, `LEFT` of `scale` together.
+    """Sums for K, then for M; each product once, without the smallest ones, which are together below `LEFT` of `scale`.
 
-    Parameters
-    ----------
-    factor, number, value
-        Products (products, degree), of which number each is a part (products,), and its K and M (products, 2).
-    size
-        Root mean square of each coefficient, (X,).
-    scale
-        Size of what is added to, (numbers,).
+    Parameters ---------- factor, number, value Products (products, degree), the index of the number to which each
+    belongs (products,), and its K and M (products, 2). size Root mean square of each coefficient, (X,). scale Size of
+    the numbers to which the sums are added, (numbers,).
     """
     factor = np.sort(factor, axis=1)
     key = factor @ size.size ** np.arange(factor.shape[1])  # one number a product

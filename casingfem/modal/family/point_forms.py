@@ -1,11 +1,11 @@
 """Stiffness and mass of a casing at single points, as functions of the imperfections there.
 
-Strains, wall and springs depend on a field through its value and derivatives at the point alone. So energies of an
-imperfect casing are sums over the points of a perfect one's meridian and over angles,
+Strains, wall and springs depend only on the value and derivatives of a field at the point. So energies of an imperfect
+casing are sums over the points of the perfect meridian and over angles,
 
     2 energy = sum_q J_q^T H(f_q, f'_q, f''_q) J_q,   J = (U, d_1 U, d_2 U),   ' = d/dtheta,
 
-all in cylindrical axes: those of the point theta = 0.
+all in the cylindrical axes of the point theta = 0.
 """
 
 from collections.abc import Mapping
@@ -37,7 +37,7 @@ TINY = 1e-30  # a complex step
 class Places(NamedTuple):
     """Points of a meridian: of the wall z, the middle of its element and length, (q,); then edges with springs.
 
-    An edge is its name, its z, and which end of the meridian's nodes it is: 0 or -1.
+    An edge has its name, its z, and the index of its end of the meridian, 0 or -1.
     """
 
     z: FloatArray
@@ -54,35 +54,35 @@ class Forms(NamedTuple):
 
 
 class Slot(NamedTuple):
-    """A field by its quantity, and how often it is differentiated around: 0, 1 or 2."""
+    """A field by its quantity, and the order of its derivative around: 0, 1 or 2."""
 
     quantity: str
     order: int
 
 
 class Given:
-    """A field with given values and derivatives around, whatever the place; even along the axis."""
+    """A field with given values and derivatives around, at every place; constant along the axis."""
 
     def __init__(self, value: ArrayLike, slope: ArrayLike = 0.0, bend: ArrayLike = 0.0) -> None:
         self.parts = (value, 0.0, slope, 0.0, 0.0, bend)
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
-        """The given numbers, spread over the places."""
+        """The given numbers at all places."""
         at = np.broadcast_shapes(np.shape(z), np.shape(theta), *(np.shape(part) for part in self.parts))
         return FieldValues(*(np.broadcast_to(np.asarray(part), at) for part in self.parts))
 
     def rotated(self, angle: float) -> "Given":
-        """The same field: it knows no places."""
+        """The same field, since it does not depend on the place."""
         return self
 
 
 def known_supports(shell: ShellParts) -> bool:
-    """Whether the forms know all that is on the casing's edges: clamps and elastic embedding."""
+    """Whether the forms cover all supports of the casing: clamps and elastic embedding."""
     return all(isinstance(support, Clamped | ElasticEdge) for support in shell.supports.values()) and not shell.rings
 
 
 def places_of(shell: ShellParts) -> Places:
-    """The points at which a perfect casing's meridian is integrated."""
+    """The integration points of a perfect casing's meridian."""
     (z0, z1), _ = shell.chart.bounds
     lines = z0 + (z1 - z0) * shell.mesh.breaks
     size, (x, w) = np.diff(lines)[:, None], gauss(shell.mesh.order + 1)
@@ -100,14 +100,14 @@ def point_forms(shell: ShellParts, imperfection: Mapping[str, tuple[Array, ...]]
     shell
         The perfect casing.
     imperfection
-        Quantity -> (f, f', f'') or (f,) of the relative field, each (T,).
+        For each quantity (f, f', f'') or (f,) of the relative field, each (T,).
     places
         Points of the meridian.
 
     Returns
     -------
     Forms
-        (T, points, 15, 15) and (T, points, 5, 5); of the wall per angle, of springs per angle.
+        (T, points, 15, 15) and (T, points, 5, 5), per angle, for the wall and the springs.
     """
     angles = len(next(iter(imperfection.values()))[0])
     wide = varied(shell, {name: [part[:, None] for part in parts] for name, parts in imperfection.items()})
@@ -130,7 +130,7 @@ def point_forms(shell: ShellParts, imperfection: Mapping[str, tuple[Array, ...]]
 
 
 def varied(shell: ShellParts, imperfection: Mapping[str, "tuple[Array, ...] | list[Array]"]) -> ShellParts:
-    """The casing with these values of its fields wherever it is asked."""
+    """The casing whose fields have these values at every place."""
     fields: dict[str, Any] = {f"{name}_defect": Given(*parts) for name, parts in imperfection.items()}
     return replace(shell, **fields)
 
@@ -146,7 +146,7 @@ def spring_blocks(shell: ShellParts, name: str, z: FloatArray) -> Array:
 
 
 def slots_of(quantities: tuple[str, ...]) -> tuple[Slot, ...]:
-    """All on which the forms depend, in order."""
+    """All quantities on which the forms depend, in order."""
     return tuple(Slot(name, order) for name in quantities for order in range(ORDERS[name]))
 
 
@@ -161,7 +161,7 @@ def forms_at(shell: ShellParts, quantities: tuple[str, ...], values: Array, plac
 
 
 def first_derivatives(shell: ShellParts, quantities: tuple[str, ...], places: Places, about: FloatArray) -> list[Forms]:
-    """Derivatives of the forms with respect to each slot, about values of the slots: complex steps."""
+    """Derivatives of the forms with respect to each slot at values of the slots, by complex steps."""
     steps = 1j * TINY * np.eye(len(about))
     return [Forms(*(part.imag / TINY for part in forms_at(shell, quantities, about + step, places))) for step in steps]
 
@@ -181,7 +181,7 @@ def second_derivatives(shell: ShellParts, quantities: tuple[str, ...], places: P
 def third_derivatives(
     shell: ShellParts, quantities: tuple[str, ...], places: Places
 ) -> dict[tuple[int, int, int], Forms]:
-    """Third derivatives of the forms of a perfect casing: (slot, slot, slot) -> forms, every order of the slots."""
+    """Third derivatives of the forms of a perfect casing: (slot, slot, slot) -> forms, for every order of the slots."""
     steps = WIDE * np.eye(len(slots_of(quantities)))
     third = {}
     for k, one in enumerate(steps):

@@ -1,8 +1,8 @@
 """Splits and orientations of the pairs of many casings of one family at once, to third order in the imperfections.
 
-Pairs mix: those wanted and some above them are one small matrix for each casing (`window`). A casing's
-motion is real, so that K[-b, -a] is the conjugate of K[b, a]: on cosine and sine members the matrices are real. The
-arrays have all casings of a lot; no casing has a loop of its own.
+Pairs mix, so the wanted pairs and some above them form one small matrix for each casing (`window`). A casing's motion
+is real, so K[-b, -a] is the conjugate of K[b, a], and the matrices on cosine and sine members are real. Arrays contain
+all casings of a lot; there is no loop over casings.
 """
 
 from dataclasses import dataclass
@@ -25,13 +25,10 @@ LOT = 128  # casings at once: their products fit into the cache
 class Splits(NamedTuple):
     """Pairs of many casings, (casings, pairs).
 
-    Attributes
-    ----------
-    freq : mean of the two frequencies [Hz]
-    split : (f_upper - f_lower)/mean
-    angle_deg : angle of an antinode of the lower member, from 0 to 180/n
-    share : of the energy of the two modes in the pair's waves; where two pairs mix this is low, and the pair no pair
-    third : what the terms of third order add to the frequencies of the pair, the larger of both, relative
+    Attributes ---------- freq : mean of the two frequencies [Hz] split : (f_upper - f_lower)/mean angle_deg : angle of
+    an antinode of the lower member, from 0 to 180/n share : energy share of the pair's waves in the two modes; if two
+    pairs mix this is low, and the pair is not meaningful third : relative effect of the third-order terms on the
+    frequencies of the pair, the larger of both
     """
 
     freq: FloatArray
@@ -43,14 +40,14 @@ class Splits(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SplitMap:
-    """From the Fourier series of a casing's imperfections to the splits of its pairs.
+    """Map from the Fourier series of a casing's imperfections to the splits of its pairs.
 
     Attributes
     ----------
     family : the casings
     n, rank : nodal diameters and meridional rank (from 1) of the pairs, ascending by frequency, (pairs,)
     freq : frequencies of the perfect casing [Hz], (pairs,)
-    window : what is between them, and the pairs above them
+    window : matrices between them and the pairs above them
 
     Examples
     --------
@@ -74,12 +71,12 @@ class SplitMap:
 
     @classmethod
     def of(cls, shell: Shell, count: int) -> "SplitMap | None":
-        """The map of a casing: all that its fields could be; None where a family cannot be made.
+        """The map of a casing, for all values of its fields; None if there is no family.
 
         Parameters
         ----------
         shell
-            Any of the casings. Of its fields the quantities, the highest harmonics and the spectra count.
+            One of the casings. The quantities, highest harmonics and spectra of its fields are used.
         count
             The pairs are those that the lowest `count` modes of the perfect casing complete.
         """
@@ -99,7 +96,7 @@ class SplitMap:
         return cls(family=family, n=n, rank=rank, freq=freq, window=window)
 
     def series(self, casings: "list[dict[str, Field]]") -> Array:
-        """Series F of casings by their fields, (casings, l, 2 p_max + 1), p from -p_max to p_max."""
+        """Series F of casings from their fields, (casings, l, 2 p_max + 1), p from -p_max to p_max."""
         own = self.family.expansion
         return np.array([[coefficients(fields[name], own.p_max) for name in own.quantities] for fields in casings])
 
@@ -114,7 +111,7 @@ class SplitMap:
 
 
 def answered(own: Window, x: Array) -> Splits:
-    """The pairs that a window answers for, of casings with coefficients x (l (2 p_max + 1), casings)."""
+    """The wanted pairs of a window, for casings with coefficients x (l (2 p_max + 1), casings)."""
     whole, last = matrices(own, x)
     value, y = np.linalg.eigh(whole)
     pairs, at = len(own.n), np.arange(own.own)
@@ -132,9 +129,9 @@ def answered(own: Window, x: Array) -> Splits:
 
 
 def matrices(own: Window, x: Array) -> tuple[FloatArray, FloatArray]:
-    """K of a window where the mass is one, and what of K is of third order, (casings, 2 pairs, 2 pairs).
+    """K of a window after reduction of the mass to 1, and its third-order part, (casings, 2 pairs, 2 pairs).
 
-    Cosine members, then sine members.
+    Cosine members come before sine members.
     """
     pairs, cases = len(own.n), x.shape[1]
     parts = np.zeros((3, cases, 2, pairs, pairs), dtype=complex)  # K to second order, M, third order
@@ -152,7 +149,7 @@ def matrices(own: Window, x: Array) -> tuple[FloatArray, FloatArray]:
 
 
 def real_form(waves: Array) -> FloatArray:
-    """Symmetric matrices on cosine and sine members from those between waves, (casings, sense, b, a)."""
+    """Symmetric matrices on cosine and sine members, from those between waves (casings, sense, b, a)."""
     full, turned = waves[:, 0], waves[:, 1]
     top = np.concatenate([full.real + turned.real, full.imag - turned.imag], axis=2)
     bottom = np.concatenate([-full.imag - turned.imag, full.real - turned.real], axis=2)
@@ -160,7 +157,7 @@ def real_form(waves: Array) -> FloatArray:
 
 
 def opposite(own: Expansion, wave: int) -> int:
-    """The wave that travels the other way."""
+    """The wave that travels in the opposite direction."""
     return int(np.flatnonzero((own.waves.n == -own.waves.n[wave]) & (own.waves.rank == own.waves.rank[wave]))[0])
 
 

@@ -20,7 +20,7 @@ class Waves(NamedTuple):
 
     Attributes
     ----------
-    n, rank : nodal diameters with sign, number among those of one n, (waves,)
+    n, rank : nodal diameters with sign, number among the waves of one n, (waves,)
     value : omega^2 [rad^2/s^2], (waves,)
     motion : u with its phases, (nodes, 5, waves)
     jets : (u, d_z u, d_theta u) at the points, (points 15, waves)
@@ -33,7 +33,7 @@ class Waves(NamedTuple):
     jets: Array
 
     def chosen(self, which: IntArray) -> "Waves":
-        """Some of them."""
+        """Some of the waves."""
         return Waves(self.n[which], self.rank[which], self.value[which], self.motion[..., which], self.jets[:, which])
 
 

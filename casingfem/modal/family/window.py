@@ -1,14 +1,14 @@
-"""Pairs of nearby frequency of a family's casings: their stiffness and mass to third order in the imperfections.
+"""Pairs of a family's casings with close frequencies: their stiffness and mass to third order in the imperfections.
 
-Trial motions are the waves u_a with what answers them to first order, v_a = u_a + sum_k F_l[k - n_a] X_(l,k,a)
+Trial motions are the waves u_a with their first-order response, v_a = u_a + sum_k F_l[k - n_a] X_(l,k,a)
 (`expansion`). With D = K - w^2 M of a casing, the terms of v_b^H D v_a by powers of F are
 
     1  <u_b|D_1|u_a>
     2  <u_b|D_2|u_a> + <u_b|D_1|X_a> + <X_b|D_1|u_a> + <X_b|D_0|X_a>
     3  <u_b|D_3|u_a> + <u_b|D_2|X_a> + <X_b|D_2|u_a> + <X_b|D_1|X_a>
 
-each a sum over the harmonics by way of which a meets b. K and M have their own terms of the first and second power. In
-the third w^2 is the mean of both waves. The least of Rayleigh's quotient with them is right to third order.
+each a sum over the intermediate harmonics between a and b. K and M have separate terms of the first and second power.
+In the third power w^2 is the mean of both waves. The minimum of Rayleigh's quotient is then accurate to third order.
 """
 
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class Columns(NamedTuple):
 class Alike(NamedTuple):
     """Numbers between pairs b and a of a window that are sums of the same products of harmonics.
 
-    Each goes from wave +n_a (sense 0, n_b >= n_a) or -n_a (sense 1) to +n_b. The difference of nodal diameters is the
+    Each is from wave +n_a (sense 0, n_b >= n_a) or -n_a (sense 1) to +n_b. The difference of nodal diameters is the
     sum of the harmonics in every product.
 
     Attributes
@@ -69,8 +69,8 @@ class Window(NamedTuple):
     ----------
     n : nodal diameters, (pairs,)
     value : omega^2 of the perfect casing, (pairs,)
-    own : how many of the pairs it answers for, the lowest; the others mix with them
-    between : what is between the pairs
+    own : number of wanted pairs, the lowest; the others only mix with them
+    between : numbers between the pairs
     """
 
     n: IntArray
@@ -80,7 +80,10 @@ class Window(NamedTuple):
 
 
 class Derivatives(NamedTuple):
-    """Forms of the perfect casing and their derivatives by slots, up to the third; `second` complex, others `real`."""
+    """Forms of the perfect casing and their derivatives by slots, up to the third.
+
+    `second` are complex, the others `real`.
+    """
 
     slots: tuple[Slot, ...]
     none: Forms
@@ -91,7 +94,7 @@ class Derivatives(NamedTuple):
 
 
 def derivatives_of(own: Expansion) -> Derivatives:
-    """Those of the expansion's casing."""
+    """The derivatives for the expansion's casing."""
     slots = slots_of(own.quantities)
     given = own.shell, own.quantities
     about = np.zeros(len(slots))
@@ -125,9 +128,9 @@ def real_jets(jets: Array) -> FloatArray:
 def window_of(
     own: Expansion, forms: Derivatives, forth: IntArray, back: IntArray, size: FloatArray, answers: int
 ) -> Window:
-    """The window of some pairs, waves `forth` and `back`, of which it answers for the first `answers`.
+    """The window of some pairs, waves `forth` and `back`; the first `answers` of them are wanted.
 
-    `size` (l, 2 p_max + 1) is the root mean square of the fields' harmonics: what is small with it is left out.
+    `size` (l, 2 p_max + 1) is the root mean square of the fields' harmonics; terms that are small with it are omitted.
     """
     terms, n = Terms.of(own, forms, np.concatenate([forth, back]), len(forth), answers), own.waves.n[forth]
     alike: dict[int, list[tuple[int, int, int]]] = {}
@@ -140,7 +143,7 @@ def window_of(
 
 
 def alike_of(terms: "Terms", entries: IntArray, size: FloatArray) -> Alike:
-    """Numbers (b, a, sense) of one difference of nodal diameters, (numbers, 3)."""
+    """Numbers (b, a, sense) with the same difference of nodal diameters, (numbers, 3)."""
     b, a, sense = entries.T
     scale, powers = np.zeros(len(b)), list[Monomials]()
     for terms_of in (terms.first, terms.second, terms.third):
@@ -159,14 +162,14 @@ class Terms:
 
     Attributes
     ----------
-    own, forms, waves : the expansion, its forms, and places of the window's waves in it
+    own, forms, waves : the expansion, its forms, and indices of the window's waves in it
     low : those waves
-    direct : K_2 and M_2 of the second derivatives alone
-    between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a; all others have X by its harmonic, -p_max to p_max
-    first_right, first_left : <u|D_1|X>, <X|D_1|u> of each slot: stiffness and mass
-    first_both : <X|D_1|X> of each slot, of the pairs that are answered for on the left, as all that follow
-    second_right, second_left : <u|D_2|X>, <X|D_2|u> of each two slots
-    third_none : <u|D_3|u> of each three slots
+    direct : K_2 and M_2 of only the second derivatives
+    between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a; all others have X by harmonic, -p_max to p_max
+    first_right, first_left : <u|D_1|X>, <X|D_1|u> for each slot: stiffness and mass
+    first_both : <X|D_1|X> for each slot, with wanted pairs on the left, like all that follow
+    second_right, second_left : <u|D_2|X>, <X|D_2|u> for each two slots
+    third_none : <u|D_3|u> for each three slots
     """
 
     own: Expansion
@@ -184,7 +187,7 @@ class Terms:
 
     @classmethod
     def of(cls, own: Expansion, forms: Derivatives, waves: IntArray, pairs: int, answers: int) -> "Terms":
-        """Those of some waves, the first `pairs` of which are +n of the pairs."""
+        """Terms of some waves, the first `pairs` of which are +n of the pairs."""
         low, X = own.waves.chosen(waves), real_jets(answers_of(own, waves))  # (l, ways, points 15, waves)
         near, jets, ways = by_harmonic(own, X, low.n), real_jets(low.jets), range(X.shape[1])
         right, left, u = columns(near), columns(near[..., :pairs]), Columns(jets, (len(waves),))
@@ -209,11 +212,11 @@ class Terms:
 
     @property
     def answers(self) -> int:
-        """How many pairs are answered for."""
+        """Number of wanted pairs."""
         return int(self.first_both[0][0].shape[2])
 
     def wave(self, pair: int, sense: int) -> int:
-        """Place of the wave +n or -n of a pair."""
+        """Index of the wave +n or -n of a pair."""
         return pair + sense * int(self.between_answers.shape[3])
 
     def lines_of(self, line: int) -> list[int]:
@@ -221,7 +224,7 @@ class Terms:
         return [s for s, slot in enumerate(self.forms.slots) if slot.quantity == self.own.quantities[line]]
 
     def first(self, b: int, pair: int, sense: int) -> tuple[IntArray, FloatArray]:
-        """Of the first power, from wave a = +-n of a pair to wave b."""
+        """Terms of first power, from wave a = +-n of a pair to wave b."""
         a = self.wave(pair, sense)
         p, top = int(self.low.n[b] - self.low.n[a]), self.own.p_max
         lines = [line for line in range(len(self.own.quantities)) if abs(p) <= top]
@@ -231,7 +234,7 @@ class Terms:
         return factor, value
 
     def second(self, b: int, pair: int, sense: int) -> tuple[IntArray, FloatArray]:
-        """Of the second power."""
+        """Terms of second power."""
         a = self.wave(pair, sense)
         k, top, order = self.own.k, self.own.p_max, [slot.order for slot in self.forms.slots]
         p1, p2 = k - self.low.n[a], self.low.n[b] - k
@@ -252,7 +255,7 @@ class Terms:
         return np.concatenate(factors), np.concatenate(values)
 
     def third(self, b: int, pair: int, sense: int) -> tuple[IntArray, FloatArray]:
-        """Of the third power, where one of both pairs is answered for; M's is in K's."""
+        """Terms of third power, if one of both pairs is wanted; those of M are included in K."""
         if b >= self.answers > pair:
             factor, value = self.third(pair, b, sense)
             return (factor if sense else self.mirrored(factor)), value
@@ -273,7 +276,7 @@ class Terms:
         return np.concatenate(factors), np.concatenate(values)
 
     def mirrored(self, factor: IntArray) -> IntArray:
-        """Harmonics -p in place of p."""
+        """Harmonics -p instead of p."""
         return np.stack([factor[..., 0], 2 * self.own.p_max - factor[..., 1]], axis=-1)
 
     def third_of(
@@ -283,7 +286,7 @@ class Terms:
         p: tuple[IntArray, IntArray, IntArray],
         square: float,
     ) -> FloatArray:
-        """Terms of the third power of three fields with harmonics p; D = K - `square` M."""
+        """Terms of third power for three fields with harmonics p; D = K - `square` M."""
         (b, a), (first, second, third) = waves, lines
         i, j = p[0] + self.own.p_max, self.own.p_max - p[2]  # places of the answers to a and to b
         about = [[each.astype(float) ** slot.order for slot in self.forms.slots] for each in p]
@@ -304,26 +307,26 @@ class Terms:
 
 
 def by_harmonic(own: Expansion, X: Array, n: IntArray) -> Array:
-    """Answers (l, ways, points 15, waves) of waves n by the harmonic p = k - n, from -p_max to p_max, in place of k."""
+    """Responses (l, ways, points 15, waves) of waves n by p = k - n, from -p_max to p_max, instead of by k."""
     first, count = n - own.p_max - own.k[0], 2 * own.p_max + 1
     parts = [X[:, start : start + count, :, wave] for wave, start in enumerate(first.tolist())]
     return np.stack(parts, axis=-1)
 
 
 def columns(X: Array) -> Columns:
-    """Answers (l, ways or harmonics, points 15, waves) side by side."""
+    """Responses (l, ways or harmonics, points 15, waves) side by side."""
     lines, ways, points, count = X.shape
     return Columns(np.moveaxis(X, 2, 0).reshape(points, -1), (lines, ways, count))
 
 
 def inner(left: Columns, form: Forms, right: Columns) -> Two:
-    """left^H form right once around, of stiffness and of mass, by the places of both sides."""
+    """left^H form right, integrated around, for stiffness and mass, with both indices of the sides."""
     stiffness, mass = (part.reshape(*left.shape, *right.shape) for part in between(left, form, right))
     return stiffness, mass
 
 
 def single(both: Two) -> Two:
-    """In single precision: of what is small itself."""
+    """Single-precision copy, for numbers that are small themselves."""
     return both[0].astype(np.float32), both[1].astype(np.float32)
 
 

@@ -1,1 +1,1 @@
-"""Interface of a structure to contact: rims, tips and nodes as rows over its displacements, and outputs."""
+"""Interface of a structure for contact: rims, tips and nodes as rows over its displacements, and outputs."""

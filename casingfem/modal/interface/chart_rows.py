@@ -53,7 +53,7 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
 
 
 def require_lines(chart: Chart, lines: Sequence[float]) -> None:
-    """Refuse lines off a chart, or given twice.
+    """Refuse lines outside a chart, or given twice.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def found_edges(chart: Chart) -> str:
 
 
 def require_circles(shell: Shell, rim: Rim) -> None:
-    """Refuse lines of a chart that do not run around z by the angle that the second parameter is.
+    """Refuse lines of a chart that are not circles around z with the second parameter as angle.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def require_circles(shell: Shell, rim: Rim) -> None:
 
 
 def line_transforms(system: System, rim: Rim) -> list[Array]:
-    """Transforms (n_max + 1, nodes) of nodal values to Fourier amplitudes, on the edge or on each of the lines."""
+    """Transforms (n_max + 1, nodes) from nodal values to Fourier amplitudes, on the edge or on each of the lines."""
     grid, chart = system.grid, system.shell.chart
     if not rim.lines:
         _, transform = ring_transform(chart, grid, rim.n_max)
@@ -124,7 +124,7 @@ def rim_geometry(shell: Shell, rim: Rim, count: int) -> list[ShellGeometry]:
 
 
 def rim_lines(shell: Shell, rim: Rim) -> FloatArray:
-    """Axial place and mean radius of each line of a rim [m], (lines, 2)."""
+    """Axial position and mean radius of each line of a rim [m], (lines, 2)."""
     on_lines = [on.surface.x for on in rim_geometry(shell, rim, LEAST)]
     return np.array([[float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())] for x in on_lines])
 
@@ -141,9 +141,9 @@ def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
 
 
 def tip_directions(system: System, tip: Tip | TipNodes) -> FloatArray:
-    """Span, flap and chord at the middle of a tip edge, (3, 3) unit rows; chord along the edge, square to the others.
+    """Span, flap and chord at the middle of a tip edge, (3, 3) unit rows; chord along the edge, normal to the others.
 
-    Raises ModelError where there is no such edge.
+    Raises ModelError if there is no such edge.
     """
     grid, shell = system.grid, system.shell
     if shell.chart.periodic or tip.edge not in grid.edges:
@@ -208,15 +208,15 @@ def rim_shape(shell: Shell, rim: Rim) -> FloatArray:
 
 
 def rim_thickness(shell: Shell, rim: Rim) -> FloatArray:
-    """Least thickness of the wall on each line of a rim [m], (lines,): the linear model is valid to part of it."""
+    """Least thickness of the wall on each line of a rim [m], (lines,), which limits the linear model."""
     return np.array([float(np.real(on.thickness).min()) for on in rim_geometry(shell, rim, LEAST)])
 
 
 def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str, float]]:
-    """The rim's deviation from a circle as contact takes it: terms {p, cos, sin} [m], p from 1 to n_max.
+    """The rim's deviation from a circle in the form for contact: terms {p, cos, sin} [m], p from 1 to n_max.
 
-    Positive where the radius is larger. `cf.reduce` stores the same in the basis, where a scene with
-    `out_of_roundness = "basis"` finds it.
+    It is positive where the radius is larger. `cf.reduce` stores the same in the basis, for scenes with
+    `out_of_roundness = "basis"`.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str
     rim
         Edge or lines, and the highest harmonic `n_max`.
     line
-        Which of the rim's lines.
+        Index of the rim's line.
 
     Raises
     ------

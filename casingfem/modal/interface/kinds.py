@@ -1,4 +1,4 @@
-"""Interfaces: which displacements of a structure contact sees, by the names of their channels."""
+"""Interfaces: the displacements of a structure at contact, by the names of their channels."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -10,14 +10,13 @@ from casingfem.errors import ModelError
 class Rim:
     """An edge of a casing, or lines around its wall, radial and tangential, by Fourier amplitudes up to n_max.
 
-    u(theta) = sum_n c_n cos n theta + s_n sin n theta. A force at one angle reaches the shell through the same
-    band: it acts on an arc of about 2 pi r/(2 n_max), which keeps its compliance finite as the mesh is
-    refined (a point force on a shear-deformable edge would sink in without limit).
+    u(theta) = sum_n c_n cos n theta + s_n sin n theta. A force at one angle acts on the shell through the same
+    harmonics, so on an arc of about 2 pi r/(2 n_max), which keeps its compliance finite as the mesh is refined (under a
+    point force the deflection of a shear-deformable edge would grow without limit).
 
-    `axial` adds the motion along the axis. `lines`: places of the chart's first parameter (z of a frustum) of one or
-    several lines around in place of the edge, for a track inside the casing or blades whose tips are long in that
-    direction; `edge` is then not needed. `axis` through `point`: of an
-    imported part, whose edge is a group of facets; a chart's axis is z.
+    `axial` adds the motion along the axis. `lines`: values of the chart's first parameter (z of a frustum) for one or
+    several lines around instead of the edge, for a track inside the casing or for blades with long tips; `edge` is then
+    not needed. `axis` through `point`: for an imported part, whose edge is a group of facets; a chart's axis is z.
 
     >>> Rim("top", n_max=2).names
     ('cos0', 'cos1', 'cos2', 'sin1', 'sin2')
@@ -39,7 +38,7 @@ class Rim:
         Raises
         ------
         ModelError
-            `interface-edge` where there is neither.
+            `interface-edge` if there is neither.
         """
         if self.lines:
             return f"{'a line' if len(self.lines) == 1 else 'lines'} at {', '.join(f'{at:g}' for at in self.lines)} m"
@@ -60,7 +59,7 @@ class Rim:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of all channels: direction by direction, line by line where there are several."""
+        """Names of all channels: direction by direction, line by line if there are several."""
         one = [f"{direction}.{name}" for direction in self.directions for name in self.names]
         count = len(self.lines)
         return tuple(one) if count < 2 else tuple(f"line{k}.{name}" for k in range(count) for name in one)
@@ -68,10 +67,10 @@ class Rim:
 
 @dataclass(frozen=True, slots=True)
 class Tip:
-    """The tip edge of a blade as one place: mean displacement along the blade (span) and across it (flap).
+    """The tip edge of a blade as one point: mean displacement along the blade (span) and across it (flap).
 
     span points from the root to the tip, flap along the surface normal at mid-edge; on a group of facets of an imported
-    part as `mesh_rows.tip_frame` states.
+    part see `mesh_rows.tip_frame`.
 
     >>> Tip().edge, Tip("tip").channels
     ('tip', ('span', 'flap'))
@@ -89,10 +88,10 @@ class Tip:
 class TipNodes:
     """The tip edge of a blade in `count` equal pieces: mean displacement of each along span, flap and chord.
 
-    The directions are those of `Tip` at mid-edge, chord along the edge. Pieces of the edge and not points: a point
-    force on a shear-deformable edge would sink in without limit.
+    The directions are those of `Tip` at mid-edge, chord along the edge. Pieces of the edge are used, not points, since
+    the deflection of a shear-deformable edge under a point force has no limit.
 
-    `axis` through `point`, of an imported part: the directions are those of the machine at each piece, span along the
+    `axis` through `point`, for an imported part: the directions are those of the machine at each piece, span along the
     radius, flap along growing angles about the axis, chord along the axis. Pieces are counted along the axis. A
     staggered blade needs them: its own flap is neither tangential nor axial.
 
@@ -113,10 +112,10 @@ class TipNodes:
 
 @dataclass(frozen=True, slots=True)
 class AtNodes:
-    """Nodes of an imported part by the numbers its file gives them: displacements along x, y, z of each.
+    """Nodes of an imported part by their numbers in its file: displacements along x, y, z of each.
 
-    A force at a node of a solid or shell sinks in further the finer the mesh is; with the pieces of `TipNodes` the
-    compliance has a limit.
+    The compliance at a node of a solid or shell grows without limit as the mesh is refined; with the pieces of
+    `TipNodes` it converges.
 
     >>> AtNodes((6, 79)).channels
     ('6.x', '6.y', '6.z', '79.x', '79.y', '79.z')

@@ -1,8 +1,9 @@
 """Interfaces of imported parts: rows over the nodal displacements at a group's facets, or at nodes of the file.
 
-A group of facets (the end face of a solid, the edge of a shell) is seen by surface integrals of the shape functions
-N_i: a tip by the mean displacement of its pieces, sum_i u_i int N_i dA/A, a rim by the harmonics that fit its motion
-best, c = G^-1 int phi u dA with G = int phi phi^T dA. A force on a channel acts spread over the same facets.
+A group of facets (the end face of a solid, the edge of a shell) is represented by surface integrals of the shape
+functions N_i: a tip by the mean displacement of its pieces, sum_i u_i int N_i dA/A, a rim by the best-fitting harmonics
+of its motion, c = G^-1 int phi u dA with G = int phi phi^T dA. A force on a channel is distributed over the same
+facets.
 """
 
 from typing import NamedTuple
@@ -45,7 +46,7 @@ class Facets(NamedTuple):
 
 
 def facets_of(system: MeshSystem, name: str) -> Facets:
-    """The facets of a group; ModelError where it has none."""
+    """The facets of a group; ModelError if it has none."""
     mesh = system.structure.mesh
     check_groups(mesh, [name])
     facets = mesh.group_facets(name)
@@ -67,9 +68,9 @@ def facets_of(system: MeshSystem, name: str) -> Facets:
 def part_of(
     mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets: IntArray, lean: FloatArray | None
 ) -> Facets:
-    """Facets of one kind with `slots` of their nodes; the others have shape functions of 0.
+    """Facets of one kind with `slots` for their nodes; unused slots have shape functions of 0.
 
-    `lean` (facets, nodes, 3): of shells the directors of the walls that have the facets.
+    `lean` (facets, nodes, 3): for shells, the directors of the walls at the facets.
     """
     own = nodes[:, slots]
     on = mapped(kind, mesh.points, own, DEGREE)
@@ -115,8 +116,8 @@ def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
 def tip_rows(system: MeshSystem, tip: Tip | TipNodes) -> tuple[FloatArray, FloatArray, dict[str, list[list[float]]]]:
     """Rows (channels, nodes, 3) of a tip as a whole or in pieces of equal chord, its directions (3, 3), and facts.
 
-    Of pieces with the directions of the machine the facts have their places: along the axis [m], radius [m] and angle
-    [degrees] from the middle of the tip.
+    For pieces with the directions of the machine the facts contain their positions: along the axis [m], radius [m] and
+    angle [degrees] from the middle of the tip.
     """
     facets = facets_of(system, tip.edge)
     frame = tip_frame(system, facets, tip.edge)
@@ -136,7 +137,7 @@ def tip_rows(system: MeshSystem, tip: Tip | TipNodes) -> tuple[FloatArray, Float
 
 
 def chord_of(tip: Tip | TipNodes, facets: Facets, chord: FloatArray) -> FloatArray:
-    """The direction in which pieces are counted: with the axis of a machine along it, or towards growing angles."""
+    """The direction in which pieces are counted: along the axis of a machine, or towards growing angles."""
     if not isinstance(tip, TipNodes) or tip.axis is None:
         return chord
     middle = machine_axes(np.average(facets.x, axis=0, weights=facets.weight)[None], tip)[0]
@@ -146,7 +147,7 @@ def chord_of(tip: Tip | TipNodes, facets: Facets, chord: FloatArray) -> FloatArr
 
 
 def pieces_of(system: MeshSystem, tip: Tip | TipNodes, facets: Facets, chord: FloatArray) -> FloatArray:
-    """1 where a point of the facets belongs to a piece of equal chord, (pieces, points)."""
+    """1 for points of the facets that belong to a piece of equal chord, else 0, (pieces, points)."""
     count = tip.count if isinstance(tip, TipNodes) else 1
     if not 1 <= count <= 100:
         raise ModelError("interface-nodes", f"TipNodes.count must lie between 1 and 100, found {count!r}")
@@ -162,7 +163,7 @@ def pieces_of(system: MeshSystem, tip: Tip | TipNodes, facets: Facets, chord: Fl
 
 
 def machine_axes(places: FloatArray, tip: TipNodes) -> FloatArray:
-    """Radial, tangential and axial unit vectors at places (n, 3) about the axis of a tip, (n, 3, 3)."""
+    """Radial, tangential and axial unit vectors at points (n, 3) about the axis of a tip, (n, 3, 3)."""
     assert tip.axis is not None
     axial = axis_frame(tip.axis)[2]
     away = places - np.asarray(tip.point)
@@ -175,7 +176,7 @@ def machine_axes(places: FloatArray, tip: TipNodes) -> FloatArray:
 
 
 class RimView(NamedTuple):
-    """A rim: rows (channels, nodes, 3), axial place and mean radius [m], radius harmonics, and its axes (3, 3)."""
+    """A rim: rows (channels, nodes, 3), axial position and mean radius [m], radius harmonics, and its axes (3, 3)."""
 
     rows: FloatArray
     line: FloatArray
@@ -225,7 +226,7 @@ def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
 
 
 def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
-    """Rows (3 nodes, nodes, 3) of nodes by the numbers that the file gives them."""
+    """Rows (3 nodes, nodes, 3) of nodes by their numbers in the file."""
     places = node_places(system, at.nodes)
     moving = system.moving
     for number, place in zip(at.nodes, places, strict=True):
@@ -238,7 +239,7 @@ def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
 
 
 def node_places(system: MeshSystem, numbers: tuple[int, ...]) -> IntArray:
-    """Indices of nodes by their numbers in the file; ModelError for one that is not there, or twice."""
+    """Indices of nodes by their numbers in the file; ModelError for a missing or repeated one."""
     mesh = system.structure.mesh
     used = mesh.present
     places = dict(zip(mesh.node_numbers[used[::-1]].tolist(), used[::-1].tolist(), strict=True))  # the first of each

@@ -1,8 +1,8 @@
-"""Outputs of a reduced structure: displacement, strain or stress at named places, as rows over its nodal fields.
+"""Outputs of a reduced structure: displacement, strain or stress at named points, as rows over its nodal fields.
 
-Of a shell at places of its chart; of an imported part at its nodes, strain and stress of solids the mean over the
-node's cells. With u the nodal fields, an output is row u = (row Phi) q + (row R) lam: modes and residual, so that it
-is valid where contact is, and a shell's strain comes from its own kinematics (`structure.kinematics`).
+Points are on the chart of a shell, or nodes of an imported part, where strain and stress of solids are averaged over
+the node's cells. With nodal fields u, an output is row u = (row Phi) q + (row R) lam. It contains modes and residual,
+so it is also valid at the contact. A shell's strain comes from its own kinematics (`structure.kinematics`).
 """
 
 from dataclasses import dataclass
@@ -94,11 +94,11 @@ class Strain:
 
 
 class Output(Protocol):
-    """A quantity stored with a basis: a name, and a row over the nodal fields of the structure."""
+    """Interface of a quantity stored with a basis: a name, and a row over the nodal fields of the structure."""
 
     @property
     def name(self) -> str:
-        """Its name in a run."""
+        """Name of the output in a run."""
 
     def row(self, system: Any) -> FloatArray:
         """Row over the nodal fields, (nodes, dofs of a node)."""
@@ -114,7 +114,7 @@ def output_rows(system: System | MeshSystem, outputs: tuple[Output, ...]) -> Flo
 
 
 def jets_at(system: System, name: str, at: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-    """Nodes (functions,) and weights of value and slopes (3, functions) at one place."""
+    """Nodes (functions,) and weights of value and slopes (3, functions) at one point."""
     if not isinstance(system, System):
         raise ModelError("output-place", f"output {name!r}: found parameters of a chart on an imported part")
     try:
@@ -147,7 +147,7 @@ class NodeDisplacement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeMean:
-    """Strain or stress of a solid at a node, the mean over its cells."""
+    """Strain or stress of a solid at a node, averaged over its cells."""
 
     name: str
     node: int
@@ -198,7 +198,7 @@ class NodeStress(NodeMean):
 
 
 def node_place(system: MeshSystem, name: str, node: int) -> int:
-    """Index of an output's node; ModelError on a chart, or where no cell has it."""
+    """Index of an output's node; ModelError on a chart, or if no cell has it."""
     if not isinstance(system, MeshSystem):
         raise ModelError("output-place", f"output {name!r}: found node {node} of a chart, whose nodes have no numbers")
     try:
@@ -208,7 +208,7 @@ def node_place(system: MeshSystem, name: str, node: int) -> int:
 
 
 def strains_at(points: FloatArray, kind: str, nodes: IntArray, local: IntArray, D: FloatArray | None) -> FloatArray:
-    """Strains, or stresses of elasticities D (cells, 6, 6), of cells each at one of its nodes, (cells, 6, 3 k)."""
+    """Strains, or stresses with elasticities D (cells, 6, 6), of cells, each at one of its nodes, (cells, 6, 3 k)."""
     places = KINDS[kind].places
     if kind == "pyramid13" or (distinct(nodes) < 0).any():  # where the map has no inverse: beside that node it has one
         places = places + INWARD * (places.mean(axis=0) - places)

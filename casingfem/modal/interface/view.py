@@ -22,13 +22,13 @@ class View:
     loads
         Unit forces on the channels, (free, channels).
     channels
-        Their names.
+        Names of the channels.
     axes
         Directions of the participation factors: x, y and the axis of a rim, span, flap, chord of a tip, (3, 3).
     lines, line_thickness, out_of_roundness
-        Of a rim, as in `ModalBasis`.
+        Data of a rim, as in `ModalBasis`.
     facts
-        What the provenance states of it.
+        Facts about it for the provenance.
     """
 
     loads: FloatArray
@@ -41,22 +41,22 @@ class View:
 
     @property
     def radius(self) -> float:
-        """Mean radius of the lines of a rim [m], 0 of a tip."""
+        """Mean radius of the lines of a rim [m], 0 for a tip."""
         return float(self.lines[:, 1].mean()) if len(self.lines) else 0.0
 
     @property
     def thickness(self) -> float:
-        """Least thickness of the wall on the lines of a rim [m], 0 where it is not known."""
+        """Least thickness of the wall on the lines of a rim [m], 0 if unknown."""
         return float(self.line_thickness.min(initial=np.inf)) if self.line_thickness.size else 0.0
 
 
 def view(system: System | MeshSystem, interface: Interface) -> View:
-    """An interface as a structure has it.
+    """An interface on a structure.
 
     Raises
     ------
     ModelError
-        Where the structure has no such edge, group or node.
+        If the structure has no such edge, group or node.
     """
     return of_chart(system, interface) if isinstance(system, System) else of_mesh(system, interface)
 
@@ -98,7 +98,7 @@ def of_mesh(system: MeshSystem, interface: Interface) -> View:
 
 
 def load_columns(system: System | MeshSystem, rows: FloatArray) -> FloatArray:
-    """Rows over nodal fields -> load columns on the free dofs, (free, rows); rows may leave the rotations out."""
+    """Load columns on the free dofs, (free, rows), from rows over nodal fields, which may omit the rotations."""
     nodes = len(system.points)
     given = rows.reshape(len(rows), nodes, -1)
     nodal = np.zeros((nodes, system.dofs, len(rows)))

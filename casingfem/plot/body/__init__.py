@@ -1,1 +1,1 @@
-"""Bodies in pictures: the surface, shapes painted on it, shapes that a reader turns."""
+"""Bodies in pictures: the surface, shapes painted on it, shapes that the reader can rotate."""

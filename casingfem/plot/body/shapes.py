@@ -1,4 +1,4 @@
-"""Shapes in space: surfaces projected along a fixed view, painted from the back to the front, still or moving."""
+"""Shapes in space: surfaces in a fixed parallel projection, painted from back to front, still or animated."""
 
 import io
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ VIEWS = {True: (38.0, -60.0), False: (38.0, -40.0)}  # elevation, azimuth [deg],
 
 
 class View(NamedTuple):
-    """Axes of a parallel projection: to the right, up, and towards the eye, each (3,)."""
+    """Axes of a parallel projection: right, up, and towards the viewer, each (3,)."""
 
     right: FloatArray
     up: FloatArray
@@ -34,7 +34,7 @@ class View(NamedTuple):
 
 
 def view_from(elevation: float, azimuth: float) -> View:
-    """The view from an elevation above the x-y plane and an azimuth from x [degrees], z upward.
+    """The view from an elevation above the x-y plane and an azimuth from x [degrees], with z upward.
 
     >>> view_from(0.0, 90.0).right.round(3).tolist()
     [-1.0, 0.0, 0.0]
@@ -62,16 +62,16 @@ class Painter:
         return np.asarray(self.still + part * self.swing)
 
     def flat(self, corners: Array) -> Array:
-        """The same on the page, (faces, 3 or 4, 2)."""
+        """Corners of the faces on the page, (faces, 3 or 4, 2)."""
         return corners @ np.stack([self.view.right, self.view.up], axis=-1)
 
     def reach(self) -> Array:
-        """Lower left and upper right of all that is painted, (2, 2)."""
+        """Lower left and upper right corner of the painted area, (2, 2)."""
         extremes = np.concatenate([self.flat(self.corners(part)).reshape(-1, 2) for part in (-1.0, 1.0)])
         return np.stack([extremes.min(axis=0), extremes.max(axis=0)])
 
     def show(self, part: float) -> None:
-        """Paint the faces from the back to the front: hue by displacement, darker where they turn from the eye."""
+        """Paint the faces from back to front: hue by displacement, darker where they face away from the viewer."""
         corners = self.corners(part)
         order = np.argsort(corners.mean(axis=1) @ self.view.near)
         normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
@@ -83,7 +83,7 @@ class Painter:
 
 
 def stage(modes: ModeSet, which: Sequence[int], columns: int) -> tuple[Figure, list[Painter]]:
-    """A figure with axes for each mode, all to one scale, and the function that draws them."""
+    """A figure with axes for each mode, all at one scale, and the function that draws them."""
     surface = surface_of(modes, coarse=True)
     view = view_from(*VIEWS[surface.closed])
     found = [Painter(modes, mode, view, surface) for mode in which]
@@ -103,7 +103,7 @@ def stage(modes: ModeSet, which: Sequence[int], columns: int) -> tuple[Figure, l
 
 @styled
 def figure_shapes(modes: ModeSet, which: Sequence[int], columns: int = 3) -> Figure:
-    """Shapes of some modes (indices), drawn exaggerated, coloured by the radial (or normal) displacement."""
+    """Shapes of some modes (indices) with exaggerated displacement, coloured by its radial (or normal) part."""
     figure, shown = stage(modes, which, columns)
     for painter in shown:
         painter.show(1.0)
@@ -112,7 +112,7 @@ def figure_shapes(modes: ModeSet, which: Sequence[int], columns: int = 3) -> Fig
 
 @styled
 def frames(modes: ModeSet, which: Sequence[int], columns: int = 3) -> list[Array]:
-    """The pictures of half a period, from one extreme to the other, each (height, width, 3) of bytes."""
+    """Pictures of half a period, from one extreme to the other, each (height, width, 3) of bytes."""
     figure, shown = stage(modes, which, columns)
     canvas: Any = FigureCanvasAgg(figure)
     pictures = []
@@ -126,7 +126,7 @@ def frames(modes: ModeSet, which: Sequence[int], columns: int = 3) -> list[Array
 
 
 def moving_picture(pictures: Sequence[Array]) -> bytes:
-    """An animated PNG that plays half a period forth and back, for ever, in a few colours."""
+    """An animated PNG that repeats half a period forth and back, in a few colours."""
     sample = Image.fromarray(np.concatenate([pictures[0], pictures[len(pictures) // 2], pictures[-1]]))
     palette = sample.quantize(COLOURS, dither=Image.Dither.NONE)
     once = [Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
@@ -140,14 +140,14 @@ def moving_picture(pictures: Sequence[Array]) -> bytes:
 
 
 def whiten(picture: Image.Image) -> None:
-    """Make the colour of the upper left corner white, as the paper is."""
+    """Make the colour of the upper left corner white."""
     colours = np.array(picture.getpalette()).reshape(-1, 3)
     colours[np.asarray(picture)[0, 0]] = 255
     picture.putpalette(colours.ravel().tolist())
 
 
 def moving_shapes(modes: ModeSet, which: Sequence[int], caption: str) -> Picture:
-    """The shapes in motion, with the still picture for paper and for those who want none."""
+    """The animated shapes, with a still picture for print and for readers who prefer no motion."""
     moving = image(moving_picture(frames(modes, which)), "png", f"Moving: {caption}")
     still = embed(figure_shapes(modes, which), caption, kind="png")
     opened = f'<details class="motion" open><summary>moving</summary>{moving}</details>'

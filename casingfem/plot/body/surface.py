@@ -1,4 +1,4 @@
-"""The surface that a page turns: points, triangles and outward directions of a chart shell or of a mesh's skin."""
+"""The surface for interactive shapes: points, triangles and outward directions of a chart shell or of a mesh's skin."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ LATTICES = {  # lines of a chart at most, along and around, by whether it is clo
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Surface:
-    """Points [m] (N, 3), faces of three or four (F, 3 or 4), directions that count as outward (N, 3), nodes (N,)."""
+    """Points [m] (N, 3), faces of three or four nodes (F, 3 or 4), outward directions (N, 3), nodes (N,)."""
 
     points: FloatArray
     faces: IntArray
@@ -28,17 +28,17 @@ class Surface:
 
     @property
     def triangles(self) -> IntArray:
-        """The faces in triangles."""
+        """The faces as triangles."""
         return split(self.faces) if self.faces.shape[1] == 4 else self.faces
 
     @property
     def size(self) -> float:
-        """Diagonal of its box [m]."""
+        """Diagonal of its bounding box [m]."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
 
 def surface_of(modes: ModeSet, *, coarse: bool = False) -> Surface:
-    """The surface on which these modes are drawn; a coarse one for pictures that are painted face by face."""
+    """The surface for pictures of these modes; a coarse one for pictures that are painted face by face."""
     if isinstance(modes, MeshModes):
         return skin(modes.structure.mesh, PAINTED if coarse else MOST)
     assert isinstance(modes, Modes)
@@ -46,7 +46,7 @@ def surface_of(modes: ModeSet, *, coarse: bool = False) -> Surface:
 
 
 def chart_surface(modes: Modes, most: tuple[int, int]) -> Surface:
-    """The mid-surface of a shell at nodes of its mesh's lines; the direction is the chart's: radial, or normal."""
+    """The mid-surface of a shell on the lines of its mesh; the direction is the chart's: radial, or normal."""
     table = lattice(modes, most)
     nodes, place = np.unique(table, return_inverse=True)
     place = place.reshape(table.shape)
@@ -58,7 +58,7 @@ def chart_surface(modes: Modes, most: tuple[int, int]) -> Surface:
 
 
 def skin(mesh: MeshData, most: int = MOST) -> Surface:
-    """The outside of a solid, or the surface of a shell; with more than `most` points, merged in cells of a grid.
+    """The outside of a solid, or the surface of a shell; above `most` points, merged in the cells of a grid.
 
     >>> from casingfem.structure.imported.grid import grid_mesh, revolved
     >>> ring = grid_mesh("hexahedron", (1, 24, 2), revolved((0.5, 0.45), (0.0, 0.25), 0.04), wrap=1)
@@ -89,7 +89,7 @@ def split(quads: IntArray) -> IntArray:
 
 
 def merged(points: FloatArray, nodes: IntArray, most: int) -> IntArray:
-    """For every point the one that represents it: itself, or the first of its cell in the finest grid of few enough."""
+    """For every point the one that represents it: itself, or the first in its cell of the finest sufficient grid."""
     lead = np.arange(len(points))
     low, size = points[nodes].min(axis=0), float(np.ptp(points[nodes], axis=0).max())
     divisions = 4096

@@ -1,4 +1,4 @@
-"""Shapes that a reader turns and moves: geometry once, every shape in 16 bits, drawn by `scripts/shapes.js`."""
+"""Interactive shapes to rotate: geometry once, every shape in 16 bits, drawn by `scripts/shapes.js`."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ NAMED = 12  # stray points with a label, the worst
 
 
 def turning_shapes(modes: ModeSet, which: Sequence[int], caption: str) -> Picture:
-    """Modes (indices) and imperfections of their shell on a surface that the user can turn; pictures without WebGL."""
+    """Modes (indices) and imperfections of their shell on an interactive surface; pictures without WebGL."""
     surface = surface_of(modes)
     shapes = [mode_shape(modes, mode, surface) for mode in which]
     if isinstance(modes, Modes):
@@ -43,7 +43,7 @@ def turning_shapes(modes: ModeSet, which: Sequence[int], caption: str) -> Pictur
 
 
 def mode_shape(modes: ModeSet, mode: int, surface: Surface) -> dict[str, Any]:
-    """One mode: its name and displacements, the largest 1."""
+    """One mode: its name, and displacements scaled to 1."""
     u = modes.fields[surface.nodes, :3, mode]
     largest = float(np.linalg.norm(u, axis=1).max())
     radial = float(np.abs(np.sum(u * surface.out, axis=1)).max())
@@ -77,7 +77,7 @@ def imperfections(shell: Shell, modes: Modes, surface: Surface) -> list[dict[str
 
 
 def strays(shell: Shell, field: object, largest: float) -> list[dict[str, Any]]:
-    """Points of a survey that contradict all others: where they are, how far off in parts of the largest deviation."""
+    """Outliers of a survey: their points, and their deviations relative to the largest of the others."""
     if not isinstance(field, SurveyField):
         return []
     worst = sorted((*field.set_aside, *field.doubted), key=lambda point: -abs(point[2]))
@@ -95,7 +95,7 @@ def strays(shell: Shell, field: object, largest: float) -> list[dict[str, Any]]:
 
 
 def centred(shape: dict[str, Any], centre: FloatArray, reach: float) -> dict[str, Any]:
-    """A shape whose stray points are where its points do: about the centre, in parts of the reach."""
+    """A shape with its outliers, about the centre and scaled by its size."""
     moved = [
         {**one, "at": ((np.array(one["at"]) - centre) / reach).round(5).tolist()} for one in shape.get("strays", ())
     ]

@@ -1,4 +1,4 @@
-"""The page on chances: how likely a dangerous speed is, how far pairs split, which input matters, the worst casings."""
+"""The page on chances: probability of a dangerous speed, splits of pairs, importance of inputs, the worst casings."""
 
 from typing import Any
 
@@ -42,7 +42,7 @@ def chance_page(name: str, found: Any, runs: str = "") -> str:
 
 
 def subject(line: str) -> str:
-    """What a sentence of the verdict is about, as the name of its row."""
+    """Subject of a sentence of the verdict, as the name of its row."""
     names = {"The rim touches": "Touch", "Some speed": "Dangerous", "The most likely": "Speed"}
     found = [name for begin, name in names.items() if line.startswith(begin)]
     return found[0] if found else "Inputs" if " matters most " in line else "Runs"

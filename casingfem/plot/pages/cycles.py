@@ -1,4 +1,4 @@
-"""The page on periodic motions: where they are stable, how large they are, where a machine jumps."""
+"""The page on periodic motions: their stability, their amplitude, and where a machine jumps."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -33,8 +33,8 @@ def cycles_page(
 ) -> str:
     """HTML of the page on branches, `found` of class `contact.cycles.Cycles`.
 
-    `traces` are orbits over their period, `contact.cycles.Trace`; `reached` the motions that random starts end
-    on, with their share.
+    `traces` are orbits over their period, `contact.cycles.Trace`; `reached` are the motions on which random starts
+    settle, with their share.
     """
     rows, marks = found.records(), found.marks()
     strokes = any(mark["kind"] == ORDINARY for mark in marks)
@@ -75,7 +75,7 @@ def cycles_verdict(found: Any) -> Verdict:
 
 
 def outcome(name: str, points: Sequence[Any], jumps: Sequence[Any]) -> tuple[str, str]:
-    """The state, good, bad or open, and the sentence that comes first: the first change, else the stability."""
+    """The state (good, bad or open), and the first sentence: the first change, else the stability."""
     lost = sum(not point.stable for point in points)
     low, high = min(point.value for point in points), max(point.value for point in points)
     between = f"from {valued(name, low)} to {valued(name, high)}"
@@ -93,7 +93,7 @@ def outcome(name: str, points: Sequence[Any], jumps: Sequence[Any]) -> tuple[str
 
 
 def counted(number: int, name: str) -> str:
-    """A number of things.
+    """A number with its noun, in singular or plural.
 
     >>> counted(1, "motion"), counted(95, "motion")
     ('1 motion', '95 motions')
@@ -102,7 +102,7 @@ def counted(number: int, name: str) -> str:
 
 
 def valued(name: str, value: float) -> str:
-    """A value of the parameter with its unit, a speed in rpm and Hz.
+    """A value of the parameter with its unit; a speed in rpm and Hz.
 
     >>> valued("amplitude", 14.978142), valued("speed_hz", 5.0), valued("friction", 0.1)
     ('14.978 N', '300 rpm (5 Hz)', '0.1')
@@ -120,7 +120,7 @@ def jump_words(name: str, jumps: Sequence[Any]) -> str:
 
 
 def stretch_words(name: str, parts: Sequence[tuple[float, float, int]], branches: int) -> str:
-    """Ranges of the parameter, with the number of the branch where there are several."""
+    """Ranges of the parameter, with the number of the branch if there are several."""
     words = "; ".join(
         f"{valued(name, min(a, b))} to {valued(name, max(a, b))}" + (f" (branch {k})" if branches > 1 else "")
         for a, b, k in parts[:NAMED]
@@ -129,7 +129,7 @@ def stretch_words(name: str, parts: Sequence[tuple[float, float, int]], branches
 
 
 def amplitude_words(name: str, points: Sequence[Any]) -> str:
-    """Largest amplitude of the first channel over the stable motions, over all where none is stable."""
+    """Largest amplitude of the first channel over the stable motions, over all if none is stable."""
     chosen = [point for point in points if point.stable] or list(points)
     channel = next(iter(points[0].amplitude))
     most = max(chosen, key=lambda point: float(point.amplitude[channel]))
@@ -149,7 +149,7 @@ def further_words(found: Any, jumps: Sequence[Any]) -> str:
 
 
 def stretches_table(found: Any) -> Table:
-    """Stretches of one stability: branch, period, from, to, amplitude."""
+    """Intervals of equal stability: branch, period, from, to, amplitude."""
     label = LABELS.get(found.name, found.name)
     channels = tuple(found.branches[0].points[0].amplitude)
     rows: list[tuple[Cell, ...]] = []
@@ -175,7 +175,7 @@ def stretches_table(found: Any) -> Table:
 
 
 def ends(low: float, high: float) -> tuple[Cell, Cell]:
-    """Both ends of a stretch, as the branch runs through it."""
+    """Both ends of an interval, in the direction of the branch."""
     return raised(f"{low:.7g}"), raised(f"{high:.7g}")
 
 

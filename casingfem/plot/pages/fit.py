@@ -1,4 +1,4 @@
-"""The report's sections on an update, in words, figures and tables: parameters and frequencies, then mode shapes."""
+"""The report's sections on an update as text, figures and tables: parameters and frequencies, then mode shapes."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -26,7 +26,7 @@ WORST = 4  # parameters that a sentence names
 
 
 def update_section(fit: UpdateResult, reference: Modes | None, samples: FloatArray | None = None) -> Section:
-    """Before and after: figures, parameters, pairs; `samples` of the posterior (draws, parameters) where there are."""
+    """Before and after: figures, parameters, pairs; `samples` of the posterior (draws, parameters) if there are any."""
     models = {"imperfect" if reference is not None else "before": Paired(fit.before, fit.pairing_before)}
     if reference is not None:
         models = {"perfect": Paired(reference, pair(reference, fit.table)), **models}
@@ -61,7 +61,7 @@ def comparison_caption(table: FrequencyTable, models: dict[str, Paired]) -> str:
 
 
 def update_words(fit: UpdateResult) -> list[str]:
-    """The outcome in sentences."""
+    """The result in sentences."""
     words = [
         f"RMS relative frequency error {written(100.0 * fit.rms_before, 3)} % at the start values and "
         f"{written(100.0 * fit.rms_after, 3)} % after the update, over {used_words(fit)}, with "
@@ -72,7 +72,7 @@ def update_words(fit: UpdateResult) -> list[str]:
 
 
 def stop_words(stopped: str) -> str:
-    """Why a fit ended, as a sentence.
+    """Reason why a fit ended, as a sentence.
 
     >>> stop_words("converged: no step promises to lower chi^2")
     'The fit ended (converged): no step promises to lower chi^2.'
@@ -82,7 +82,7 @@ def stop_words(stopped: str) -> str:
 
 
 def unsure(fit: UpdateResult) -> list[tuple[str, str]]:
-    """Names of parameters that the data do not determine, and why."""
+    """Names of parameters that the data do not determine, and the reason."""
     found = [
         (f"{a} and {b}", f"The data cannot distinguish {a} from {b} (correlation {r:+.2f}).")
         for a, b, r in fit.indistinct()
@@ -114,7 +114,7 @@ def update_verdict(fit: UpdateResult, shapes: ShapeFit | None = None) -> Verdict
 
 
 def sure_words(fit: UpdateResult) -> str:
-    """Value and standard deviation of the parameters that the data determine, the surest first."""
+    """Value and standard deviation of the parameters that the data determine, the most certain first."""
     alike = {name for a, b, _ in fit.indistinct() for name in (a, b)}
     kept = [
         k for k, p in enumerate(fit.parameters)
@@ -172,7 +172,7 @@ def misfit_words(fit: UpdateResult) -> str:
 
 
 def remedies(fit: UpdateResult) -> list[str]:
-    """Recommended next steps, by what the fit lacks."""
+    """Recommended next steps, depending on the weaknesses of the fit."""
     alike = fit.indistinct()
     bounds = [p.name for p, bound in zip(fit.parameters, fit.at_bound, strict=True) if bound]
     weak = [p.name for p, known in zip(fit.parameters, fit.prior_only, strict=True) if known]
@@ -191,7 +191,7 @@ def remedies(fit: UpdateResult) -> list[str]:
 
 
 def worst_rows(fit: UpdateResult, count: int = 2) -> str:
-    """The rows of the table that lie farthest off by their own uncertainty, with the error that is left."""
+    """The rows of the table with the largest residuals relative to their uncertainty, and their remaining error."""
     rows = fit.pairs()
     rows.sort(key=lambda row: -abs(row["after_hz"] - row["measured_hz"]) / row["sigma_hz"])
     return " and ".join(
@@ -215,7 +215,7 @@ def shapes_section(found: ShapeFit) -> Section:
 
 
 def shape_words(found: ShapeFit) -> list[str]:
-    """The outcome in sentences."""
+    """The result in sentences."""
     table, after = found.fit.table, found.after
     words = [
         f"Shapes were measured at {len(found.shapes.a)} sensors for {len(after.rows)} of the table's "
@@ -240,13 +240,13 @@ def shape_words(found: ShapeFit) -> list[str]:
 
 
 def shapes_table(found: ShapeFit) -> Table:
-    """Every shape: the modes it pairs with, MAC and MAC of the plane, before and after."""
+    """Every shape: the modes with which it pairs, MAC and MAC of the plane, before and after."""
     caption = "Measured shapes and the computed modes that they pair with, before and after."
     return Table.of(caption, found.COLUMNS, found.records(), folded=len(found.after.rows) > 12)
 
 
 def sensors_table(found: ShapeFit) -> Table:
-    """The sensors of lowest COMAC after the update."""
+    """The sensors with the lowest COMAC after the update."""
     rows = [
         tuple(None if isinstance(cell, float) and np.isnan(cell) else cell if k == 0 else f"{cell:.4f}"
               for k, cell in enumerate(one))
@@ -272,7 +272,7 @@ def figure_shape_mac(found: ShapeFit) -> Figure:
 
 
 def framed(side: ShapeComparison) -> list[tuple[IntArray, IntArray]]:
-    """Rows and modes of every pair that has a shape, both members of a doublet together."""
+    """Rows and modes of every pair with a shape, both members of a doublet together."""
     place = {row: k for k, row in enumerate(side.rows.tolist())}
     shown = [(match, [place[row] for row in match.rows if row in place]) for match in side.pairing.matches]
     return [(np.array(rows), np.array(match.modes)) for match, rows in shown if rows]

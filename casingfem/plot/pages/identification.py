@@ -35,7 +35,7 @@ def identification_page(
 ) -> str:
     """HTML of the page on modes found in the responses of a file of this name, with its pictures.
 
-    `drawn` contains the figures "fit", "responses" and "stabilisation"; the first shows the coherence where `coherent`.
+    `drawn` contains the figures "fit", "responses" and "stabilisation"; the first shows the coherence if `coherent`.
     With `pick` the reader may choose poles for `casingfem identify --pick`.
     """
     captions = {
@@ -65,7 +65,7 @@ def identification_page(
 
 
 def _alike(found: Identified) -> tuple[Section, ...]:
-    """The modal assurance criterion between the modes found, with its values."""
+    """The modal assurance criterion between the identified modes, with its values."""
     seen = np.flatnonzero(np.linalg.norm(found.shapes, axis=0) > 0.0)
     if len(seen) < 2 or len(found.shapes) < 2:
         return ()

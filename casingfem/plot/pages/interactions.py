@@ -1,4 +1,4 @@
-"""The page on dangerous speeds: safe speeds, growing motions at the others, and their size."""
+"""The page on dangerous speeds: safe speeds, growing motions at the others, and their amplitudes."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -45,7 +45,7 @@ def interactions_page(name: str, found: Any, figures: Mapping[str, Figure], sour
 
 
 def speeds_section(found: Any, figures: Mapping[str, Figure], words: tuple[str, ...] = ()) -> Section:
-    """Pictures over speed and the table; `found` None where there is no table."""
+    """Pictures over speed and the table; `found` is None if there is no table."""
     rotor = found is not None and found.peaks.rotor
     captions = OF_SPEED | ({"interactions": OF_ROTOR} if rotor else {})
     pictures = tuple(Picture.of(figures[key], captions[key]) for key in OF_SPEED if key in figures)
@@ -80,7 +80,7 @@ def speeds_verdict(found: Any) -> Verdict:
 
 
 def deflection_words(runs: Sequence[Any]) -> str:
-    """Largest deflection of the runs that went to their end, and how many were stopped at a limit."""
+    """Largest deflection of the completed runs, and the number of runs that were stopped at a limit."""
     stopped, whole = (
         [run for run in runs if run.stopped is one and math.isfinite(run.amplitude_m)] for one in (True, False)
     )
@@ -100,7 +100,7 @@ def deflection_words(runs: Sequence[Any]) -> str:
 
 
 def row_words(row: Any) -> str:
-    """Sentence on a row of the table: the motion that grows, how fast, from a run or from closed contact."""
+    """Sentence on a row of the table: the growing motion, its rate, and its source, a run or closed contact."""
     at = row.at
     wave = "" if row.n is None else f"n = {row.n} of "
     travels = {"with": ", travelling with the blades", "against": ", travelling against the blades"}.get(row.wave, "")
@@ -132,7 +132,7 @@ def runs_table(found: Any) -> Table:
 
 
 def number(value: float) -> str | None:
-    """Three digits, empty for a value that is not a number.
+    """A number with three digits, empty for nan.
 
     >>> number(1.23456), number(math.nan)
     ('1.23', None)

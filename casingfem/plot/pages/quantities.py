@@ -1,4 +1,4 @@
-"""Numbers of charts and supports in words, each with the unit that the keys of study.toml declare."""
+"""Numbers of charts and supports in words, each with the unit of its key in study.toml."""
 
 import re
 from collections.abc import Mapping
@@ -42,7 +42,7 @@ class Quantity(NamedTuple):
 
 
 def quantity(owner: object, name: str) -> Quantity:
-    """Unit of a field as its key of study.toml declares it; an angle whose key ends in _deg is shown in degrees.
+    """Unit of a field from its key in study.toml; an angle whose key ends in _deg is shown in degrees.
 
     >>> bolts = Bolts(count=8, k=1e8)
     >>> [quantity(bolts, name).unit for name in ("k_rot", "count", "first_angle")]
@@ -60,7 +60,7 @@ def quantity(owner: object, name: str) -> Quantity:
 
 
 def values_of(owner: object) -> str:
-    """The numbers of a chart or a support with their units; zeros are left out.
+    """The numbers of a chart or a support with their units; zeros are omitted.
 
     >>> values_of(Bolts(count=8, k=(1e8, 1e8, 2e8), first_angle=np.pi / 2, loose={3: 0.5}))
     'count 8, first_angle 90 °, k (10⁸, 10⁸, 2 × 10⁸) N/m, loose: bolt 3 times 0.5'
@@ -83,7 +83,7 @@ def values_of(owner: object) -> str:
 
 
 def number(value: float) -> str:
-    """A number in six digits at most.
+    """A number with at most six digits.
 
     >>> number(1e8), number(0.25)
     ('10⁸', '0.25')
@@ -92,7 +92,7 @@ def number(value: float) -> str:
 
 
 def spaced(owner: object) -> str:
-    """The name of a class in words.
+    """The name of a class as separate words.
 
     >>> spaced(ElasticEdge(k_face=1e9))
     'Elastic edge'

@@ -1,4 +1,4 @@
-"""The page on a scene that was run: verdict, film, pictures, dangerous speeds, numbers, the scene itself."""
+"""The page on a scene: verdict, film, pictures, dangerous speeds, numbers, the scene itself."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -43,8 +43,8 @@ class Ran:
     """Numbers of a run, all contacts together, in SI units.
 
     `window` [s] is the model's shortest period; `growth` a `contact.record.growth.RunGrowth`, `rim` a
-    `contact.rim_motion.RimMotion`, `tracks` what coatings lost, each None or empty where a run has none; `speed_hz` 0
-    where the speed varies or nothing turns.
+    `contact.rim_motion.RimMotion`, `tracks` the wear of coatings, each None or empty if a run has none; `speed_hz` is 0
+    if the speed varies or nothing rotates.
     """
 
     rubs: bool
@@ -75,7 +75,7 @@ def scene_page(
     name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
     source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> Page:  # fmt: skip
-    """The page; `found` is the result of `contact.interactions`, or `why` is the reason why there is none."""
+    """The page; `found` is the result of `contact.interactions`, or `why` the reason if there is none."""
     shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
@@ -108,7 +108,7 @@ def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
 
 
 def outcome(ran: Ran) -> tuple[str, str]:
-    """The state, good, bad or open, and the sentence that is first."""
+    """The state (good, bad or open), and the first sentence."""
     at = f" at {with_rpm(ran.speed_hz)}" if ran.speed_hz else ""
     growing = "" if ran.growth is None else ran.growth.state
     if any(flag.failed for flag in ran.flags):
@@ -143,7 +143,7 @@ def force_size(force: float) -> str:
 
 
 def duration(time: float) -> str:
-    """A time in its unit.
+    """A time with a suitable unit.
 
     >>> duration(0.4), duration(2.5019e-4)
     ('0.4 s', '0.2502 ms')
@@ -153,13 +153,13 @@ def duration(time: float) -> str:
 
 
 def touch_words(ran: Ran) -> str:
-    """Sentence on the contact that is closed most."""
+    """Sentence on the contact that is closed longest."""
     share = 100.0 * ran.closed / ran.span if ran.span else 0.0
     return "the contact just touches" if share < SLIDES else f"the contact is closed {share:.3g} % of the time"
 
 
 def counted(number: int, name: str) -> str:
-    """A number of things.
+    """A number with its noun, in singular or plural.
 
     >>> counted(1, "interval"), counted(1200, "interval")
     ('1 interval', '1,200 intervals')
@@ -177,7 +177,7 @@ def times(number: int) -> str:
 
 
 def force_words(ran: Ran) -> str:
-    """Largest force with the length of its average, and the impulse."""
+    """Largest force with its averaging time, and the impulse."""
     if not ran.closings:
         return "None."
     several = f" over {len(ran.contacts)} contacts" if len(ran.contacts) > 1 else ""
@@ -188,7 +188,7 @@ def force_words(ran: Ran) -> str:
 
 
 def deflection_words(ran: Ran) -> str:
-    """Largest deflection of the rim against the limit of the linear model."""
+    """Largest deflection of the rim compared with the limit of the linear model."""
     words = f"The rim moves {1e3 * ran.rim.largest:.3g} mm at most"
     if not math.isfinite(ran.rim.wall):
         return f"{words}. The limit is not known: give the wall thickness in [casing]."
@@ -197,7 +197,7 @@ def deflection_words(ran: Ran) -> str:
 
 
 def wear_words(ran: Ran) -> str:
-    """Depth and volume that the coatings lost."""
+    """Depth and volume of the coatings' wear."""
     deepest = max(float(track.worn.max(initial=0.0)) for track in ran.tracks)
     volume = sum(float(track.volume) for track in ran.tracks)
     bare = sum(int(track.bare) for track in ran.tracks)
@@ -236,7 +236,7 @@ def further_words(ran: Ran) -> str:
 
 
 def contacts_table(ran: Ran) -> Table:
-    """One row a contact."""
+    """One row for each contact."""
     caption = "Contacts, summed over the run. The peak force depends on the time step."
     return Table.of(caption, ran.contact_columns, ran.contacts, folded=len(ran.contacts) > 12)
 
@@ -258,7 +258,7 @@ def numbers_table(ran: Ran) -> Table:
 
 
 def growth_rows(growth: Any) -> tuple[tuple[Cell, ...], ...]:
-    """Growth with its interval, deflection at the end, time to half the wall; numbers that are none are left out."""
+    """Growth with its interval, deflection at the end, time to half the wall; nan values are omitted."""
     if growth is None:
         return ()
     named = {

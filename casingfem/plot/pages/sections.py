@@ -32,7 +32,7 @@ SHOWN = 4  # harmonics of a field that are named
 
 
 def inputs_section(study: Study | MeshStudy) -> Section:
-    """The structure in one table, and the card of the measured table."""
+    """The structure in one table, and the comment lines of the measured table."""
     rows = structure_rows(study.structure) if isinstance(study, Study) else mesh_rows(study.structure)
     paragraphs = []
     if study.shapes is not None and study.file.update is not None:
@@ -102,7 +102,7 @@ def support_rows(supports: Mapping[str, object], what: str = "edge") -> list[tup
 
 
 def support_words(support: object) -> str:
-    """The numbers of a support, and how its springs vary around."""
+    """The numbers of a support, and the variation of its springs around."""
     words = values_of(support)
     if isinstance(support, Ring):
         section = f"{1e3 * support.section.width:.6g} x {1e3 * support.section.depth:.6g} mm"
@@ -191,7 +191,7 @@ def modes_section(found: ModeSet, reference: Modes | None) -> Section:
 
 
 def campbell_section(structure: Shell | MeshStructure, count: int) -> Section:
-    """Frequencies over speed with engine orders, to one and a half times the speed of the study."""
+    """Frequencies over speed with engine orders, up to one and a half times the speed of the study."""
     rotation = rotation_of(structure)
     assert rotation is not None
     try:

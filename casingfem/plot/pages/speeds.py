@@ -22,7 +22,7 @@ LEAST = 0.6  # per cent of the strip: a narrower range is drawn so wide
 
 
 def with_rpm(hz: float) -> str:
-    """A speed in both units.
+    """A speed in rpm and Hz.
 
     >>> with_rpm(5.0), with_rpm(0.05), with_rpm(203.7)
     ('300 rpm (5 Hz)', '3 rpm (0.05 Hz)', '12,222 rpm (203.7 Hz)')
@@ -31,7 +31,7 @@ def with_rpm(hz: float) -> str:
 
 
 def short(number: float) -> str:
-    """Four digits, from a thousand on all before the point.
+    """A number with four digits; from a thousand on, a whole number.
 
     >>> short(28.2963), short(6074.34)
     ('28.3', '6,074')
@@ -40,7 +40,7 @@ def short(number: float) -> str:
 
 
 def range_words(low: float, high: float) -> str:
-    """A range of speeds in both units, one speed where both ends are written alike.
+    """A range of speeds in rpm and Hz; one speed if both ends read the same.
 
     >>> range_words(3.0, 3.5), range_words(3.0, 3.00001)
     ('180 to 210 rpm (3 to 3.5 Hz)', '180 rpm (3 Hz)')
@@ -51,7 +51,7 @@ def range_words(low: float, high: float) -> str:
 
 
 def joined(ranges: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Ranges that meet or overlap as one, ascending.
+    """Ranges in ascending order, with touching or overlapping ones joined.
 
     >>> joined([(4.0, 5.0), (1.0, 2.0), (2.0, 3.0), (1.5, 1.7)])
     [(1.0, 3.0), (4.0, 5.0)]
@@ -66,7 +66,7 @@ def joined(ranges: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def listed(ranges: Sequence[tuple[float, float]]) -> str:
-    """Some ranges, those that meet as one, and how many more.
+    """Some ranges, with touching ones joined, and the number of further ones.
 
     >>> listed([(2.0 * k, 2.0 * k + 1.0) for k in range(5)]).split("; ")[-1]
     'and 1 more'
@@ -77,7 +77,7 @@ def listed(ranges: Sequence[tuple[float, float]]) -> str:
 
 
 def safe_ranges(found: Any) -> list[tuple[float, float]]:
-    """The speeds of the range that no row has but those that are safe; `found` is of `contact.interactions`."""
+    """The speeds outside all rows, or in safe rows; `found` is the result of `contact.interactions`."""
     low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
     ranges, start = list[tuple[float, float]](), low
     for begin, end in sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict != "safe"):
@@ -88,7 +88,7 @@ def safe_ranges(found: Any) -> list[tuple[float, float]]:
 
 
 def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
-    """Dangerous and safe speeds from `contact.interactions`; `why` there are none."""
+    """Dangerous and safe speeds from `contact.interactions`; `why`: the reason if there are none."""
     if found is None:
         return (f"There is no table of dangerous speeds: {why}",) if why else ()
     words = []
@@ -100,9 +100,9 @@ def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
 
 
 def speed_strip(found: Any, speed_hz: float = 0.0) -> Markup:
-    """The speed range as a strip coloured by verdict, with a mark at `speed_hz` where that lies in it; HTML.
+    """The speed range as an HTML strip coloured by verdict, with a mark at `speed_hz` if it is inside.
 
-    `found` is of `contact.interactions`; None gives an empty strip.
+    `found` is the result of `contact.interactions`; None gives an empty strip.
     """
     if found is None:
         return Markup("")

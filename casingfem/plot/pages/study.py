@@ -38,7 +38,7 @@ def study_page(study: Study | MeshStudy, say: Callable[[str], None] = lambda wor
     Raises
     ------
     StudyError, NumericsError
-        As the update, reduction and modes themselves do.
+        The errors of update, reduction and modes.
     """
     clock = Clock(say)
     found = clock("modes", lambda: modes(study.structure, **study.file.modes.wanted))
@@ -72,7 +72,7 @@ def study_page(study: Study | MeshStudy, say: Callable[[str], None] = lambda wor
 
 
 def update_page(study: Study | MeshStudy, fit: UpdateResult, samples: FloatArray | None = None) -> str:
-    """HTML of the page on an update that was run; `samples` of its posterior (draws, parameters) where there are."""
+    """HTML of the page on an update; `samples` of its posterior (draws, parameters) if there are any."""
     compared = shape_fit(fit)
     sections = [*fit_sections(fit, compared, samples), inputs_section(study), provenance_section(study, fit.seconds)]
     return render_page(
@@ -84,9 +84,9 @@ def update_page(study: Study | MeshStudy, fit: UpdateResult, samples: FloatArray
 def fit_sections(
     fit: UpdateResult, compared: ShapeFit | None, samples: FloatArray | None = None, *, known: Modes | None = None
 ) -> list[Section]:
-    """Sections on an update, with its mode shapes if they were measured.
+    """Sections on an update, with mode shapes if they were measured.
 
-    `known` are the modes of the perfect shell at the start values, where the caller has them.
+    `known` are the modes of the perfect shell at the start values, if the caller has them.
     """
     ideal = imperfect(fit.before.structure) if known is None else None
     perfect_modes = known if ideal is None else modes(ideal, len(fit.before))
@@ -95,7 +95,7 @@ def fit_sections(
 
 
 def starts_there(study: Study | MeshStudy, fit: UpdateResult) -> bool:
-    """Whether an update began at the numbers of the study."""
+    """Whether an update started at the values of the study."""
     return all(
         np.allclose(get_value(study.structure, p.name), start, rtol=1e-12, atol=0.0)
         for p, start in zip(fit.parameters, fit.start, strict=True)
@@ -106,7 +106,7 @@ T = TypeVar("T")
 
 
 class Clock:
-    """Runs parts by name and keeps their times."""
+    """Runs named parts and records their times."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
         self.say = say
@@ -122,13 +122,13 @@ class Clock:
 
 
 def turns(structure: Shell | MeshStructure) -> bool:
-    """Whether a structure has a rotation at a speed."""
+    """Whether a structure rotates at a nonzero speed."""
     rotation = rotation_of(structure)
     return rotation is not None and rotation.omega != 0.0
 
 
 def imperfect(structure: object) -> Shell | None:
-    """The perfect shell beside one that anything sets apart from it, else None."""
+    """The perfect shell if the shell differs from it, else None."""
     if not isinstance(structure, Shell):
         return None
     around = any(isinstance(s, ElasticEdge) and s.patterns for s in structure.supports.values())
@@ -138,7 +138,7 @@ def imperfect(structure: object) -> Shell | None:
 def study_verdict(
     study: Study | MeshStudy, found: ModeSet, fit: UpdateResult | None, compared: ShapeFit | None = None
 ) -> Verdict:
-    """The first statement of the page: of an update where there is one, else of the modes."""
+    """The first statement of the page: on the update if there is one, else on the modes."""
     if fit is not None:
         judged = update_verdict(fit, compared)
         return replace(judged, facts=(("Modes", lead(found)), *judged.facts))

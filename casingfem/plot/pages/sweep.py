@@ -1,4 +1,4 @@
-"""The page on a sweep: which values are safe, how hard the contact hits, how sure that is; every run."""
+"""The page on a sweep: safe values, contact forces, confidence, and every run."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -27,9 +27,9 @@ def sweep_page(
     name: str, labels: Sequence[str], keys: Sequence[str], rows: Rows, source: Mapping[str, Any],
     drawn: Drawn | None, columns: Columns,
 ) -> str:  # fmt: skip
-    """HTML of the page on a sweep over these keys; `drawn` is its picture, where keys are numbers.
+    """HTML of the page on a sweep over these keys; `drawn` is its picture, if keys are numbers.
 
-    `rows` contain the varied values by key and what was measured, in `columns`; `labels` are the keys with their units.
+    `rows` contain the varied values by key and the results in `columns`; `labels` are the keys with their units.
     """
     caption = CAPTION + (OF_MAPS if len(keys) > 1 else OF_CURVES if any(row.get("motion") for row in rows) else "")
     figures = () if drawn is None else (Picture.of(drawn, caption),)
@@ -58,7 +58,7 @@ def sweep_verdict(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> Ver
 
 
 def outcome(rows: Rows) -> tuple[str, str]:
-    """The state, good, bad or open, and the sentence that comes first."""
+    """The state (good, bad or open), and the first sentence."""
     count = Counter(str(row["status"]) for row in rows)
     bad, broken = int(unsafe(rows).sum()), count["refused"] + count["failed"]
     undecided = sum(row.get("motion") == UNDECIDED for row in rows)
@@ -80,7 +80,7 @@ def keys_of(rows: Rows) -> list[str]:
 
 
 def counted(number: int, name: str) -> str:
-    """A number of things.
+    """A number with its noun, in singular or plural.
 
     >>> counted(1, "run"), counted(27, "run")
     ('1 run', '27 runs')
@@ -104,7 +104,7 @@ def at_words(labels: Sequence[str], keys: Sequence[str], row: Mapping[str, Any])
 def largest_words(
     labels: Sequence[str], keys: Sequence[str], rows: Rows, name: str, unit: str, scale: float = 1.0
 ) -> str:
-    """From which to which value a result goes, and where it is largest; empty where no run has it."""
+    """Range of a result, and the run with its largest value; empty if no run has it."""
     values = scale * column(rows, name)
     if not np.isfinite(values).any():
         return ""
@@ -116,7 +116,7 @@ def largest_words(
 
 
 def growth_words(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> str:
-    """The fastest growth with its interval, its wave and its source; empty where no motion grows."""
+    """The fastest growth with its interval, its wave and its source; empty if no motion grows."""
     growing = [row for row in rows if row.get("motion") == "grows"]
     if not growing:
         return ""
@@ -133,7 +133,7 @@ def growth_words(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> str:
 
 
 def range_facts(keys: Sequence[str], rows: Rows) -> list[tuple[str, str]]:
-    """Unsafe and safe values of one varied number, of a speed in rpm and Hz; of several keys none."""
+    """Unsafe and safe values of one varied number, for a speed in rpm and Hz; empty for several keys."""
     if len(keys) != 1 or not any(row.get("motion") for row in rows):
         return []
     values = [row[keys[0]] for row in rows]
@@ -153,7 +153,7 @@ def range_facts(keys: Sequence[str], rows: Rows) -> list[tuple[str, str]]:
 
 
 def plain_ranges(ranges: Sequence[tuple[float, float]]) -> str:
-    """Ranges of a number, and how many more.
+    """Ranges of a number, and the number of further ones.
 
     >>> plain_ranges([(0.1, 0.2), (0.5, 0.5)])
     '0.1 to 0.2; 0.5'
@@ -172,7 +172,7 @@ def warning_words(rows: Rows) -> str:
 
 
 def lost_words(rows: Rows) -> str:
-    """Number of runs that were refused or failed, and the reason of the first."""
+    """Number of refused or failed runs, and the reason of the first."""
     parts = []
     for status in ("refused", "failed"):
         reasons = [str(row.get("why") or "") for row in rows if row["status"] == status]
@@ -211,7 +211,7 @@ def further_words(rows: Rows) -> str:
 
 
 def runs_table(labels: Sequence[str], keys: Sequence[str], rows: Rows, columns: Columns) -> Table:
-    """Every run: the varied values, then its results; columns without values are left out."""
+    """Every run: the varied values, then its results; empty columns are omitted."""
     used = [one for one in columns if any(row.get(one.name) not in (None, "") for row in rows)]
     measured = Table.of(f"The {len(rows)} runs; sweep.csv has more columns.", used, rows, folded=len(rows) > FOLDED)
     cells = tuple(
@@ -225,5 +225,5 @@ def runs_table(labels: Sequence[str], keys: Sequence[str], rows: Rows, columns: 
 
 
 def short(value: Any) -> Cell:
-    """A varied value: a number unchanged, the name of a file, else its words."""
+    """A varied value: a number unchanged, a file by its name, else its text."""
     return value if isinstance(value, int | float) else str(value)

@@ -1,4 +1,4 @@
-"""Bolts: an edge held at places, each by springs spread over a patch."""
+"""Bolts: an edge supported at separate angles, each by springs distributed over a patch."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -19,14 +19,15 @@ PATCH = 1.0 / 3.0  # a bolt's patch as part of the spacing, where no width is gi
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bolts:
-    """An edge held by `count` bolts.
+    """An edge supported by `count` bolts.
 
     Each bolt b is a patch of springs about its angle theta_b, of total stiffness k and the density
 
         p(xi) = 15/(8 width) (1 - xi^2)^2,   xi = 2 (theta - theta_b)/width,   int p dtheta = 1,
 
-    so that its energy is 1/2 int p (k_r u_r^2 + k_theta u_theta^2 + k_z u_z^2 + k_rot w.w) dtheta. A point spring
-    would not do: under a point force a shear-deformable shell sinks in without limit as the mesh is refined.
+    so that its energy is 1/2 int p (k_r u_r^2 + k_theta u_theta^2 + k_z u_z^2 + k_rot w.w) dtheta. A point spring is
+    unsuitable, since the deflection of a shear-deformable shell under a point force has no limit as the mesh is
+    refined.
 
     Parameters
     ----------
@@ -39,16 +40,16 @@ class Bolts:
     first_angle
         Angle of bolt 1 [rad].
     width
-        Width of a patch [rad]; a third of the spacing if left out.
+        Width of a patch [rad]; by default a third of the spacing.
     spacing
-        Angle between neighbours [rad]; all the way around, 2 pi/count, if left out.
+        Angle between neighbours [rad]; by default evenly around, 2 pi/count.
     loose
         Bolt number -> factor of its stiffness: 0 for a missing one.
 
     Raises
     ------
     ModelError
-        bolt-count, bolt-stiffness, bolt-number, bolt-overlap; a shell also refuses bolt-off-edge.
+        bolt-count, bolt-stiffness, bolt-number or bolt-overlap; a shell also raises bolt-off-edge.
 
     >>> Bolts(count=24, k=2e8, loose={3: 0.3}).factors[:4].tolist()
     [1.0, 1.0, 0.3, 1.0]
@@ -131,7 +132,7 @@ class Bolts:
 
     @property
     def period(self) -> int:
-        """Number of repetitions of the pattern around: the count for equal bolts all the way around, 1 for none alike.
+        """Number of repetitions of the pattern around: the count for equal bolts evenly around, 1 without repetition.
 
         >>> Bolts(count=24, k=2e8, loose={3: 0.3, 15: 0.3}).period
         2
@@ -143,7 +144,7 @@ class Bolts:
         return next(n for n in turns if np.array_equal(np.roll(factors, self.count // n), factors))
 
     def number(self, path: tuple[str, ...]) -> Any:
-        """A named number: ("k",), ("k_rot",) or ("bolts", "3", "k"); k is the largest of the three stiffnesses.
+        """A number by name: ("k",), ("k_rot",) or ("bolts", "3", "k"); k is the largest of the three stiffnesses.
 
         Raises
         ------
@@ -161,7 +162,7 @@ class Bolts:
     def with_number(self, path: tuple[str, ...], value: Any) -> "Bolts":
         """The same bolts with a named number replaced; three stiffnesses keep their ratios.
 
-        k is that of the tight bolts: those in `loose` keep the stiffness they have.
+        k is that of the tight bolts; those in `loose` keep their stiffness.
 
         >>> Bolts(count=8, k=(1e8, 1e8, 2e8)).with_number(("bolts", "3", "k"), 1e8).loose[3].item()
         0.5
@@ -184,14 +185,14 @@ class Bolts:
         raise KeyError(f"bolts have k, k_rot and bolts.1.k to bolts.{self.count}.k")
 
     def require_on(self, span: tuple[float, float], closed: bool, edge: str) -> None:
-        """Refuse patches that leave an open edge."""
+        """Refuse patches that extend beyond an open edge."""
         low, high = self.angles[0] - 0.5 * self.patch, self.angles[-1] + 0.5 * self.patch
         if not closed and (low < span[0] - 1e-12 or high > span[1] + 1e-12):
             found = f"patches from {low:.6g} to {high:.6g} on an edge from {span[0]:.6g} to {span[1]:.6g}"
             raise ModelError("bolt-off-edge", f"support.{edge}: {found}")
 
     def points(self, breaks: Array, closed: bool, per_part: int) -> tuple[Array, Array, Array]:
-        """Gauss points of the patches, split at the elements' ends: places, weights times density, bolt index."""
+        """Gauss points of the patches, split at element boundaries: positions, weights times density, bolt index."""
         lines = breaks
         if closed:
             first, last = (np.floor((self.angles[k] - np.real(breaks[0])) / TURN).astype(int) for k in (0, -1))
@@ -208,7 +209,7 @@ class Bolts:
         return places.ravel(), weights.ravel(), np.repeat(bolt, per_part)
 
     def springs(self, line: EdgeLine) -> PointSprings:
-        """The patches of springs on an edge; exact for the element's polynomials, whatever the mesh."""
+        """The patches of springs on an edge, exact for the element's polynomials on any mesh."""
         places, weights, bolt = self.points(line.breaks, line.closed, line.order + 4)
         weights = weights * self.factors[bolt]
         nodes, values = line.interpolate(places)

@@ -5,8 +5,8 @@ Comput. Methods Appl. Mech. Eng. 58, 1986, 79, linearised)
 
     Gamma = u' - phi x t   (stretch and two shears),   kappa = phi'   (twist and two curvatures),
 
-in the section's axes (t, a2, a3). Rigid motions strain nothing, also of the interpolated line. The section's
-depth is taken as small against the radius: terms of order (depth/radius)^2/12 of its stiffness are left out.
+in the section's axes (t, a2, a3). Rigid motions cause no strain, also on the interpolated line. The section's depth is
+assumed small compared with the radius: terms of order (depth/radius)^2/12 of its stiffness are omitted.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ MOTIONS = 6  # u_x, u_y, u_z, phi_x, phi_y, phi_z
 
 
 class Beam(NamedTuple):
-    """A beam's forms on the motions of its nodes.
+    """A beam's matrices on the motions of its nodes.
 
     Stiffness at Gauss points: `strain` (elements, points, 6, order + 1, 6), section stiffness `D` (elements, points,
     6, 6). Mass at the nodes of each element: `inertia` (elements, order + 1, 6, 6).
@@ -35,7 +35,7 @@ class Beam(NamedTuple):
 
 
 def section_axes(tangent: Array, towards: Array) -> tuple[Array, Array]:
-    """Length of tangents (..., 3), and section axes as rows t, a2, a3 (..., 3, 3): a2 as near `towards` as can be."""
+    """Length of tangents (..., 3), and section axes as rows t, a2, a3 (..., 3, 3), a2 closest to `towards`."""
     length = np.sqrt(np.einsum("...i,...i->...", tangent, tangent))
     t = tangent / length[..., None]
     a2 = towards - np.einsum("...i,...i->...", towards, t)[..., None] * t
@@ -71,7 +71,7 @@ def section_inertia(section: Section, material: Material, axes: Array) -> Array:
 
 
 def make_beam(points: Array, towards: Array, cells: IntArray, order: int, section: Section, material: Material) -> Beam:
-    """A beam along nodes (nodes, 3) with the section's second axis `towards` (nodes, 3), elements `cells`."""
+    """A beam along nodes (nodes, 3) with the section's second axis `towards` (nodes, 3) and elements `cells`."""
     x, w = gauss(order + 1)
     value, slope = (table.T for table in lagrange(order, x))
     length, axes = section_axes(slope @ points[cells], value @ towards[cells])
@@ -84,10 +84,10 @@ def make_beam(points: Array, towards: Array, cells: IntArray, order: int, sectio
 
 
 def tie(e1: Array, e2: Array, normal: Array, arm: Array) -> Array:
-    """Motions (u, phi) at the end of an arm from a shell's node: u, w_1, w_2 and the turn about the normal.
+    """Motions (u, phi) at the end of an arm from a shell node: u, w_1, w_2 and the rotation about the normal.
 
-    phi = w_1 e2 - w_2 e1 + omega n, the rotation that turns the normal by w, and u + phi x arm; vectors (3, q), result
-    (q, 6, 6).
+    phi = w_1 e2 - w_2 e1 + omega n, the rotation that changes the normal by w, and u + phi x arm; vectors (3, q),
+    result (q, 6, 6).
     """
     turn = np.stack([e2, -e1, normal], axis=-1).transpose(1, 0, 2)
     G = np.zeros((len(turn), MOTIONS, MOTIONS), dtype=np.result_type(turn, arm))

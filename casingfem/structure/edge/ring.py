@@ -1,6 +1,6 @@
 """Rings under the edges of a casing, ring stiffeners between them, and point masses.
 
-A ring is an eccentric curved beam along an edge, with a support of its own.
+A ring is an eccentric curved beam along an edge, with its own support.
 """
 
 from collections.abc import Sequence
@@ -21,30 +21,21 @@ from contact.io.keys import Key
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ring:
-    """A ring tied to an edge: it moves with the edge's displacement and rotation, and adds the turn about the normal.
+    """A ring fixed to an edge: it follows the edge's displacement and rotation, and adds the rotation about the normal.
 
     The ring is a curved Timoshenko beam (`structure.curved_beam`) with stretch, torsion, two bendings and two shears.
-    The edge's node has its rotation: two from the shell, and one more dof, the turn about the wall's normal.
+    Its rotation is that of the edge's node: two dofs of the shell, and one more, the rotation about the wall's normal.
 
-    Parameters
-    ----------
-    section
-        Section of the ring.
-    material
-        Its material; the shell's if left out.
-    offset
-        (radial, axial) place of the section's centre from the edge [m]; half a depth beyond the edge if left out.
-    support
-        Support of the ring from below: an `ElasticEdge` or `Bolts`, per metre and angle of the casing's edge; None for
-        nothing. A face modulus acts on the section's width. To clamp a ring, clamp the edge.
-    foot
-        (radial, axial) place from the section's centre at which the support acts [m]; the face away from the shell
-        if left out.
+    Parameters ---------- section Section of the ring. material Its material; by default the shell's. offset (radial,
+    axial) position of the section's centre from the edge [m]; by default half a depth beyond the edge. support Support
+    of the ring: an `ElasticEdge` or `Bolts`, per metre and angle of the casing's edge; None for no support. A face
+    modulus acts on the section's width. To clamp a ring, clamp the edge. foot (radial, axial) position from the
+    section's centre at which the support acts [m]; by default the face away from the shell.
 
     Raises
     ------
     ModelError
-        ring-offset, ring-support.
+        ring-offset or ring-support.
 
     >>> Ring(section=Section.rectangle(width=0.04, depth=0.04)).centre(-1)
     array([ 0.  , -0.02])
@@ -73,7 +64,7 @@ class Ring:
 
     @property
     def uniform(self) -> bool:
-        """Whether nothing varies along the ring."""
+        """Whether the ring is uniform along its length."""
         return self.support is None or self.support.uniform
 
     def centre(self, outward: int) -> Array:
@@ -81,12 +72,12 @@ class Ring:
         return np.array((0.0, 0.5 * outward * self.section.depth) if self.offset is None else self.offset)
 
     def support_point(self, outward: int) -> Array:
-        """(radial, axial) from the edge to where the support acts."""
+        """(radial, axial) from the edge to the point where the support acts."""
         foot = np.array((0.0, 0.5 * outward * self.section.depth) if self.foot is None else self.foot)
         return np.asarray(self.centre(outward) + foot)
 
     def number(self, path: tuple[str, ...]) -> Any:
-        """A named number: ("section", "width"), ("material", "E"), else one of the ring's own support.
+        """A number by name: ("section", "width"), ("material", "E"), else one of the ring's own support.
 
         Raises
         ------
@@ -127,27 +118,27 @@ FREE = 5.0 / 6.0  # shear factor of a free rectangle
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stiffener:
-    """A ring tied to the wall along a circle: the beam of `Ring`, with stretch, torsion, two bendings, two shears.
+    """A ring fixed to the wall along a circle: the beam of `Ring`, with stretch, torsion, two bendings, two shears.
 
-    It touches the wall in one line: where a web is thick beside the wall, the wall between its faces strains here as if
-    it were alone. A rectangle on the wall, with the shear factor 5/6 of a free one, gets that of one held at its root.
+    It touches the wall along one line, so the wall under a thick web strains as if it were free. A rectangle on the
+    wall with the default shear factor 5/6 gets the factor of a section fixed at its root.
 
     Parameters
     ----------
     at
-        Where it is: the chart's first parameter [m], the axis of a casing or the arc of its meridian.
+        Its position: the chart's first parameter [m], along the axis of a casing or the arc of its meridian.
     section
         Section, width along the radius and depth along the axis.
     offset
-        (radial, axial) place of the section's centre from the mid-surface [m]: (width + thickness)/2 radially for a
+        (radial, axial) position of the section's centre from the mid-surface [m]: (width + thickness)/2 radially for a
         ring outside a cylinder, less than zero inside.
     material
-        Its material; the shell's if left out.
+        Its material; by default the shell's.
 
     Raises
     ------
     ModelError
-        `ring-offset` for an offset that is no pair of lengths, `stiffener-place` for a station that is not finite.
+        `ring-offset` for an offset that is not a pair of lengths, `stiffener-place` for a position that is not finite.
 
     >>> bar = Section.rectangle(width=0.012, depth=0.004)
     >>> Stiffener(at=0.1, section=bar, offset=(0.0075, 0.0)).ring.centre(0).tolist()
@@ -170,17 +161,18 @@ class Stiffener:
 
     @property
     def ring(self) -> Ring:
-        """The beam, its shear factor that of a rectangle held at its root."""
+        """The beam, with the shear factor of a rectangle fixed at its root."""
         free = Ring(section=self.section, material=self.material, offset=self.offset)  # refuses what is no offset
         arm = float(np.real(abs(self.offset[0]) - 0.5 * self.section.width))
         return replace(free, section=held_at_root(self.section, arm))
 
 
 def held_at_root(section: Section, arm: float) -> Section:
-    """A rectangle with the shear factor of one that bends about an axis at `arm` below its root; others unchanged.
+    """A rectangle with the shear factor for bending about an axis at `arm` below its root; others unchanged.
 
-    Held by the wall along its root it has tau(z) ~ int_z^w (arm + x) dx, all of the moment's change but what the
-    wall has: k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), w the width, 5/6 at arm = 0.
+     int_z^w (arm + x) dx, all of the moment's change but what the wall has: k = ~ int_z^w (arm + x) dx, all of the
+     moment's change but what the wall has: k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), w the
+     width, 5/6 at arm = 0.
 
     >>> bar = Section.rectangle(width=0.012, depth=0.004)
     >>> [round(held_at_root(bar, arm).shear, 4) for arm in (-1.0, 0.0, 0.0015)]
@@ -194,7 +186,7 @@ def held_at_root(section: Section, arm: float) -> Section:
 
 
 def check_stiffeners(stiffeners: Sequence[Stiffener], ends: tuple[float, float], closed: bool) -> None:
-    """Refuse stiffeners on an open shell, at its ends or beyond, and two at one place."""
+    """Refuse stiffeners on an open shell, at its ends or beyond, and two at one position."""
     if stiffeners and not closed:
         raise ModelError("stiffener-place", "stiffener: found an open shell, expected a closed casing")
     low, high = np.real(ends)
@@ -208,17 +200,18 @@ def check_stiffeners(stiffeners: Sequence[Stiffener], ends: tuple[float, float],
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EdgeMass:
-    """A mass [kg] on an edge at an angle [rad]; on the section's centre line where the edge has a ring.
+    """A mass [kg] on an edge at an angle [rad]; on the section's centre line if the edge has a ring.
 
     On a straight edge `angle` is its own parameter: the width of a plate [m], for example.
 
-    It has no rotary inertia. Heavy ones sink into a shear-deformable edge as the mesh is refined, slowly (as the
-    logarithm of the element's size); a mass small beside that of a wave of the wall does not feel it.
+    It has no rotary inertia. On a shear-deformable edge the result for heavy masses changes slowly with mesh refinement
+    (with the logarithm of the element size); masses that are small compared with a wavelength of the wall are not
+    affected.
 
     Raises
     ------
     ModelError
-        mass-value: a mass that is negative or not finite, an angle that is not finite.
+        mass-value: the mass is negative or not finite, or the angle is not finite.
 
     >>> EdgeMass(angle=0.0, mass=0.012).mass
     0.012

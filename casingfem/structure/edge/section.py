@@ -18,7 +18,7 @@ class Section:
     Raises
     ------
     ModelError
-        ring-section: a value that is not positive and finite.
+        ring-section: a value is not positive and finite.
 
     >>> square = Section.rectangle(width=0.04, depth=0.04)
     >>> f"{square.J / 0.04**4:.6f}"
@@ -64,7 +64,7 @@ class Section:
         return cls(width=diameter, depth=diameter, area=area, I_r=inertia, I_z=inertia, J=2.0 * inertia, shear=0.9)
 
     def number(self, name: str) -> float:
-        """A named number of the section; `diameter` is that of a circle.
+        """A number of the section by name; `diameter` is that of a circle.
 
         Raises
         ------
@@ -79,7 +79,7 @@ class Section:
         return value
 
     def with_number(self, name: str, value: float) -> "Section":
-        """The same section with a number replaced: a rectangle or a circle stays one, area and moments follow.
+        """The same section with a number replaced: a rectangle or a circle keeps its shape, area and moments follow.
 
         >>> Section.rectangle(width=0.04, depth=0.04).with_number("width", 0.02).area
         0.0008

@@ -1,6 +1,6 @@
 """Supports of the edges of a shell.
 
-A support either removes motions (in Cartesian directions, or in the edge's own frame) or adds springs.
+A support either fixes motions (in Cartesian directions, or in the edge's own frame) or adds springs.
 Springs act on the five dofs of a node: three displacements and two rotations.
 """
 
@@ -34,11 +34,11 @@ class Clamped:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShearDiaphragm:
-    """Held across the surface, free along it: v = w = 0 and no rotation along the edge; N = M = 0.
+    """Fixed normal to the surface and along the edge: v = w = 0 and no rotation along the edge; N = M = 0.
 
     v is along the edge and w along the surface's normal (on a cone that is not the radial direction). In the edge's
     frame the dofs are (in-plane normal to the edge, along the edge, surface normal, rotation of the normal across the
-    edge, rotation of the normal along the edge); the first and fourth stay free.
+    edge, rotation of the normal along the edge); the first and fourth are free.
 
     >>> ShearDiaphragm().held
     (1, 2, 4)
@@ -50,7 +50,7 @@ class ShearDiaphragm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Symmetry:
-    """The edge lies in a plane of symmetry that the surface meets at a right angle: nothing crosses the plane.
+    """The edge lies in a plane of symmetry, normal to the surface: no motion crosses the plane.
 
     The displacement across the edge and the rotation of the normal across it are fixed.
 
@@ -66,18 +66,18 @@ class Symmetry:
 class ElasticEdge:
     """An elastically embedded edge.
 
-    Line springs k_r, k_theta, k_z [N/m per m] along the chart's directions, a rotational spring k_rot
-    [N m/rad per m] on both rotations, and k_face [N/m^3], the foundation modulus on the end face: a shell of
-    thickness t resting on it feels k_face int (u + z w)^2 (1 - z b) dz per length, t k_face in all three directions,
-    t^3/12 k_face in rotation, and -b t^3/12 k_face between them, b the edge's curvature towards its normal.
+    Line springs k_r, k_theta, k_z [N/m per m] along the chart's directions, a rotational spring k_rot [N m/rad per m]
+    on both rotations, and k_face [N/m^3], the foundation modulus on the end face: a shell of thickness t on it has the
+    energy density k_face int (u + z w)^2 (1 - z b) dz per length, t k_face in all three directions, t^3/12 k_face in
+    rotation, and -b t^3/12 k_face between them, with the edge's curvature b towards its normal.
 
     `around` makes them vary along the edge as k (1 + f): one Field f for all of them, or a mapping from a spring's
-    name to its own field; springs it does not name are even.
+    name to its own field; springs that it does not name are uniform.
 
     Raises
     ------
     ModelError
-        If a stiffness is negative or not finite, all are zero, or `around` names no spring of these.
+        If a stiffness is negative or not finite, all are zero, or `around` names an unknown spring.
 
     >>> from casingfem.structure.field.fourier import FourierField
     >>> edge = ElasticEdge(k_r=1e8, k_z=1e9, around={"k_r": FourierField.of({8: 0.2})})
@@ -115,7 +115,7 @@ class ElasticEdge:
 
     @property
     def uniform(self) -> bool:
-        """Whether the springs are the same all along the edge."""
+        """Whether the springs are uniform along the edge."""
         return not self.patterns
 
     def springs(self, line: EdgeLine) -> PointSprings:
@@ -153,5 +153,5 @@ Support: TypeAlias = Clamped | ShearDiaphragm | Symmetry | ElasticEdge | Bolts |
 
 
 def outer_support(support: object) -> object:
-    """Support of the structure from outside: a ring's own support under a ring, else the support itself."""
+    """Support of the structure from outside: a ring's own support, else the support itself."""
     return support.support if isinstance(support, Ring) else support

@@ -1,9 +1,8 @@
 """Fields over the mid-surface: small scalar deviations as functions of (z, theta).
 
-A field is what turns a perfect casing into a real one: relative radius defect,
-relative thickness, an embedding that varies around the edge.  Everything that
-evaluates a field wants the same six numbers, so they come together and exact:
-value, first and second derivatives in z [m] and theta [rad].
+A field describes the difference between a perfect and a real casing: relative radius deviation, relative thickness, or
+an embedding that varies around the edge. Its evaluation gives six exact numbers: the value, and the first and second
+derivatives in z [m] and theta [rad].
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class FieldValues(NamedTuple):
 
 @runtime_checkable
 class Field(Protocol):
-    """Interface of a field on a structure; any object with these two methods is accepted.
+    """Interface of a field on a structure; an object with these two methods is sufficient.
 
     >>> import casingfem as cf
     >>> lobes: Field = cf.field.FourierField.of({2: (1e-3, 0.0)})
@@ -46,14 +45,14 @@ class Field(Protocol):
     """
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
-        """Evaluate value and derivatives at z [m], theta [rad], broadcast against each other."""
+        """Value and derivatives at z [m], theta [rad], broadcast against each other."""
 
     def rotated(self, angle: float) -> Field:
-        """Turn the field by +angle [rad] about the axis: f(z, theta - angle)."""
+        """Rotate the field by +angle [rad] about the axis: f(z, theta - angle)."""
 
 
 def relative(field: Field | None, a: ArrayLike, b: ArrayLike) -> Array:
-    """Return 1 + f at parameters (a, b); ones without a field."""
+    """1 + f at parameters (a, b); 1 without a field."""
     return np.ones(np.broadcast(a, b).shape) if field is None else 1.0 + field.derivatives(a, b).value
 
 
@@ -84,19 +83,19 @@ class SumField:
         return FieldValues(*(sum(parts[1:], start=parts[0]) for parts in zip(*terms, strict=True)))
 
     def rotated(self, angle: float) -> SumField:
-        """Turn every term by +angle [rad]."""
+        """Rotate every term by +angle [rad]."""
         return SumField(tuple(field.rotated(angle) for field in self.fields))
 
     @property
     def max_harmonic(self) -> int | None:
-        """The highest harmonic of all terms; None when a term does not state it."""
+        """The highest harmonic of all terms; None if a term does not state it."""
         known = [getattr(field, "max_harmonic", None) for field in self.fields]
         numbers = [n for n in known if n is not None]
         return max(numbers) if len(numbers) == len(known) else None
 
     @property
     def n_resolved(self) -> int | None:
-        """The highest harmonic that all surveyed terms resolve; None where no term is a survey."""
+        """The highest harmonic that all surveyed terms resolve; None if no term is a survey."""
         known = [n for field in self.fields if (n := getattr(field, "n_resolved", None)) is not None]
         return min(known, default=None)
 

@@ -29,22 +29,22 @@ class FourierField:
     With a `spline` its functions B_d(z) replace zeta^d; "the constant part" of a harmonic is then its
     mean from end to end, without one the coefficient of zeta^0.
 
-    Coefficients have the unit of the field (none for relative defects).  They may be
-    complex: the evaluation is analytic in them, so that the imaginary part of what is
-    computed from a coefficient ``c + 1e-30j`` is a derivative to machine precision.
+    Coefficients have the unit of the field (none for relative defects). They may be complex: the evaluation is analytic
+    in them, so that the imaginary part of a result from a coefficient ``c + 1e-30j`` is a derivative to machine
+    precision.
 
     Parameters
     ----------
     p : (H,) integers >= 0, each once
     cos, sin : (H, D), coefficient of zeta^d or B_d; a sine at p = 0 must be zero
     z_mid, z_half : m, the axial coordinate's origin and scale
-    spline : B-splines along z in the place of powers, D of them
-    reach : heights where the field counts as it is, and the rule outside; everywhere if None
+    spline : D B-splines along z instead of powers
+    reach : heights at which the field is valid, and the rule outside; valid everywhere if None
 
     Raises
     ------
     ModelError
-        Shapes that do not agree, negative, fractional or repeated harmonics, values that are not finite.
+        Shapes do not agree, harmonics are negative, fractional or repeated, or values are not finite.
 
     Examples
     --------
@@ -123,7 +123,7 @@ class FourierField:
         return FieldValues(*first, *second)
 
     def _powers(self, z: Array) -> tuple[Array, Array, Array]:
-        """Return zeta^d and its first and second z-derivatives, (z.shape, D) each."""
+        """zeta^d and its first and second z-derivatives, (z.shape, D) each."""
         d = np.arange(self.cos.shape[1])
         zeta = (z[..., None] - self.z_mid) / self.z_half
         power = zeta**d
@@ -132,7 +132,7 @@ class FourierField:
         return power, first, second
 
     def rotated(self, angle: float) -> FourierField:
-        """Turn the field by +angle [rad] about the axis: a crest at theta moves to theta + angle."""
+        """Rotate the field by +angle [rad] about the axis: a crest at theta moves to theta + angle."""
         c, s = np.cos(self.p * angle)[:, None], np.sin(self.p * angle)[:, None]
         return replace(self, cos=self.cos * c - self.sin * s, sin=self.cos * s + self.sin * c)
 
@@ -162,14 +162,14 @@ class FourierField:
 
     @property
     def _constant(self) -> tuple[Array, Array]:
-        """The coefficients (D,) of a constant 1, and the functional (D,) that reads a row's constant part."""
+        """Coefficients (D,) of a constant 1, and the functional (D,) that gives a row's constant part."""
         if self.spline is not None:
             return np.ones(self.spline.size), self.spline.means
         unit = np.eye(1, self.cos.shape[1])[0]
         return unit, unit
 
     def coefficients(self, p: int) -> tuple[Coefficient, Coefficient]:
-        """Return (cos, sin) of harmonic p at d = 0; zeros when the field does not contain it."""
+        """(cos, sin) of harmonic p at d = 0; zeros if the field does not contain it."""
         held = np.flatnonzero(self.p == p)
         if held.size == 0:
             return 0.0, 0.0
@@ -177,13 +177,13 @@ class FourierField:
         return (mean @ self.cos[held[0]]).item(), (mean @ self.sin[held[0]]).item()
 
     def amplitude(self, p: int) -> float:
-        """Return sqrt(cos^2 + sin^2) of harmonic p at d = 0 (real parts), 0 when absent."""
+        """sqrt(cos^2 + sin^2) of harmonic p at d = 0 (real parts), 0 if absent."""
         cos, sin = self.coefficients(p)
         return math.hypot(cos.real, sin.real)
 
     @property
     def harmonics(self) -> tuple[int, ...]:
-        """The circumferential harmonics present, in the order given."""
+        """The circumferential harmonics present, in the given order."""
         return tuple(self.p.tolist())
 
     @property
@@ -217,7 +217,7 @@ class FourierField:
 
 
 class SeriesBehind:
-    """A field that evaluates the Fourier series `fit` behind it: fitted to a survey, or drawn at random."""
+    """A field that evaluates its Fourier series `fit`, which is fitted to a survey or drawn at random."""
 
     __slots__ = ()
     fit: FourierField
@@ -227,11 +227,11 @@ class SeriesBehind:
         return self.fit.derivatives(z, theta)
 
     def rotated(self, angle: float) -> FourierField:
-        """Turn the series by +angle [rad] about the axis."""
+        """Rotate the series by +angle [rad] about the axis."""
         return self.fit.rotated(angle)
 
     def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
-        """Replace one harmonic; an updater varies the series alone."""
+        """Replace one harmonic; an updater varies only the series."""
         return self.fit.with_harmonic(p, cos=cos, sin=sin)
 
     @property
@@ -241,14 +241,14 @@ class SeriesBehind:
 
 
 def distinct(places: ArrayLike) -> tuple[Array, IntArray]:
-    """The different values among places, and which of them each place has: points of a mesh are in rows."""
+    """The different values among points, and the index of each point's value, since mesh points lie in rows."""
     given = 1.0 * np.asarray(places)
     values, of = np.unique(given, return_inverse=True)
     return values, of.reshape(given.shape)
 
 
 def _contract(around: Array, along: Array) -> Array:
-    """Sum over the polynomial degree, the last axis of both, broadcasting the rest."""
+    """Sum over the polynomial degree, the last axis of both, with broadcasting of the rest."""
     product: Array = np.einsum("...d,...d->...", around, along)
     return product
 
@@ -290,7 +290,7 @@ def _same_scaling(a: FourierField, b: FourierField) -> bool:
 
 
 def _merged(a: FourierField, b: FourierField) -> FourierField:
-    """Add the coefficients of two fields of one scaling (or one of them constant along z)."""
+    """Add the coefficients of two fields of equal scaling (or one of them constant along z)."""
     scale = a if a.cos.shape[1] > 1 else b
     p = list(dict.fromkeys([*a.harmonics, *b.harmonics]))
     shape = (len(p), max(a.cos.shape[1], b.cos.shape[1]))
