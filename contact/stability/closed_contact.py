@@ -93,7 +93,7 @@ def _roots(p: Complex, a: Complex, S: float) -> Complex | None:
 def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
     """Poles s [1/s, rad/s] of a closed contact in the blade's frame, (speeds, 2 m): eigenvalues of `first_order`.
 
-    Raises InputError for speeds that are not finite.
+    Raises InputError for speeds that are not finite, and where the matrices of a body are not known.
 
     >>> from contact.model.gaps.permanent import HandPair, ModalPair
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -104,6 +104,7 @@ def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
     speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     if speed.ndim != 1 or not np.all(np.isfinite(speed)):
         raise InputError("speed_hz: found speeds that are not finite, or not in one row, expected finite numbers")
+    contact.require_known(2.0 * math.pi * speed)
     m = contact.omega.size
     found = np.empty((speed.size, 2 * m), dtype=complex)
     size = max(1, BATCH // (4 * m * m))

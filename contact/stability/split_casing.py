@@ -170,6 +170,9 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
     fourth power. Raises InputError at rest, where there are no turns, LimitError beyond 5,000,000 steps a turn.
     """
     speeds = np.atleast_1d(np.asarray(speed_hz, dtype=float))
+    seen = matrices_of(rub_of(rim))
+    for body, sense in zip(seen.bodies, seen.senses, strict=True):
+        body.require_known(2.0 * math.pi * sense * speeds)
     turns = 1.0 / np.maximum(np.abs(speeds), np.finfo(float).tiny)  # what each costs
     values = []
     for k, speed in enumerate(speeds.tolist()):

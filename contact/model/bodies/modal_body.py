@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive
 from contact.base.errors import InputError
@@ -184,27 +184,27 @@ class ModalBody:
         """Whether C or K depends on the speed."""
         return any(getattr(self, name) is not None for name in ("gyroscopic", "stiffness_by_speed", *HIGHER))
 
-    def require_known(self, omega_rotation: float) -> None:
-        """Raise InputError at a speed [rad/s] for which the matrices of the body are not known.
+    def require_known(self, omega_rotation: ArrayLike) -> None:
+        """Raise InputError at speeds [rad/s], one or many, where the matrices of the body are not known.
 
         >>> part = ModalBody(omega=[9.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], spin=6.0,
         ...                  stiffness_by_speed=[[0.5]], known_speeds=[2.0 * np.pi, 4.0 * np.pi])
         >>> part.require_known(3.0 * np.pi)
-        >>> part.require_known(0.0)
+        >>> part.require_known([0.0, 3.0 * np.pi, 8.0 * np.pi])
         Traceback (most recent call last):
-        contact.base.errors.InputError: speed: found 0 Hz (0 rpm), expected 1 to 2 Hz (60 to 120 rpm), where the ...
+        contact.base.errors.InputError: speed: found 0 to 4 Hz (0 to 240 rpm) at 2 of 3 speeds, expected 1 to 2 Hz ...
         """
         if self.known_speeds is None:
             return
         low, high = np.asarray(self.known_speeds) / (2.0 * math.pi)
-        hz = abs(omega_rotation) / (2.0 * math.pi)
-        if low * (1.0 - ROUND) <= hz <= high * (1.0 + ROUND):
+        hz = np.abs(np.ravel(omega_rotation)) / (2.0 * math.pi)
+        out = hz[(hz < low * (1.0 - ROUND)) | (hz > high * (1.0 + ROUND))]
+        if not out.size:
             return
-        found = f"found {hz:.4g} Hz ({60.0 * hz:.5g} rpm)"
-        expected = f"expected {low:.4g} to {high:.4g} Hz ({60.0 * low:.5g} to {60.0 * high:.5g} rpm)"
+        share = f" at {out.size} of {hz.size} speeds" if hz.size > 1 else ""
         raise InputError(
-            f"speed: {found}, {expected}, where the stiffness of this basis is known: set rotation.speed_hz of its "
-            "study nearer to the speed and reduce it again"
+            f"speed: found {_span(float(out.min()), float(out.max()))}{share}, expected {_span(low, high)}, where the "
+            "stiffness of this basis is known: set rotation.speed_hz of its study nearer and reduce it again"
         )
 
     def without_rotation(self) -> ModalBody:
@@ -406,3 +406,10 @@ def of_arrays(data: Mapping[str, Any]) -> ModalBody:
 def _powers(x: float, parts: Array) -> Array:
     """X A_1 + x^2 A_2 + ... of parts (k, m, m)."""
     return np.asarray(np.tensordot(x ** np.arange(1.0, 1.0 + len(parts)), parts, 1))
+
+
+def _span(low: float, high: float) -> str:
+    """A range of speeds [Hz] in Hz and rpm; one number where both ends are equal."""
+    ends = (low,) if low == high else (low, high)
+    hz, rpm = (" to ".join(format(by * end, ".5g") for end in ends) for by in (1.0, 60.0))
+    return f"{hz} Hz ({rpm} rpm)"

@@ -109,8 +109,14 @@ class ClosedContact:
     def require_known(self, speed: Array | float) -> None:
         """Raise InputError at speeds [rad/s] for which the matrices of a rotating body are not known."""
         for body in self.known:
-            for one in np.ravel(speed).tolist():
-                body.require_known(one)
+            body.require_known(speed)
+
+    @property
+    def known_speeds(self) -> tuple[float, float]:
+        """Lowest and highest magnitude of the speed [rad/s] at which the matrices of all bodies are known."""
+        ranges = [body.known_speeds for body in self.known if body.known_speeds is not None]
+        low, high = (np.array([one[end] for one in ranges]) for end in (0, 1))
+        return float(low.max(initial=0.0)), float(high.min(initial=math.inf))
 
     @property
     def rates(self) -> Array:

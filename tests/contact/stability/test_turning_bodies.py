@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.stability.coincidence import coincidences
 from reports.verification.rubs.closed_run import confirming_run
 from tests.contact.stability.rates import floquet_growth, growth
 from tests.contact.synthetic_rim import blade, dense_rows, ring
@@ -191,5 +192,14 @@ def test_a_confirming_run_resolves_the_modes_at_its_speed():
 def test_growth_at_a_speed_at_which_a_basis_is_not_known_is_refused(imperfect):
     casing = replace(turning_ring(imperfect=imperfect), spin=5.0 * TURN, known_speeds=[4.0 * TURN, 6.0 * TURN])
     assert np.isfinite(ct.stability.of_rim(rim(casing), np.array([4.0, 6.0])).growth).all()
-    with pytest.raises(ct.InputError, match=r"speed: found 7 Hz \(420 rpm\), expected 4 to 6 Hz"):
-        ct.stability.of_rim(rim(casing), np.array([5.0, 7.0]))
+    with pytest.raises(ct.InputError, match=r"speed: found 7 to 9 Hz \(420 to 540 rpm\).*expected 4 to 6 Hz"):
+        ct.stability.of_rim(rim(casing), np.array([5.0, 7.0, 9.0]))
+
+
+def test_coincidences_are_found_only_at_speeds_at_which_a_basis_is_known():
+    casing, speeds = replace(turning_ring(), spin=5.0 * TURN), np.array([30.0])
+    met = np.sort([one.free_hz for one in coincidences(ct.gaps.rim_contact(rim(casing)), speeds)])
+    middle = 0.5 * (met[2] + met[3])
+    known = replace(casing, known_speeds=[middle * TURN, 1.01 * met[-1] * TURN])
+    found = coincidences(ct.gaps.rim_contact(rim(known, middle)), speeds)
+    assert np.sort([one.free_hz for one in found]) == pytest.approx(met[3:], rel=1e-9)
