@@ -1,4 +1,7 @@
-"""Imperfections that nobody has measured: fields drawn from a spectrum of amplitudes. Same seed, same bits."""
+"""Fields for imperfections without measurements, drawn from a spectrum of amplitudes.
+
+The same seed gives identical bits.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +28,8 @@ class Spectrum:
     """Spectrum of a random field: the median amplitude of each harmonic, and the 90th percentile.
 
     Amplitudes are lognormal, independent, with uniform phases. A Rayleigh amplitude (two equal Gaussian coefficients)
-    would tie the 90th percentile to 1.82 medians; the example spectrum has 2.6 to 3.5, which the lognormal
-    meets with s = ln(high/median)/1.2816.
+    would tie the 90th percentile to 1.82 medians; the example spectrum has 2.6 to 3.5, which the lognormal reproduces
+    with s = ln(high/median)/1.2816.
 
     Parameters
     ----------
@@ -36,7 +39,7 @@ class Spectrum:
     Raises
     ------
     ValueError
-        Harmonics out of order, amplitudes that are not positive, a 90th percentile below its median.
+        Harmonics are out of order, amplitudes are not positive, or a 90th percentile is below its median.
 
     Examples
     --------
@@ -65,8 +68,8 @@ class Spectrum:
     def between(cls, median: dict[int, float], high: dict[int, float], *, p_max: int | None = None) -> Spectrum:
         """Interpolate given medians, and the ratios of given 90th percentiles to them, on logarithmic scales.
 
-        From the lowest p to p_max (by default the highest given); beyond the last median its power law goes on, the
-        ratio stays as it was at its last.
+        From the lowest p to p_max (by default the highest given); beyond the last median its power law continues, with
+        the last ratio.
         """
         p = np.arange(min(median), (p_max or max(median)) + 1)
         level = np.exp(_log_interpolated(p, median, slope=True))
@@ -74,7 +77,7 @@ class Spectrum:
         return cls(p=p, median=level, high=level * ratio)
 
     def scaled(self, factor: float) -> Spectrum:
-        """The same spectrum, `factor` times as large."""
+        """The same spectrum multiplied by `factor`."""
         return replace(self, median=factor * self.median, high=factor * self.high)
 
     def amplitudes(self, uniform: ArrayLike) -> FloatArray:
@@ -93,7 +96,7 @@ class Spectrum:
 
 
 def _log_interpolated(p: IntArray, given: dict[int, float], *, slope: bool) -> FloatArray:
-    """Ln of a quantity given at some p, linear in ln p; with `slope`, on beyond the last as between the last two."""
+    """Ln of a quantity given at some p, linear in ln p; with `slope`, extrapolated beyond the last with its slope."""
     known = sorted(given)
     x, y = np.log(known), np.log([given[k] for k in known])
     values = np.interp(np.log(p), x, y)
@@ -108,14 +111,14 @@ class RandomField(SeriesBehind):
 
     f(theta) = sum_p a_p cos(p theta - phi_p),  a_p lognormal by the spectrum, phi_p uniform
 
-    A Field itself. `redrawn` gives others of the same kind: `casingfem.mistune` computes the modes of many. The
-    draws depend on seed, stream and draw alone, not on how many there are or in which order they are made.
+    It is a Field. `redrawn` gives others of the same kind; `casingfem.mistune` computes the modes of many. A draw
+    depends only on seed, stream and draw number, not on the number or order of draws.
 
     Parameters
     ----------
     spectrum : amplitudes of the harmonics, relative
     seed : whole number >= 0
-    draw : which of the fields of this seed
+    draw : number of the field for this seed
     stream : distinguishes the fields of one shell (such as radius and thickness) drawn with one seed
 
     Examples
@@ -145,11 +148,11 @@ class RandomField(SeriesBehind):
     def example(
         cls, *, thickness: float, radius: float, seed: int, scale: float = 1.0, p_max: int = 32, stream: int = 0
     ) -> RandomField:
-        """Radius defects by an example of a spectrum: medians 0.24 t at n = 2 to 0.019 t at n = 12, t the wall.
+        """Radius defects from an example spectrum: medians 0.24 t at n = 2 to 0.019 t at n = 12, with wall thickness t.
 
-        The values at nine harmonics and the 90th percentiles at 2, 4 and 8 have no source that can be named: take
-        them as an example of how amplitudes fall with n, and a survey's own spectrum where there is one. Between them
-        amplitudes are interpolated; beyond 12 the power law of the last two (-2.7) goes on, which is an assumption.
+        The values at nine harmonics and the 90th percentiles at 2, 4 and 8 have no published source: they are an
+        example of how amplitudes decrease with n; use the spectrum of a survey if available. Between them amplitudes
+        are interpolated; beyond 12 the power law of the last two (-2.7) is assumed to continue.
         """
         spectrum = Spectrum.between(EXAMPLE, EXAMPLE_HIGH, p_max=p_max).scaled(scale * thickness / radius)
         return cls(spectrum=spectrum, seed=seed, stream=stream)
@@ -172,7 +175,7 @@ class RandomField(SeriesBehind):
 
 
 def redrawn(field: Field, draw: int) -> Field:
-    """The field with its random parts drawn anew; deterministic parts stay."""
+    """The field with new draws of its random parts; deterministic parts are kept."""
     if isinstance(field, RandomField):
         return field.redrawn(draw)
     if isinstance(field, SumField):
@@ -181,7 +184,7 @@ def redrawn(field: Field, draw: int) -> Field:
 
 
 def drop_random(field: Field) -> Field | None:
-    """The part of a field that is not random; None if nothing is left."""
+    """The part of a field that is not random; None if there is none."""
     if not isinstance(field, SumField):
         return None if isinstance(field, RandomField) else field
     kept = tuple(term for term in field.fields if not isinstance(term, RandomField))
@@ -189,7 +192,7 @@ def drop_random(field: Field) -> Field | None:
 
 
 def typical(field: Field) -> Field:
-    """The field with its random parts at the median amplitudes: a mesh is chosen for it, the same for all draws."""
+    """The field with its random parts at the median amplitudes, for the choice of a mesh that all draws share."""
     if isinstance(field, RandomField):
         median = field.spectrum.median[:, None]
         return FourierField(p=field.spectrum.p, cos=median, sin=0.0 * median)

@@ -1,4 +1,4 @@
-"""A field beyond the heights where it was measured: as at the nearest of them, or brought down to zero."""
+"""A field beyond the measured heights: constant from the nearest height, or reduced to zero."""
 
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -11,7 +11,7 @@ FADE = 0.25  # of the measured heights: over what length a field goes down to ze
 
 
 class Reach(NamedTuple):
-    """Heights [m] from low to high where functions of z count as they are, and the rule for those outside.
+    """Heights [m] from low to high where functions of z are valid, and the rule outside.
 
     "nearest": f(z) = f(low) below and f(high) above; "zero": the same times 1 - (10 u^3 - 15 u^4 + 6 u^5), where u is
     the distance from the nearest end in quarters of high - low, at most 1.
@@ -38,6 +38,6 @@ class Reach(NamedTuple):
         return weight * value, weight * d_z + slope * value, weight * d_zz + bend * value
 
     def held(self, z: Array) -> Array:
-        """The nearest height within the reach."""
+        """The nearest height within the valid range."""
         at = np.where(np.real(z) < self.low, self.low, z)
         return np.where(np.real(z) > self.high, self.high, at)

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spline:
-    """Cubic (or other) B-splines on equal intervals from z_low to z_high, clamped: the ends' knots are repeated.
+    """Cubic (or other) B-splines on equal intervals from z_low to z_high, clamped: the end knots are repeated.
 
-    The functions sum to one. A natural spline has no curvature at its ends and goes on straight beyond them (two
-    functions less); otherwise the end polynomials go on.
+    The functions sum to one. A natural spline has no curvature at its ends and continues linearly beyond them (two
+    functions less); otherwise the end polynomials continue.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Spline:
     Raises
     ------
     ModelError
-        `field-spline`: ends out of order, no interval, a degree that does not fit.
+        `field-spline`: ends are out of order, there is no interval, or the degree is not allowed.
 
     Examples
     --------
@@ -87,7 +87,7 @@ class Spline:
 
 @cache
 def _curves(basis: Spline) -> tuple[BSpline, FloatArray]:
-    """All B-splines as one vector-valued curve, and the matrix (clamped, size) that makes natural ones of them."""
+    """All B-splines as one vector-valued curve, and the matrix (clamped, size) to natural splines."""
     from scipy.interpolate import BSpline  # loaded with the first spline, not by every study
 
     k = basis.degree

@@ -1,4 +1,4 @@
-"""Blades: pretwisted plates, the simplest whose flap and torsion couple, and cambered sections of any chord."""
+"""Blades: pretwisted plates (the simplest with coupled flap and torsion), and cambered sections of any chord."""
 
 from dataclasses import dataclass
 from typing import Annotated, NoReturn
@@ -19,14 +19,13 @@ from contact.io.keys import Key
 class TwistedPlate(Open):
     """Rectangular plate twisted about its own axis: length [m] along x, width [m], tip twist [rad].
 
-    The section turns about the x axis in proportion to x,
+    The section rotates about the x axis in proportion to x,
 
         X = (x, y cos phi, y sin phi),   phi = twist x/length,
 
-    the helicoid of Kielb, Leissa, MacBain & Carney, NASA RP-1150, 1985. A positive twist turns the tip from y
-    towards z; none gives a `Plate`. Edges: root (x = 0), tip (x = length), left and right (y = -+ width/2). Line
-    springs take the section's own directions: r = its normal, theta = along y, z = x. There is no radius, so no
-    radius defect.
+    the helicoid of Kielb, Leissa, MacBain & Carney, NASA RP-1150, 1985. A positive twist rotates the tip from y towards
+    z; zero twist gives a `Plate`. Edges: root (x = 0), tip (x = length), left and right (y = -+ width/2). Line springs
+    use the section's own directions: r = its normal, theta = along y, z = x. There is no radius, so no radius defect.
 
     >>> blade = TwistedPlate(length=0.3, width=0.1, twist=np.pi / 2)
     >>> blade.surface(np.array([0.3]), np.array([0.05]), None).x.ravel().round(6).tolist()
@@ -64,11 +63,11 @@ class TwistedPlate(Open):
 
     @property
     def section_thickness(self) -> Field:
-        """Thickness field of a blade whose thickness is given in its section x = constant, not along the normal.
+        """Thickness field of a blade whose thickness is measured in its section x = constant, not along the normal.
 
-        Turned rectangular sections, as a solid is drawn, are thinner along the normal of their mid-surface, which
-        leans out of the section: t (1 + (twist y/length)^2)^(-1/2). At 60 degrees over a square plate: 11 % at the
-        edges.
+        Rotated rectangular sections, as in a solid model, are thinner along the normal of their mid-surface, which is
+        inclined to the section: t (1 + (twist y/length)^2)^(-1/2). For 60 degrees over a square plate this is 11 % at
+        the edges.
 
         >>> blade = TwistedPlate(length=1.0, width=1.0, twist=np.pi / 3)
         >>> round(float(blade.section_thickness.derivatives(0.0, 0.5).value), 3)
@@ -77,13 +76,13 @@ class TwistedPlate(Open):
         return SectionThickness(self.twist / self.length)
 
     def directions(self, a: Array, b: Array) -> Array:
-        """Normal of the section, y turned with it, and x."""
+        """Normal of the section, its rotated y direction, and x."""
         return turned_directions(self.twist / self.length * np.broadcast_arrays(a, b)[0])
 
 
 @dataclass(frozen=True, slots=True)
 class SectionThickness:
-    """Relative thickness (1 + (rate y)^2)^(-1/2) - 1: the cosine of the normal's lean out of its section.
+    """Relative thickness (1 + (rate y)^2)^(-1/2) - 1: the cosine of the normal's inclination to its section, minus 1.
 
     `rate` is the twist per length [rad/m]; see `TwistedPlate.section_thickness`.
     """
@@ -99,23 +98,23 @@ class SectionThickness:
         return FieldValues(square**-0.5 - 1.0 + zero, zero, slope, zero, zero, bend)
 
     def rotated(self, angle: float) -> NoReturn:
-        """Refused: nothing turns around a blade."""
+        """Refused, since a blade is not a body of revolution."""
         raise ValueError(f"the thickness of a twisted plate cannot be turned by {angle!r} rad: it does not close")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Blade(Open):
-    """Blade along x: its section x = constant is a circular arc over a chord, turned and shifted.
+    """Blade along x: its section x = constant is a circular arc over a chord, rotated and shifted.
 
     With eta = -1/2 to 1/2 along the arc, p along the chord and q across it,
 
         p = c eta sinc(k eta)/sinc(k/2),   q = c k (sinc^2(k/4)/8 - eta^2 sinc^2(k eta/2)/2)/sinc(k/2),
         X = (x, sweep + p cos phi - q sin phi, lean + p sin phi + q cos phi),
 
-    c the chord, k the camber (opening angle of the arc; 0 is a straight section), phi the twist. Each is a law: one
-    number all along, or values at equally spaced stations from root to tip, (root, tip) or more, with the polynomial
-    through them. Without camber, sweep, lean and taper it is a `TwistedPlate`; with a camber alone a `Panel` of radius
-    c/(2 sin(k/2)); with a sweep alone a skew plate; with a chord law alone a trapezoid.
+    c the chord, k the camber (opening angle of the arc; 0 is a straight section), phi the twist. Each is a constant, or
+    values at equally spaced stations from root to tip, (root, tip) or more, interpolated by a polynomial. Without
+    camber, sweep, lean and taper it is a `TwistedPlate`; with a camber alone a `Panel` of radius c/(2 sin(k/2)); with a
+    sweep alone a skew plate; with a variable chord alone a trapezoid.
 
     Parameters
     ----------
@@ -124,17 +123,17 @@ class Blade(Open):
     chord
         c [m], straight from leading to trailing edge.
     camber, twist
-        k and phi [rad]. A positive twist turns y towards z.
+        k and phi [rad]. A positive twist rotates y towards z.
     sweep, lean
         Shift of the middle of the chord along y and z [m].
 
-    Edges: root, tip, left and right (eta = -+ 1/2). The second parameter is eta. Line springs take the section's own
+    Edges: root, tip, left and right (eta = -+ 1/2). The second parameter is eta. Line springs use the section's own
     directions: r = across the chord, theta = along it, z = x. There is no radius, so no radius defect.
 
     Raises
     ------
     ModelError
-        `law-stations`: no such law; `blade-shape`: a chord that is not positive everywhere, a closed section.
+        `law-stations`: invalid stations; `blade-shape`: the chord is not positive everywhere, or the section is closed.
 
     Examples
     --------
@@ -197,6 +196,6 @@ class Blade(Open):
 
 
 def turned_directions(angle: Array) -> Array:
-    """Across a section, along it, and x, where the section is turned about x, (3, 3, ...)."""
+    """Directions across and along a section that is rotated about x, and x, (3, 3, ...)."""
     c, s, zero, one = np.cos(angle), np.sin(angle), np.zeros_like(angle), np.ones_like(angle)
     return np.array([[zero, -s, c], [zero, c, s], [one, zero, zero]])

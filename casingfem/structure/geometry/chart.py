@@ -5,8 +5,8 @@ coordinate z [m] and the angle theta [rad]; a relative radius defect f(z, theta)
 
     X = (r cos theta, r sin theta, z),   r = r0(z) (1 + f(z, theta)),
 
-so that the metric of the imperfect surface is not linearised. A user's own chart only has to satisfy the
-`Chart` protocol; `Closed` and `Open` bring what most charts of one kind share.
+so that the metric of the imperfect surface is not linearised. A chart of your own only has to satisfy the `Chart`
+protocol; `Closed` and `Open` are base classes.
 """
 
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ class Surface(NamedTuple):
 
 @runtime_checkable
 class Chart(Protocol):
-    """Interface of a mid-surface that a shell needs.
+    """Interface of a mid-surface for a shell.
 
     >>> import casingfem as cf
     >>> tube: Chart = cf.Cylinder(radius=0.5, height=0.3)
@@ -61,7 +61,7 @@ class Chart(Protocol):
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether the surface is that at b = 0 turned about z by b. False if the chart does not state it."""
+        """Whether the surface is that at b = 0 rotated about z by b. False if the chart does not state it."""
         return False
 
     @property
@@ -76,7 +76,7 @@ class Chart(Protocol):
 
 
 def is_axisymmetric(chart: Chart) -> bool:
-    """Whether the chart declares itself axisymmetric; a chart without the attribute is not.
+    """Whether the chart declares itself axisymmetric; without the attribute it is not.
 
     >>> is_axisymmetric(Cylinder(radius=1.0, height=2.0)), is_axisymmetric(Plate(length=1.0, width=0.5))
     (True, False)
@@ -104,7 +104,7 @@ def revolve(
 ) -> Surface:
     """Surface of revolution with meridian r0(z), dr0/dz = slope, d2r0/dz2 = bend, and a relative radius defect.
 
-    `height` is the axial coordinate and its two derivatives where the first parameter is another than z.
+    `height` is the axial coordinate and its two derivatives, if the first parameter is not z.
     """
     z, theta, r0 = np.broadcast_arrays(z, theta, r0)
     zero, one = np.zeros_like(r0), np.ones_like(r0)
@@ -149,12 +149,12 @@ class Closed:
 
     @property
     def axisymmetric(self) -> bool:
-        """Closed surfaces of any shape; charts of revolution state True."""
+        """False by default; charts of revolution state True."""
         return False
 
     @property
     def periodic(self) -> bool:
-        """Closes on itself."""
+        """True: the second parameter closes on itself."""
         return True
 
     @property
@@ -180,7 +180,7 @@ class ClosedOfRevolution(Closed):
 
     @property
     def axisymmetric(self) -> bool:
-        """The second parameter is the angle about z, and nothing of the surface changes around."""
+        """True: the second parameter is the angle about z, and the surface does not change around."""
         return True
 
 
@@ -197,12 +197,12 @@ class Open:
 
     @property
     def axisymmetric(self) -> bool:
-        """Open surfaces are not."""
+        """False for open surfaces."""
         return False
 
     @property
     def periodic(self) -> bool:
-        """Does not close on itself."""
+        """False for open surfaces."""
         return False
 
     @property
@@ -303,8 +303,8 @@ class Panel(Open):
 class Plate(Open):
     """Flat rectangular plate: length [m] along x, width [m] along y, centred on y = 0; normal along z.
 
-    Edges: root (x = 0), tip (x = length), left and right (y = -+ width/2). Line springs take
-    r = z (normal), theta = y, z = x. A plate has no radius, so it takes no radius defect.
+    Edges: root (x = 0), tip (x = length), left and right (y = -+ width/2). Line springs use r = z (normal), theta = y,
+    z = x. A plate has no radius, so it has no radius defect.
 
     >>> Plate(length=1.0, width=0.5).edges["tip"]
     (0, 1)

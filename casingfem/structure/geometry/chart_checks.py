@@ -1,6 +1,6 @@
-"""Checks of a chart on a few points: finite, smooth, not folded, and closed and round where it claims so.
+"""Checks of a chart on a few points: finite, smooth, not folded, and closed and round if it claims so.
 
-A user's own chart is code; a wrong derivative in it gives frequencies that seem right. The derivatives are compared
+In a chart of your own, a wrong derivative gives plausible but wrong frequencies. The derivatives are compared
 with differences of the surface itself.
 """
 
@@ -19,7 +19,7 @@ FLAT = 1e-9  # tangents that span less than this part of the largest area do not
 
 
 def check_chart(chart: Chart) -> None:
-    """Refuse a chart that is not finite, folded, open at its seam, or whose derivatives are not its own."""
+    """Refuse a chart that is not finite, folded, open at its seam, or with wrong derivatives."""
     (a0, a1), (b0, b1) = bounds = np.real(np.array(chart.bounds, dtype=complex))
     if not (np.all(np.isfinite(bounds)) and a0 < a1 and b0 < b1):
         raise ModelError("chart-bounds", f"chart.bounds: found {chart.bounds}")
@@ -48,10 +48,10 @@ def check_chart(chart: Chart) -> None:
 
 
 def check_axisymmetry(chart: Chart, surface: Surface, points: tuple[Array, Array]) -> None:
-    """Refuse the statement `axisymmetric` of a chart whose surface at b is not that at b = 0 turned about z by b.
+    """Refuse `axisymmetric` for a chart whose surface at b is not that at b = 0 rotated about z by b.
 
-    With the surface turn its first and second derivatives, so that metric and curvature are constant around, and the
-    directions of springs.
+    The first and second derivatives rotate with the surface, so that metric and curvature are constant around, as do
+    the directions of springs.
     """
     if not chart.periodic:
         raise ModelError("chart-axisymmetric", "the chart states axisymmetric and periodic = False, expected both True")
@@ -97,9 +97,9 @@ def real(surface: Surface) -> Surface:
 
 
 def check_symmetry(chart: Chart, edge: str) -> None:
-    """Refuse an edge as one of symmetry that the surface does not meet at a right angle to one plane.
+    """Refuse a symmetry edge where the surface is not normal to a single plane.
 
-    Fields are left aside: a small one bends the surface by as little.
+    Fields are ignored, since small ones change the surface only slightly.
     """
     held, end = chart.edges[edge]
     low, high = np.real(chart.bounds[1 - held])

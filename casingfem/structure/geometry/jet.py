@@ -1,10 +1,10 @@
-"""Jets: numbers that have their first and second derivatives by two parameters.
+"""Jets: numbers with their first and second derivatives by two parameters.
 
-A surface written as a formula in jets has its exact metric and curvature; products and functions follow the chain rule
+A surface computed with jets has exact metric and curvature; products and functions follow the chain rule
 
     (f g),ij = f,ij g + f,i g,j + f,j g,i + f g,ij,    g(f),ij = g'' f,i f,j + g' f,ij.
 
-Everything is analytic, so that complex steps in what the formula is made of pass through.
+Everything is analytic, so complex steps in the parameters of the formula work.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def reciprocal(x: Jet) -> Jet:
 
 
 def sinc(x: Jet) -> Jet:
-    """sin(x)/x, even and analytic through 0, where it is summed as sum (-1)^k x^(2k)/(2k + 1)!."""
+    """sin(x)/x, even and analytic at 0, where the series sum (-1)^k x^(2k)/(2k + 1)! is used."""
     small = np.abs(x.value) < SMALL
     y = np.where(small, 1.0, x.value)
     s, c = np.sin(y), np.cos(y)
@@ -127,7 +127,7 @@ def sinc(x: Jet) -> Jet:
 
 
 def _sinc_series(x: Array) -> tuple[Array, Array, Array]:
-    """Value, slope and second derivative of the series; eight terms leave 1e-22 at `SMALL`."""
+    """Value, slope and second derivative of the series; the error of eight terms is 1e-22 at `SMALL`."""
     value, slope, bend = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
     term = 1.0
     for k in range(8):

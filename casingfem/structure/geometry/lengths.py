@@ -1,4 +1,4 @@
-"""Lengths of a chart's lines in metres: a mesh is divided by them, whatever parameters the chart takes."""
+"""Lengths of a chart's lines in metres, by which a mesh is divided, independent of the chart's parameters."""
 
 from typing import NamedTuple
 
@@ -14,9 +14,9 @@ EVEN = 1e-9  # of the length: no place of an evenly running parameter is further
 class Lengths(NamedTuple):
     """Arc lengths of a chart's lines, by the trapezoidal rule.
 
-    `parts` are values of the first parameter as parts of its range and `arc` the length up to them, from 0 to 1, mean
-    of all lines along it. `along` is that length and `across` that of the line halfway along it [m]; `unevenness` the
-    fastest place of the second parameter over its mean.
+    `parts` are values of the first parameter as fractions of its range, and `arc` the length up to them, from 0 to 1,
+    averaged over all lines. `along` is that length and `across` that of the line at mid-height [m]. `unevenness` is the
+    largest rate of length over the second parameter, relative to its mean.
     """
 
     parts: FloatArray
@@ -27,20 +27,20 @@ class Lengths(NamedTuple):
 
     @property
     def even(self) -> bool:
-        """Whether the first parameter runs evenly along the surface."""
+        """Whether length is proportional to the first parameter."""
         return bool(np.abs(self.arc - self.parts).max() < EVEN)
 
     def at(self, part: float) -> float:
-        """The share of the length up to a part of the first parameter's range."""
+        """Fraction of the length at a fraction of the first parameter's range."""
         return part if self.even else float(np.interp(part, self.parts, self.arc))
 
     def part(self, share: Array) -> FloatArray:
-        """The parts of the first parameter's range up to shares of the length."""
+        """Fractions of the first parameter's range at fractions of the length."""
         return np.asarray(share if self.even else np.interp(share, self.arc, self.parts))
 
 
 def chart_lengths(chart: Chart) -> Lengths:
-    """Lengths of a chart's lines along both parameters; imperfections are left aside.
+    """Lengths of a chart's lines along both parameters, without imperfections.
 
     >>> from casingfem.structure.geometry.chart import Frustum
     >>> lengths = chart_lengths(Frustum(r_base=0.5, r_top=0.45, height=0.12))

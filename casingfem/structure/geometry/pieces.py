@@ -1,13 +1,12 @@
 """Meridians of several pieces: straight lines and arcs from point to point, with fillets where they meet at an angle.
 
-In the plane of r and z a piece starts in a direction phi and turns by its curvature kappa, positive to the left,
+In the plane of r and z a piece starts in a direction phi and has the curvature kappa, positive to the left,
 
     dr/ds = cos(phi + kappa s),   dz/ds = sin(phi + kappa s).
 
-A fillet of radius rho touches both pieces: its centre lies rho from each. As rho falls to the wall's thickness and
-below, the bend becomes the rigid joint of two walls: the section keeps its angle, and turns as one about the hoop and
-about the meridian, without a joint of its own in the theory. A corner of no radius has no curvature to integrate and is
-refused.
+A fillet of radius rho is tangent to both pieces: its centre is at distance rho from each. For rho of the wall's
+thickness and below, the bend acts as the rigid joint of two walls: the section keeps its angle, without a separate
+joint in the theory. A corner without radius has no curvature to integrate and is refused.
 """
 
 from collections.abc import Sequence
@@ -28,17 +27,11 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Piece:
-    """A piece of a meridian: where it ends, how it is bent, how it joins the piece before.
+    """A piece of a meridian: its end, its curvature, and its joint with the previous piece.
 
-    Parameters
-    ----------
-    to
-        Its end (r, z) [m].
-    radius
-        Of an arc of less than half a turn [m], positive if it turns left on its way, r to the right and z up; None of a
-        straight piece.
-    fillet
-        Radius of the corner at its start [m]; that of the meridian if left out.
+    Parameters ---------- to Its end (r, z) [m]. radius Radius of an arc of less than half a turn [m], positive if it
+    bends to the left with r to the right and z up; None for a straight piece. fillet Radius of the corner at its start
+    [m]; by default that of the meridian.
 
     >>> Piece(to=(0.5, 0.2)).radius is None
     True
@@ -50,7 +43,7 @@ class Piece:
 
 
 class Bend(NamedTuple):
-    """A stretch of constant curvature: start (2,), direction there [rad], curvature [1/m], length [m]."""
+    """An arc or line of constant curvature: start (2,), direction there [rad], curvature [1/m], length [m]."""
 
     start: FloatArray
     phi: float
@@ -72,7 +65,7 @@ class Bend(NamedTuple):
         return np.array([at.r, at.z], dtype=float)
 
     def offset(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """Distance of a point to its left, and the direction in which it grows."""
+        """Distance of a point to its left, and the direction of increase."""
         normal = np.array([-np.sin(self.phi), np.cos(self.phi)])
         if self.kappa == 0.0:
             return float((x - self.start) @ normal), normal
@@ -81,7 +74,7 @@ class Bend(NamedTuple):
         return 1.0 / self.kappa - float(sense) * size, -sense * away / size
 
     def place(self, x: FloatArray) -> float:
-        """Arc length at which a point on it lies."""
+        """Arc length of a point on it."""
         if self.kappa == 0.0:
             return float((x - self.start) @ [np.cos(self.phi), np.sin(self.phi)])
         chord = x - self.start
@@ -89,7 +82,7 @@ class Bend(NamedTuple):
         return float(2.0 * ((turned + np.pi) % (2.0 * np.pi) - np.pi) / self.kappa)
 
     def between(self, first: float, last: float) -> "Bend":
-        """Its part from one arc length to another."""
+        """The part between two arc lengths."""
         at = self.at(np.array(first))
         return Bend(np.array([at.r, at.z], dtype=float), self.phi + self.kappa * first, self.kappa, last - first)
 
@@ -101,17 +94,14 @@ class PiecewiseMeridian:
     Parameters
     ----------
     start
-        Where it begins, the base (r, z) [m].
+        Start at the base (r, z) [m].
     pieces
-        In order, to the top.
+        Pieces in order, up to the top.
     fillet
-        Radius of the corners [m]; about the wall's thickness for two walls that meet at an angle.
+        Radius of the corners [m]; about the wall's thickness for two walls at an angle.
 
-    Raises
-    ------
-    ModelError
-        `meridian-pieces` for a corner without a fillet, one that does not fit, an arc that does not reach its end;
-        `meridian-axis` where the meridian reaches the axis.
+    Raises ------ ModelError `meridian-pieces` for a corner without a fillet, a fillet that does not fit, or an arc that
+    does not reach its end; `meridian-axis` if the meridian reaches the axis.
 
     Examples
     --------
@@ -143,7 +133,7 @@ class PiecewiseMeridian:
 
     @property
     def lines(self) -> FloatArray:
-        """Arc lengths at which stretches begin and end, where the curvature jumps."""
+        """Arc lengths at which the curvature jumps."""
         return np.concatenate([[0.0], np.cumsum([bend.length for bend in self.bends])])
 
     @property
@@ -152,7 +142,7 @@ class PiecewiseMeridian:
         return float(self.lines[-1])
 
     def at(self, s: Array) -> MeridianPoints:
-        """Radius, height and their derivatives at s; on a line, those of the stretch that begins there."""
+        """Radius, height and their derivatives at s; at a jump, those of the following part."""
         s = np.asarray(s)
         lines = self.lines
         which = np.clip(np.searchsorted(lines, s, side="right") - 1, 0, len(self.bends) - 1)
@@ -184,7 +174,7 @@ def unjoined(start: Point, pieces: Sequence[Piece]) -> list[Bend]:
 
 
 def joined(own: Sequence[Bend], fillets: Sequence[float | None]) -> tuple[list[Bend], list[tuple[float, float]]]:
-    """Stretches with their fillets, and from where to where each piece reaches: to the middles of its fillets."""
+    """Parts with their fillets, and the extent of each piece to the middles of its fillets."""
     first, last = [0.0] * len(own), [bend.length for bend in own]
     corners: dict[int, Bend] = {}
     for k in range(1, len(own)):
@@ -215,7 +205,7 @@ def joined(own: Sequence[Bend], fillets: Sequence[float | None]) -> tuple[list[B
 
 
 def fillet_between(one: Bend, other: Bend, rho: float, turn: float, where: str) -> tuple[Bend, float, float]:
-    """The fillet of a corner, and where it leaves the first piece and reaches the second."""
+    """The fillet of a corner, and its end points on both pieces."""
     side = float(np.sign(turn)) * rho
     end = one.end
     normals = [one.offset(end)[1], other.offset(end)[1]]

@@ -1,7 +1,7 @@
 """Surfaces of revolution with a curved meridian: bowls, domes, rounded casings; whole or a sector.
 
-The first parameter is the arc length s along the meridian (r(s), z(s)), the second the angle theta. Fields take s as
-their first coordinate, and a relative radius defect scales r as on every chart of revolution.
+The first parameter is the arc length s along the meridian (r(s), z(s)), the second the angle theta. s is the first
+coordinate of fields, and a relative radius defect scales r, as on every chart of revolution.
 """
 
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ class Arc:
     Raises
     ------
     ModelError
-        `meridian-axis` where the meridian reaches the axis: the chart ends in a pole there.
+        `meridian-axis` if the meridian reaches the axis, where the chart has a pole.
 
     >>> bowl = Arc(radius=10.0, start=0.0, end=np.radians(72.0))
     >>> round(float(bowl.length), 4), bowl.at(np.array(0.0)).r.tolist()
@@ -100,7 +100,7 @@ class Arc:
 
 
 def revolved_surface(profile: Meridian, s: Array, theta: Array, defect: FieldValues | None) -> Surface:
-    """Position and derivatives of a meridian turned about z."""
+    """Position and derivatives of a meridian rotated about z."""
     s, theta = np.broadcast_arrays(s, theta)
     at = profile.at(s)
     return revolve(s, theta, at.r, at.r1, defect, bend=at.r2, height=(at.z, at.z1, at.z2))
@@ -108,7 +108,7 @@ def revolved_surface(profile: Meridian, s: Array, theta: Array, defect: FieldVal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Revolved(ClosedOfRevolution):
-    """A meridian turned once about the z axis. Edges: base (s = 0), top (s = length).
+    """A meridian rotated once about the z axis. Edges: base (s = 0), top (s = length).
 
     >>> bowl = Revolved(profile=Arc(radius=0.1, start=-1.4, end=0.0))
     >>> bool(np.allclose(bowl.surface(np.array([bowl.profile.length]), np.zeros(1), None).x.ravel(), [0.1, 0.0, 0.0]))
@@ -161,5 +161,5 @@ class RevolvedPanel(Open):
 
 
 def chart_lines(chart: Chart) -> list[float]:
-    """Values of the first parameter that must be element lines: where a meridian of several pieces changes."""
+    """Values of the first parameter that must be element lines: ends of pieces of a meridian."""
     return [float(line) for line in getattr(chart, "lines", ())]

@@ -1,4 +1,4 @@
-"""Rigid motion of a body: steady rotation about a fixed axis, and rigid motions that its supports leave free."""
+"""Rigid motion of a body: steady rotation about a fixed axis, and rigid motions that its supports allow."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ class Rotation:
     omega
         Speed [rad/s].
     axis
-        Direction of the axis in the chart's Cartesian axes, any length; z, the axis of every casing, if left out.
+        Direction of the axis in the chart's Cartesian axes, any length; by default z, the axis of every casing.
     centre
         A point on the axis [m].
 
@@ -65,9 +65,9 @@ class Rotation:
 
     @classmethod
     def of_blade(cls, chart: Chart, *, omega: float, hub_radius: float, stagger: float = 0.0) -> "Rotation":
-        """Rotation of a blade that is on a hub: its span is radial at the middle of its root.
+        """Rotation of a blade on a hub: its span is radial at the middle of its root.
 
-        The axis lies `hub_radius` [m] below the root and makes the angle `stagger` [rad] with the root's chord, towards
+        The axis is `hub_radius` [m] below the root and makes the angle `stagger` [rad] with the root's chord, towards
         the surface normal: at 0 the chord is along the axis and the blade flaps in the plane of rotation, at pi/2 it
         flaps out of it.
 
@@ -99,7 +99,7 @@ def skew(v: Array) -> Array:
 
 
 def axis_frame(axis: Vector) -> FloatArray:
-    """Right-handed unit rows (e1, e2, a) of an axis a, (3, 3): e1 nearest to x, or to y where the axis runs along x.
+    """Right-handed unit rows (e1, e2, a) for an axis a, (3, 3): e1 closest to x, or to y for an axis along x.
 
     >>> axis_frame((0.0, 0.0, 2.0)).tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
@@ -125,7 +125,7 @@ STILL = 1e-12  # share of the largest reaction below which a support is not felt
 
 
 def rigid_motions(x: FloatArray, normals: FloatArray | None = None, frames: FloatArray | None = None) -> FloatArray:
-    """Three translations and three rotations about the centre as columns (dofs, 6), of the size of one.
+    """Three translations and three rotations about the centre as columns (dofs, 6), for a scale of one.
 
     With nodal normals (nodes, 3) and tangents (nodes, 2, 3), the rotations of the normals are appended to each node.
     """
@@ -142,9 +142,9 @@ def rigid_motions(x: FloatArray, normals: FloatArray | None = None, frames: Floa
 
 
 def unfelt(reactions: Iterable[FloatArray]) -> FloatArray:
-    """Combinations of the six motions that no support feels, orthonormal columns (6, k), k from 0 to 6.
+    """Combinations of the six rigid motions that no support resists, orthonormal columns (6, k), k from 0 to 6.
 
-    Reactions are the work (6, 6) of each support under the motions; a soft one counts like a stiff one.
+    Reactions are the work (6, 6) of each support under the motions; soft supports count like stiff ones.
 
     >>> unfelt([np.diag([1e16, 1e16, 0, 0, 0, 0]), np.diag([0, 0, 1e-3, 0, 0, 0])]).shape
     (6, 3)

@@ -21,19 +21,16 @@ SAMPLES = 20  # of each chord, where the spline is examined
 class SmoothMeridian:
     """A meridian through points, the profile of a `Revolved` chart.
 
-    r(s) and z(s) are cubic splines with continuous curvature (not-a-knot ends); s counts the chords from point to
-    point, which is the arc length to second order in a chord's turn.
+    r(s) and z(s) are cubic splines with continuous curvature (not-a-knot ends); s is the sum of chords from point to
+    point, the arc length to second order in the angle of a chord.
 
     Parameters
     ----------
     points
         (r, z) [m] from the base to the top, two or more.
 
-    Raises
-    ------
-    ModelError
-        `meridian-points` for fewer than two points, one that repeats the one before, or a corner of more than 30
-        degrees; `meridian-axis` where the meridian reaches the axis.
+    Raises ------ ModelError `meridian-points` for fewer than two points, a repeated point, or a corner of more than 30
+    degrees; `meridian-axis` if the meridian reaches the axis.
 
     Examples
     --------

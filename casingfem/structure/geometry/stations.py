@@ -1,6 +1,6 @@
-"""Laws from root to tip: one number, or values at equally spaced stations with the polynomial through them.
+"""Laws from root to tip: a constant, or values at equally spaced stations with polynomial interpolation.
 
-A taper is how a wall is meant to change its thickness by such laws, along the first parameter and across the second.
+A taper is a designed variation of the thickness by such laws, along the first parameter and across the second.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ def stations(name: str, law: Law) -> Law:
     Raises
     ------
     ModelError
-        `law-stations`: no station or more than `MOST`, or a value that is not finite.
+        `law-stations`: there is no station or more than `MOST`, or a value is not finite.
 
     >>> stations("chart.chord", [0.3, 0.2])
     (0.3, 0.2)
@@ -39,7 +39,7 @@ def stations(name: str, law: Law) -> Law:
 
 
 def coefficients(law: Law) -> Array:
-    """Coefficients of 1, xi, xi^2, ... of the polynomial through the stations of xi = 0 to 1.
+    """Coefficients of 1, xi, xi^2, ... of the polynomial through the stations at xi = 0 to 1.
 
     >>> coefficients((1.0, 0.75, 0.0)).round(12).tolist()
     [1.0, 0.0, -1.0]
@@ -50,7 +50,7 @@ def coefficients(law: Law) -> Array:
 
 
 def along(law: Law, xi: Number) -> Number:
-    """A law at places xi, 0 at its first station and 1 at its last: an array, or a jet that keeps its derivatives.
+    """A law at positions xi, 0 at its first station and 1 at its last: an array, or a jet with derivatives.
 
     >>> along((2.0, 1.0), np.array([0.25])).tolist()
     [1.75]
@@ -62,7 +62,7 @@ def along(law: Law, xi: Number) -> Number:
 
 
 def lowest(law: Law) -> float:
-    """The least value, by sampling.
+    """The smallest value, from samples.
 
     >>> lowest((1.0, 0.0, 1.0))
     0.0
@@ -75,12 +75,13 @@ class Taper:
     """Thickness law t(x, y) = thickness * along(x) * across(y), factors at equally spaced stations.
 
     `along` runs from root to tip (base to top), `across` from left to right; each is one number, or values at equally
-    spaced stations with the polynomial through them. A design, not an imperfection: it stays when fields are left out.
+    spaced stations with the polynomial through them. It is part of the design, not an imperfection, so it remains when
+    fields are removed.
 
     Raises
     ------
     ModelError
-        `law-stations`: no such law; `taper-thickness`: it leaves no wall somewhere.
+        `law-stations`: invalid stations; `taper-thickness`: the thickness is not positive everywhere.
 
     Examples
     --------

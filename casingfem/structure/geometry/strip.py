@@ -1,4 +1,4 @@
-"""Strips: bands along a shell's first parameter with a wall, or a material, of their own."""
+"""Strips: bands along a shell's first parameter with their own thickness or material."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ class Strip:
     """A band of other thickness or material: a flange, a stiffener, one of several casings in a row.
 
     `start` and `end` [m] are values of the chart's first parameter: the axis of a casing, the span of a blade, the
-    meridian's arc of a dome, 0 where they begin. The strip lies symmetrically about the mid-surface: no offset. Fields
-    of thickness are relative and act on a strip as on the wall beside it.
+    meridian's arc of a dome, each from 0. The strip is symmetric about the mid-surface, without offset. Thickness
+    fields are relative and apply to a strip as to the wall.
 
     Raises
     ------
     ModelError
-        `strip-extent`: start and end are not finite or not in order; `shell-thickness`: no positive thickness.
+        `strip-extent`: start and end are not finite or not in order; `shell-thickness`: the thickness is not positive.
 
     Examples
     --------
@@ -46,14 +46,14 @@ class Strip:
         require_positive("strip", "shell-thickness", thickness=self.thickness)
 
     def covers(self, a: Array) -> Array:
-        """Whether points a of the first parameter lie in the strip, its ends included."""
+        """Whether points a of the first parameter are in the strip, including its ends."""
         slack = ON_LINE * (self.end - self.start)
         inside = np.real(a)
         return np.asarray((inside >= self.start - slack) & (inside <= self.end + slack))
 
 
 def spread(strips: Sequence[Strip], inside: Array, base: complex, values: Sequence[complex]) -> Array:
-    """One number at points: `base`, or where a strip lies its own value.
+    """A number at points: `base`, or the strip's own value.
 
     >>> spread([Strip(start=1.0, end=2.0, thickness=2e-3)], np.array([0.5, 1.5]), 1e-3, [2e-3]).tolist()
     [0.001, 0.002]
@@ -65,7 +65,7 @@ def spread(strips: Sequence[Strip], inside: Array, base: complex, values: Sequen
 
 
 def check_strips(strips: Sequence[Strip], ends: tuple[float, float], lines: FloatArray | None) -> None:
-    """Refuse strips outside the shell or across each other, and ends that lie on none of the mesh lines.
+    """Refuse strips outside the shell or overlapping, and ends that are on no mesh line.
 
     `ends` bounds the first parameter; `lines` are the element lines along it, None before there is a mesh.
     """

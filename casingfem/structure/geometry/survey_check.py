@@ -1,4 +1,4 @@
-"""Whether a survey is one of this shell, and where on a curved meridian its points lie."""
+"""Whether a survey belongs to this shell, and the positions of its points on a curved meridian."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -25,17 +25,17 @@ STATIONS = 4001  # along a meridian: between two of them it is as good as straig
 
 
 def mean_radius(chart: Chart, at: float | None = None) -> float:
-    """The radius [m] at a value of a chart's first parameter; at its middle if left out."""
+    """The radius [m] at a value of a chart's first parameter, by default at its middle."""
     middle = np.array([np.mean(chart.bounds[0]) if at is None else at]), np.zeros(1)
     return float(np.real(np.linalg.norm(chart.surface(*middle, None).x[:2])))
 
 
 def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
-    """The points with arc lengths instead of heights if the chart's first parameter is an arc length; else unchanged.
+    """The points with arc lengths instead of heights if that is the chart's first parameter; else unchanged.
 
-    Each lies at its height, as a radius defect moves points along the radius; where the meridian passes a height more
-    than once the nearest radius determines. Radii become those of a cylinder with the radius of the meridian's middle:
-    a fit's mean is straight, and its defect is relative to the meridian itself.
+    Each point keeps its height, since a radius defect moves points along the radius. If the meridian has a height more
+    than once, the nearest radius decides. Radii are scaled to a cylinder with the meridian's middle radius, since the
+    mean of a fit is straight and its defect relative to the meridian.
     """
     from scipy.spatial import cKDTree
 
@@ -69,7 +69,7 @@ def surveys(field: Field) -> list[SurveyField]:
 
 
 def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickness: float | None) -> None:
-    """Refuse a survey of another quantity or of another casing; None is not examined."""
+    """Refuse a survey of another quantity or of another casing; None is accepted."""
     name = Path(survey.path).name
     if survey.quantity != quantity:
         raise ModelError("survey-quantity", f"{name}: found a survey of {survey.quantity}, expected one of {quantity}")
@@ -111,7 +111,7 @@ def ends_of(survey: SurveyField, chart: Chart) -> tuple[float, float, float, flo
 
 
 def covered(survey: SurveyField, chart: Chart | None) -> float:
-    """Part of the shell's height z over which a survey has points; below 0 where it lies beside the shell."""
+    """Part of the shell's height z that a survey covers; negative if it is outside the shell."""
     if chart is None:
         return 1.0
     low, high, start, end = ends_of(survey, chart)
@@ -119,7 +119,7 @@ def covered(survey: SurveyField, chart: Chart | None) -> float:
 
 
 def over(survey: SurveyField, chart: Chart) -> str:
-    """Over which heights a survey has points, and where the shell is."""
+    """Heights that a survey covers, and those of the shell."""
     low, high, start, end = ends_of(survey, chart)
     where = (
         f"z from {low:g} to {high:g} m, {max(covered(survey, chart), 0.0):.0%} of the shell's {start:g} to {end:g} m"
@@ -128,17 +128,17 @@ def over(survey: SurveyField, chart: Chart) -> str:
 
 
 def with_rule(survey: SurveyField, outside: Outside | None, chart: Chart | None) -> SurveyField:
-    """The survey with the rule for heights beyond its points: as stated, else "fit", below half of a shell "nearest".
+    """The survey with its rule for heights outside: as stated, else "fit", or "nearest" below half of the shell.
 
     Raises
     ------
     ModelError
-        `survey-part`: "refuse", and more than a tenth of the shell is without points.
+        `survey-part`: with "refuse", if more than a tenth of the shell has no points.
 
     Warns
     -----
     ModelWarning
-        `survey-part`: the rule outside, where it is less than half of the shell.
+        `survey-part`: the rule used outside, if less than half of the shell is covered.
     """
     part = 1.0 if chart is None or survey.heights == 1 else covered(survey, chart)
     if part <= 0.0 or chart is None:

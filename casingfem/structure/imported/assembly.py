@@ -1,7 +1,7 @@
 """Common parts of imported solids and shells: the structure on a mesh, and its assembled system.
 
-Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations; on shells some of
-whose walls meet at an angle three, of which nodes of one wall use two (`mesh/joints.py`).
+Dofs are numbered node by node, `dofs` on each: u_x, u_y, u_z, and on shells two rotations. Shells with walls that meet
+at an angle have three rotations, of which nodes of a single wall use two (`mesh/joints.py`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ IDLE = 1e-9  # of the size of a force: its part along an idle motion that is rou
 class MeshStructure(Protocol):
     """Interface of a structure on a mesh: `Solid`, `MeshShell`, or one of your own.
 
-    Modes, statics, reduction, and what is built on them take whatever has these members.
+    Modes, statics, reduction and everything based on them accept any object with these members.
 
     >>> import casingfem as cf
     >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u)
@@ -55,7 +55,7 @@ class MeshStructure(Protocol):
 
 
 def require_structure(structure: object, what: str) -> None:
-    """Refuse an object that does not satisfy `MeshStructure`, naming the members it lacks.
+    """Refuse an object that does not satisfy `MeshStructure`, and list the missing members.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def require_structure(structure: object, what: str) -> None:
 
 
 class Walls(NamedTuple):
-    """Walls of a shell that meet: their joints, and the stiffness on the dofs of walls' nodes."""
+    """Walls of a shell that meet: their joints, and the stiffness on the dofs of the walls' nodes."""
 
     joints: Joints
     K: csc_array
@@ -79,33 +79,16 @@ class Walls(NamedTuple):
 class MeshSystem:
     """Matrices of an imported structure on its free dofs.
 
-    Attributes
-    ----------
-    structure
-        What was assembled.
-    K, M
-        Stiffness and consistent mass, (free, free), symmetric [SI].
-    free
-        Numbers of the free dofs among dofs * nodes; with `lift` of the unknowns, turns of nodes counted on behind.
-    dofs
-        Dofs of a node: 3 in solids, 5 in shells, 6 where walls of a shell meet.
-    rigid
-        Rigid motions that the supports leave, 0 to 6.
-    wall
-        Wall thickness t [m]; of solids twice the volume over the surface.
-    frequency_scale
-        Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
-    tie
-        Motions (free, unknowns) to which static states are confined, those of a sector's faces; None if all are free.
-    lift
-        Dofs of the nodes by the unknowns, (dofs * nodes, free), where attachments tie some; None where each unknown
-        is one of them.
-    idle
-        Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions); None without attachments.
-    connected
-        All motions of a mesh with attachments; None without.
-    walls
-        Where walls of a shell meet: how the nodes of walls move, and the stiffness on their dofs; None elsewhere.
+    Attributes ---------- structure The structure. K, M Stiffness and consistent mass, (free, free), symmetric [SI].
+    free Numbers of the free dofs among dofs * nodes; with `lift` those of the unknowns, with rotations of nodes
+    numbered after them. dofs Dofs of a node: 3 in solids, 5 in shells, 6 if walls of a shell meet. rigid Number of
+    rigid motions that the supports allow, 0 to 6. wall Wall thickness t [m]; for solids twice the volume over the
+    surface. frequency_scale Bending frequency c t/size^2 [rad/s] of the body as a flat plate: a lower bound for its
+    elastic modes. tie Motions (free, unknowns) to which static states are restricted, as for a sector's faces; None if
+    all are free. lift Dofs of the nodes by the unknowns, (dofs * nodes, free), if attachments tie some; None if each
+    unknown is one of them. idle Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions);
+    None without attachments. connected All motions of a mesh with attachments; None without. walls If walls of a shell
+    meet: motion of the walls' nodes, and the stiffness on their dofs; else None.
 
     Examples
     --------
@@ -134,7 +117,7 @@ class MeshSystem:
 
     @property
     def cells(self) -> IntArray:
-        """Cells to draw: VTK's number of the kind of cell and its nodes, (cells, 1 + nodes of a cell)."""
+        """Cells for pictures: VTK cell type and nodes, (cells, 1 + nodes of a cell)."""
         mesh = self.structure.mesh
         return np.insert(mesh.cells, 0, VTK[mesh.kind], axis=1)
 
@@ -169,7 +152,7 @@ class MeshSystem:
         return np.asarray(flat[self.free] if self.lift is None else self.lift.T @ flat)
 
     def refuse_idle(self, forces: Array) -> None:
-        """Refuse forces (dofs, columns) that drive an idle motion."""
+        """Refuse forces (dofs, columns) on a motion without stiffness and mass."""
         if self.idle is None or not self.idle.shape[1]:
             return
         size = np.abs(forces).max(axis=1, initial=0.0)
@@ -183,7 +166,7 @@ class MeshSystem:
             raise ModelError("load-idle", f"{mesh.source}: found a force on {found}")
 
     def collect(self, fields: Array) -> Array:
-        """Nodal fields (nodes, dofs, columns) that `expand` gave -> free dofs (free, columns)."""
+        """Free dofs (free, columns) from nodal fields (nodes, dofs, columns) of `expand`."""
         if self.lift is None:
             return np.asarray(fields.reshape(len(self.points) * self.dofs, -1)[self.free])
         flat = fields.reshape(len(self.points) * self.dofs, -1)
@@ -212,7 +195,7 @@ class MeshSystem:
 
     @property
     def moving(self) -> BoolArray:
-        """Dofs of the nodes that move at all, (nodes, dofs)."""
+        """Whether each dof of the nodes moves, (nodes, dofs)."""
         mask = np.zeros(len(self.points) * self.dofs, dtype=bool)
         mask[self.free if self.lift is None else np.flatnonzero(np.diff(self.lift.indptr))] = True
         return mask.reshape(-1, self.dofs)
@@ -228,12 +211,12 @@ def assembled(
     sound: float,
     joints: Joints | None = None,
 ) -> MeshSystem:
-    """The system of all dofs reduced to the free ones: dofs of cells without supports, after attachments.
+    """The system reduced to the free dofs, from matrices of the cells without supports, after attachments.
 
     Parameters
     ----------
     K, M
-        Stiffness without springs, and mass, (all, all); of shells on the dofs of walls' nodes.
+        Stiffness without springs, and mass, (all, all); for shells on the dofs of walls' nodes.
     springs
         Matrices of the elastic supports, (all, all) each.
     motions
@@ -241,7 +224,7 @@ def assembled(
     wall, sound
         Wall thickness [m], and the least speed of sound c = sqrt(E/rho) [m/s].
     joints
-        Of a shell: how the nodes of its walls move with its nodes.
+        For a shell: motion of the walls' nodes with its nodes.
     """
     mesh, size = structure.mesh, len(motions)
     dofs = size // len(mesh.points)
@@ -276,14 +259,14 @@ def assembled(
 
 
 def still_nodes(structure: MeshStructure) -> IntArray:
-    """Nodes that a support fixes against turning, where they turn by themselves."""
+    """Nodes whose rotation a support fixes, if they have rotations."""
     clamped = [name for name, support in structure.supports.items() if isinstance(support, Clamped)]
     groups = [structure.mesh.groups[name].nodes for name in clamped]
     return np.unique(np.concatenate([*groups, np.zeros(0, dtype=np.int64)]))
 
 
 def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
-    """Dofs fixed by clamps and fixed directions, `dofs` of each node."""
+    """Dofs fixed by clamps and fixed directions, `dofs` for each node."""
     held = [
         (name, range(dofs) if isinstance(support, Clamped) else support.held)
         for name, support in structure.supports.items()

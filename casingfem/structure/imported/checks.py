@@ -1,6 +1,6 @@
-"""Checks of an imported mesh: all of it is scanned, and the first cells or nodes of each fault are named.
+"""Checks of an imported mesh: everything is scanned, and messages name the first cells or nodes of each fault.
 
-Faults that would give wrong frequencies are refused, all of them in one error; of what may be meant a warning is given.
+Faults that would give wrong frequencies are refused, all in one error; features that may be intended give a warning.
 """
 
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ def check_mesh(mesh: MeshData) -> None:
     Raises
     ------
     ModelError
-        With every fault, one a line; its code is that of the last line.
+        With every fault on a line of its own; its code is that of the last line.
     """
     found = non_finite(mesh) or repeated_nodes(mesh) or [f for scan in SCANS for f in scan(mesh)]
     if found:
@@ -53,7 +53,7 @@ def non_finite(mesh: MeshData) -> list[Finding]:
 
 
 def repeated_nodes(mesh: MeshData) -> list[Finding]:
-    """Cells that have a node twice, but for bricks and squares that collapse to a solid or a triangle."""
+    """Cells with a repeated node, except bricks and squares that collapse to a valid solid or triangle."""
     kept = np.count_nonzero(distinct(mesh.cells) >= 0, axis=1)
     bad = kept < LEAST.get(mesh.kind, mesh.cell_kind.nodes)
     if mesh.kind in NATIVE:  # only what is read as another kind has the middles of that
@@ -64,7 +64,7 @@ def repeated_nodes(mesh: MeshData) -> list[Finding]:
 
 
 def extremes(mesh: MeshData, *, nodes: bool) -> tuple[FloatArray, FloatArray]:
-    """Least and largest local volume or area of each cell at quadrature points, or nodes too, over that of a cube."""
+    """Smallest and largest local volume or area of each cell at quadrature points, or also nodes, relative to a cube."""
     least, most = np.empty((2, len(mesh.cells)))
     for kind, rows, slots in natives(mesh):
         inner, at_nodes = local_sizes(mesh, kind, mesh.cells[rows][:, slots])
@@ -96,7 +96,7 @@ def local_sizes(mesh: MeshData, name: str, cells: IntArray) -> tuple[FloatArray,
 
 
 def bad_cells(mesh: MeshData) -> list[Finding]:
-    """Cells without volume, inside out, or with nodes in another order than the format's."""
+    """Cells without volume, inside out, or with nodes in another order than that of the format."""
     least, most = extremes(mesh, nodes=False)
     flat = np.maximum(most, -least) < 1e-9
     inverted = ~flat & (most < 0.0)
@@ -109,7 +109,7 @@ def bad_cells(mesh: MeshData) -> list[Finding]:
 
 
 def stray_middles(mesh: MeshData) -> Array:
-    """Cells of which a middle node is far from the middle of its corners."""
+    """Cells with a middle node far from the middle of its corners."""
     stray = np.zeros(len(mesh.cells), dtype=bool)
     for kind, rows, slots in natives(mesh):
         points = mesh.points[mesh.cells[rows][:, slots]]
@@ -121,12 +121,12 @@ def stray_middles(mesh: MeshData) -> Array:
 
 
 def spacing(mesh: MeshData) -> float:
-    """The shortest distance that nodes of one cell should have: its shortest edge, halved by a middle node."""
+    """The shortest distance expected between nodes of one cell: its shortest edge, halved by a middle node."""
     return float(edge_lengths(mesh).min()) * (0.5 if mesh.cell_kind.middles else 1.0)
 
 
 def coincident(mesh: MeshData) -> list[Finding]:
-    """Nodes at the same place that no cell joins: a seam left open, parts not merged."""
+    """Nodes at the same position that no cell joins: an open seam, or parts that were not merged."""
     from scipy.spatial import cKDTree  # loaded with the first part, not by every study
 
     used = mesh.used
@@ -149,7 +149,7 @@ def attached_pairs(mesh: MeshData, pairs: IntArray) -> BoolArray:
 
 
 def parts(mesh: MeshData) -> list[Finding]:
-    """Cells that do not hang together by common nodes, connections or ties."""
+    """Cells that are not connected by common nodes, connections or ties."""
     cells = mesh.cells
     count = len(cells)
     owner = np.repeat(np.arange(count), cells.shape[1])
@@ -169,7 +169,7 @@ def parts(mesh: MeshData) -> list[Finding]:
 
 
 def overlaps(mesh: MeshData) -> list[Finding]:
-    """Cells given twice, facets of solids that more than two cells share, cells of shells that lie over each other."""
+    """Repeated cells, facets of solids in more than two cells, and shell cells that overlap."""
     _, first = np.unique(np.sort(mesh.cells, axis=1), axis=0, return_index=True)
     copies = ~np.isin(np.arange(len(mesh.cells)), first)
     found = where("mesh-overlap", copies, lambda k: f"{cells_named(mesh, k)} with the same nodes as another")
@@ -187,7 +187,7 @@ def overlaps(mesh: MeshData) -> list[Finding]:
 
 
 def hanging(mesh: MeshData) -> list[Finding]:
-    """Corners that are on a neighbour's middle node, and neighbours with a facet of other middle nodes."""
+    """Corners on a neighbour's middle node, and neighbours whose common facet has different middle nodes."""
     if not mesh.cell_kind.middles:
         return []
     corners = len(mesh.cell_kind.corners)
@@ -199,7 +199,7 @@ def hanging(mesh: MeshData) -> list[Finding]:
 
 
 def split_facets(mesh: MeshData) -> list[Finding]:
-    """Neighbours with the same corners on their common facet and other middle nodes."""
+    """Neighbours with equal corners but different middle nodes on their common facet."""
     count = len(mesh.cell_kind.facets)
     full = distinct(mesh.facet_nodes(np.argwhere(np.ones((len(mesh.cells), count)))))
     _, inverse, counts = np.unique(full, axis=0, return_inverse=True, return_counts=True)
@@ -209,7 +209,9 @@ def split_facets(mesh: MeshData) -> list[Finding]:
 
 
 def normals(mesh: MeshData) -> list[Finding]:
-    """Cells of a shell whose normal points against a neighbour's within `FOLDED`: both run along their edge alike.
+    """Cells of a shell whose normal is opposite to a neighbour's within `FOLDED`.
+
+    Both have their edge in the same direction.
 
     At sharper folds and at branches normals are independent.
     """
@@ -222,7 +224,7 @@ def normals(mesh: MeshData) -> list[Finding]:
 
 
 def orphans(mesh: MeshData) -> list[Finding]:
-    """Nodes that neither a cell nor an attachment has."""
+    """Nodes without cell and attachment."""
     alone = np.ones(len(mesh.points), dtype=bool)
     alone[mesh.present] = False
     return where("mesh-orphan-nodes", alone, lambda k: f"{nodes_named(mesh, k)} without a cell")
@@ -242,11 +244,13 @@ def slender(mesh: MeshData) -> list[Finding]:
 
 
 def thin_and_curved(mesh: MeshData) -> list[Finding]:
-    """Solid cells whose bow, from the chord of an edge to its middle node, is large beside their thickness: they lock.
+    """Solid cells whose bow, from an edge's chord to its middle node, is large compared with their thickness.
+
+    They lock.
 
     On the frustum of reports/verification/modes/imported.py (27 nodes) a bow of .06 of the thickness costs 0.5 % of the
-    lowest frequency, .2 costs 5 %, .6 costs 23 %. Cells that fill a hundredth of the part at most are left out: those
-    in the edges of a blade are thin in two directions and change no frequency.
+    lowest frequency, .2 costs 5 %, .6 costs 23 %. Cells that fill at most a hundredth of the part are ignored: those in
+    a blade's edges are thin in two directions and change no frequency.
     """
     kind = mesh.cell_kind
     if kind.dim < 3 or not kind.middles:
@@ -271,7 +275,7 @@ def volumes(mesh: MeshData) -> FloatArray:
 
 
 def linear(mesh: MeshData) -> list[Finding]:
-    """Linear solids lock in bending."""
+    """Warn of linear solids, which lock in bending."""
     if mesh.kind in ("tetra", "hexahedron"):
         return [Finding("mesh-linear-cells", f"{len(mesh.cells)} cells of kind {mesh.kind}")]
     return []
@@ -282,7 +286,7 @@ WARNINGS = (orphans, slender, thin_and_curved, linear)
 
 
 def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
-    """Refuse names that are no group of the mesh, with those that come close, and empty groups."""
+    """Refuse names that are not groups of the mesh, with similar ones, and empty groups."""
     for name in names:
         if name not in mesh.groups:
             known = [repr(group) for group in mesh.groups]
@@ -293,7 +297,7 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
 
 
 def check_units(mesh: MeshData, material: Material) -> None:
-    """Warn of sizes that resemble millimetres, and materials that no part is made of."""
+    """Warn of sizes that suggest millimetres, and of implausible materials."""
     speed, size = float(np.sqrt(material.E / material.rho)), mesh.size
     if size > LARGE and SOUND[0] <= speed <= SOUND[1]:
         warn("mesh-units", f"{mesh.source}: {size:.4g} m across with E = {material.E:.3g} Pa", stacklevel=4)

@@ -1,4 +1,4 @@
-"""Structured meshes of blocks, tubes and surfaces, made without a mesher: for comparisons and tests.
+"""Structured meshes of blocks, tubes and surfaces without a mesher, for comparisons and tests.
 
 A grid with nodes at half steps contains all kinds: 27-node bricks take every node, 20-node bricks all but the inner
 ones, and the six tetrahedra of a cube (Kuhn) find their middle nodes on it too.
@@ -76,20 +76,20 @@ def cube_cells(kind: str, dim: int) -> FloatArray:
 
 
 def end_group(mesh: MeshData, inside: Array) -> Group:
-    """The group of the nodes in a mask, with the boundary facets that lie wholly in it."""
+    """The group of the nodes in a mask, with the boundary facets that are completely in it."""
     boundary = mesh.boundary
     return Group(nodes=np.flatnonzero(inside), facets=boundary[inside[mesh.facet_nodes(boundary)].all(axis=1)])
 
 
 def revolved(r: tuple[float, float], z: tuple[float, float], thickness: float) -> Placing:
-    """Place unit coordinates (through the wall, around, along the axis) on a frustum's wall.
+    """Map unit coordinates (through the wall, around, along the axis) to a frustum's wall.
 
     Parameters
     ----------
     r, z
-        Radius of the mid-surface and place along the axis at both ends [m].
+        Radius of the mid-surface and position along the axis at both ends [m].
     thickness
-        Of the wall, across the mid-surface [m].
+        Thickness of the wall, across the mid-surface [m].
 
     Examples
     --------

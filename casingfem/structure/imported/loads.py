@@ -27,7 +27,7 @@ from contact.io.reported import Reported
 
 @runtime_checkable
 class OnMesh(Protocol):
-    """A load that knows its nodal forces on an imported part."""
+    """Interface of a load with nodal forces on an imported part."""
 
     def on_mesh(self, structure: MeshStructure) -> FloatArray:
         """Nodal forces [N], (nodes, 3)."""
@@ -38,9 +38,9 @@ MeshLoad: TypeAlias = OnMesh | Gravity | EdgeLoad | Pressure | SurfaceLoad
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeLoad:
-    """A force [N] at a node, by the number that the file gives it.
+    """A force [N] at a node, by its number in the file.
 
-    The displacement under it grows without limit as the mesh is refined; elsewhere it converges.
+    The displacement at the node grows without limit as the mesh is refined; elsewhere it converges.
 
     >>> NodeLoad(node=6, force=(0.0, 0.0, 1.0)).node
     6
@@ -90,7 +90,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
     Raises
     ------
     ModelError
-        `load-edge` for a load that an imported part cannot have.
+        `load-edge` for a load that imported parts do not support.
     """
     mesh = structure.mesh
     match load:
@@ -130,7 +130,7 @@ def weight(structure: MeshStructure, acceleration: Vector) -> FloatArray:
 
 
 def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
-    """The facets of a group, mapped, and their nodes, each kind by itself."""
+    """The facets of a group, mapped, and their nodes, kind by kind."""
     check_groups(mesh, [name])
     facets = mesh.group_facets(name)
     if not len(facets):
@@ -141,7 +141,7 @@ def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
 
 
 def spread(mesh: MeshData, on: Mapped, nodes: IntArray, density: FloatArray) -> FloatArray:
-    """Nodal forces of a force per volume, area or length, (cells, q, 3) or alike for all."""
+    """Nodal forces of a force per volume, area or length, (cells, q, 3) or uniform."""
     loads, density = np.zeros_like(mesh.points), np.broadcast_to(density, on.x.shape)
     np.add.at(loads, nodes, np.einsum("kq,eq,eqc->ekc", on.values, np.abs(on.measure), density, optimize=True))
     return loads
@@ -154,7 +154,7 @@ class MeshDeflection(Reported):
     Attributes
     ----------
     fields
-        u_x, u_y, u_z [m], of shells w_1, w_2 [rad] too, and a third rotation where walls meet, (nodes, 3, 5 or 6).
+        u_x, u_y, u_z [m], for shells also w_1, w_2 [rad], and a third rotation if walls meet, (nodes, 3, 5 or 6).
     energy
         Strain energy u^T K u/2 [J].
 
@@ -173,7 +173,7 @@ class MeshDeflection(Reported):
     energy: float
 
     def columns(self) -> dict[str, Any]:
-        """One row a node: its number in the file, place and displacement [m], turns [rad]."""
+        """One row for each node: its number in the file, position and displacement [m], rotations [rad]."""
         mesh = self.structure.mesh
         shown = mesh.present
         named = zip(("x_m", "y_m", "z_m", *NODAL), (*mesh.points[shown].T, *self.fields[shown].T), strict=False)
@@ -194,7 +194,7 @@ class MeshDeflection(Reported):
 def solve_mesh_static(
     structure: MeshStructure, loads: Sequence[MeshLoad], *, system: MeshSystem | None = None
 ) -> MeshDeflection:
-    """Displacements of a supported imported part under loads that act together; see `solve_static`."""
+    """Displacements of a supported imported part under simultaneous loads; see `solve_static`."""
     if not loads:
         raise ModelError("load-none", "solve_static: found no loads, expected at least one")
     system = system or structure.assembled()

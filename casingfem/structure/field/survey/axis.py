@@ -1,6 +1,6 @@
-"""The axis of a surveyed part: where the middles of its circles lie, and its points seen from there.
+"""The axis of a surveyed part: the line through the centres of its circles, and its points relative to it.
 
-A part that is beside the middle of the turntable, or leans, shows one wave around, which is no shape.
+A part that is off the centre of the turntable, or inclined, shows one wave around, which is not part of its shape.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Axis:
         return f"{1e3 * abs(self.offset):.3g} mm off the axis towards {towards} deg at z = {self.z_mid:.3g} m{lean}"
 
     def seen_from(self, points: SurveyPoints) -> SurveyPoints:
-        """The points (theta, z, radius) about this axis; its lean is taken as small."""
+        """The points (theta, z, radius) about this axis, whose inclination is assumed small."""
         place = points.value * np.exp(1j * points.theta) - self.offset - self.tilt * (points.z - self.z_mid)
         return replace(points, theta=np.angle(place) % (2.0 * np.pi), value=np.abs(place))
 
@@ -63,10 +63,10 @@ def axis_of(fit: SurveyFit, z: FloatArray) -> Axis:
 
 
 def rough_axis(points: SurveyPoints) -> Axis:
-    """The axis of the circles nearest to the points, wherever these are, by linear least squares (Kasa).
+    """The axis of the circles nearest to the points, at any position, by linear least squares (Kasa).
 
-    |p|^2 = 2 Re(conj(c + t (z - z_mid)) p) + k0 + k1 z + k2 z^2 with p = x + i y: right to the shape's own waves and to
-    the square of the lean.
+    |p|^2 = 2 Re(conj(c + t (z - z_mid)) p) + k0 + k1 z + k2 z^2 with p = x + i y: accurate up to the waves of the shape
+    and the square of the inclination.
     """
     place, high = points.value * np.exp(1j * points.theta), points.z - 0.5 * (points.z.min() + points.z.max())
     around = np.column_stack([place.real, place.imag])
@@ -82,9 +82,9 @@ Fit = Callable[[SurveyPoints, bool], SurveyFit]  # of points; whether stray ones
 
 
 def centred_points(points: SurveyPoints, fitted: Fit) -> tuple[SurveyPoints, Axis]:
-    """The points about their own axis, and that axis: fits and moves until no first harmonic is left to it.
+    """The points about their own axis, and that axis: alternate fits and shifts until the first harmonic vanishes.
 
-    The search for stray points, by far the longest part, is made once: the axis is then that of all others.
+    The search for outliers, by far the longest part, is made once; the axis is then that of the other points.
     """
     if points.quantity != "radius":
         raise InputError(points.path, found="a thickness to be centred", expected="radii: a wall has no axis")
@@ -98,7 +98,7 @@ def centred_points(points: SurveyPoints, fitted: Fit) -> tuple[SurveyPoints, Axi
 
 
 def settled_axis(points: SurveyPoints, axis: Axis, fitted: Fit, search: bool) -> Axis:
-    """The axis that a fit about it leaves where it is, from one nearby."""
+    """The axis that does not change when a fit is made about it, from a nearby start."""
     for _ in range(STEPS):
         fit = fitted(axis.seen_from(points), search)
         rest = axis_of(fit, points.z)
@@ -109,12 +109,12 @@ def settled_axis(points: SurveyPoints, axis: Axis, fitted: Fit, search: bool) ->
 
 
 def settled(rest: Axis, fit: SurveyFit, points: SurveyPoints) -> bool:
-    """Whether the remaining offset and lean are no more than round-off."""
+    """Whether the remaining offset and inclination are within round-off."""
     return bool(abs(rest.offset) + abs(rest.tilt) * np.ptp(points.z) < SETTLED * fit.mean[0])
 
 
 def refuse_outside(points: SurveyPoints) -> None:
-    """Refuse radii about an axis that is nowhere near the middle of the part."""
+    """Refuse radii about an axis that is far from the middle of the part."""
     axis = rough_axis(points)
     radius = float(np.median(axis.seen_from(points).value))
     if points.quantity == "radius" and abs(axis.offset) > FAR * radius:
@@ -123,7 +123,7 @@ def refuse_outside(points: SurveyPoints) -> None:
 
 
 def eccentric(fit: SurveyFit, points: SurveyPoints) -> Axis | None:
-    """The axis of radii whose first harmonic is larger than all others together; None where it is not."""
+    """The axis of radii whose first harmonic is larger than all others together; else None."""
     if points.quantity != "radius":
         return None
     axis, field, z = axis_of(fit, points.z), fit.field, points.z

@@ -1,4 +1,4 @@
-"""The least-squares fit of a survey: parameters that the points determine, and the cone and defect they give."""
+"""The least-squares fit of a survey: parameters that the points determine, and the resulting cone and defect."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class SurveyFit(NamedTuple):
 
 
 def resolved_harmonic(gap_deg: float) -> int:
-    """Return the largest p with p < 180/gap: more than two points a wave.
+    """The largest p with p < 180/gap: more than two points in a wave.
 
     Examples
     --------
@@ -48,17 +48,17 @@ def resolved_harmonic(gap_deg: float) -> int:
 def fit_points(
     points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False, search: bool = True
 ) -> SurveyFit:
-    """Choose the fit that the points determine, or check the one asked, and make it.
+    """Choose a fit that the points determine, or check the requested one, and make it.
 
-    A robust fit weighs points down by their residual; those set aside altogether count neither for the gap in theta
-    nor for what the points determine. Without `search` all points count as they are.
+    A robust fit reduces weights by the residuals; points with weight zero count neither for the gap in theta nor for
+    the determination of parameters. Without `search` all points count equally.
 
     Raises
     ------
     InputError
-        A gap in theta wider than 90 deg or than half a wave of n_max, too few or badly placed points.
+        A gap in theta exceeds 90 deg or half a wave of n_max, or points are too few or badly distributed.
     ValueError
-        n_max or degree that are not whole numbers.
+        n_max or degree is not a whole number.
     """
     gap, heights = points.coverage()
     _check_coverage(points, gap, n_max, degree)
@@ -134,14 +134,14 @@ class _Problem:
         return np.concatenate([self.mean_columns, scale * self.columns], axis=1)
 
     def weakness(self) -> str:
-        """State why the points cannot determine the fit."""
+        """Reason why the points cannot determine the fit."""
         points, unknowns = self.design(1.0).shape
         if points < unknowns:
             return f"{points} points for {unknowns} unknowns"
         return f"{points} points at places that do not determine {unknowns} unknowns apart"
 
     def determined(self, margin: bool) -> bool:
-        """Whether the points are enough, and well enough placed: the condition of the normal matrix."""
+        """Whether the points are enough and well distributed, from the condition of the normal matrix."""
         design = self.design(1.0)
         points, unknowns = design.shape
         if unknowns > (_MARGIN if margin else 1.0) * points:
@@ -150,7 +150,7 @@ class _Problem:
         return bool(spectrum[0] > spectrum[-1] / _WORST_CONDITION**2)
 
     def solved(self, weights: FloatArray | None = None) -> tuple[FourierField, tuple[float, float], FloatArray]:
-        """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c converges."""
+        """Fit r = alpha + beta z + c(z) f, where c is the cone itself: linear, repeated until c converges."""
         value, trend = self.points.value, self.mean_columns.shape[1]
         cone = np.full(len(self.points), np.median(value))
         for _ in range(20):

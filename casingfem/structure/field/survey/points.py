@@ -1,4 +1,4 @@
-"""The points of a survey: read from CSV, units checked, and how well they cover the circle."""
+"""The points of a survey: read from CSV, with checked units, and their coverage of the circle."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class SurveyPoints:
     Raises
     ------
     InputError
-        Values that are not finite or positive, arrays of different lengths.
+        Values are not finite or positive, or arrays have different lengths.
     """
 
     theta: FloatArray
@@ -76,10 +76,10 @@ class SurveyPoints:
         return ring
 
     def coverage(self) -> tuple[float, int]:
-        """Return the largest gap in theta [deg] and the number of heights.
+        """Largest gap in theta [deg] and number of heights.
 
         A survey made of rings (at most 20 heights, nearly all with 8 points or more)
-        is as good as its worst ring; a scattered one is judged by all points together.
+        is judged by its worst ring; a scattered one by all points together.
         """
         ring = self.rings()
         counts = np.bincount(ring)
@@ -90,7 +90,7 @@ class SurveyPoints:
 
 
 def largest_gap_deg(theta: FloatArray) -> float:
-    """Return the largest angle [deg] between neighbouring points around the circle.
+    """Largest angle [deg] between neighbouring points around the circle.
 
     Examples
     --------
@@ -104,19 +104,16 @@ def largest_gap_deg(theta: FloatArray) -> float:
 def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     """Read a survey CSV with units in the column names: theta, z and radius (or thickness), or x, y and z.
 
-    Names are read without regard to case, with units in brackets, by common words (`casingfem.io.columns`). Without a
-    column of radii these are sqrt(x^2 + y^2). Other columns are left out.
+    Names may have any case, units in brackets, and common words (`casingfem.io.columns`). Without a
+    column of radii these are sqrt(x^2 + y^2). Other columns are ignored.
 
     Warns
     -----
     ModelWarning
-        `survey-columns`: the columns that were left out.
+        `survey-columns`: the ignored columns.
 
-    Raises
-    ------
-    InputError
-        Malformed tables (see strict_csv), missing or unit-less columns, values
-        that are not positive, values that resemble another unit than the column's.
+    Raises ------ InputError The table is malformed (see strict_csv), columns or their units are missing, or values are
+    not positive or seem to have another unit.
     """
     table = named(read(path), SURVEY)
     wrong, parts = list[InputError](), dict[str, tuple[FloatArray, str]]()
@@ -156,7 +153,7 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
 
 
 def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, str]:
-    """The numbers of the one column of a quantity, in rad or m, and its name, which states the unit."""
+    """The numbers of the single column of a quantity, in rad or m, and its name, which states the unit."""
     found = [name for name in table.header if name in choices]
     wanted = " or ".join(choices)
     if len(found) == 1:

@@ -1,6 +1,6 @@
-"""Outliers and repeats of a survey: weights that set stray points aside, points that contradict all others, passes.
+"""Outliers and repeats of a survey: robust weights, points that contradict all others, repeated passes.
 
-Points measured twice show the scatter; second measurements may differ from the first beyond chance.
+Points measured twice show the scatter; second measurements may differ significantly from the first.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ HUBER_STEPS, MOST_STEPS = 30, 90
 def least_squares(design: FloatArray, values: FloatArray, weights: FloatArray | None = None) -> FloatArray:
     """Coefficients (unknowns,) of the weighted fit of values (points,) by the columns of a design (points, unknowns).
 
-    By the normal matrix, whose condition a survey's fit is checked for, and one step of refinement: for a scan of many
-    points a tenth of the time of orthogonal factors.
+    It uses the normal matrix, whose condition is checked, and one step of refinement: for a scan of many points a tenth
+    of the time of orthogonal factors.
     """
     root = np.ones(len(values)) if weights is None else np.sqrt(weights)
     scaled = design if weights is None else design * root[:, None]
@@ -38,14 +38,14 @@ def least_squares(design: FloatArray, values: FloatArray, weights: FloatArray | 
 def robust_weights(design: FloatArray, values: FloatArray) -> FloatArray:
     """Weights (points,) by iterated least squares: Huber's first, then Tukey's bisquare, which may reach 0.
 
-    Scale: 1.4826 med |r|, raised by sqrt(points/(points - unknowns)) for what the fit itself takes out. Huber's problem
-    is convex and brings the start near, whatever the plain fit was; the bisquare then forgets points beyond 4.685
-    scales altogether (P. Huber, Robust Statistics, 1981; A. Beaton & J. Tukey, Technometrics 16, 1974, 147).
+    Scale: 1.4826 med |r|, multiplied by sqrt(points/(points - unknowns)) for the degrees of freedom of the fit. Huber's
+    problem is convex and gives a good start from any plain fit; the bisquare then gives zero weight beyond 4.685 scales
+    (P. Huber, Robust Statistics, 1981; A. Beaton & J. Tukey, Technometrics 16, 1974, 147).
 
     Parameters
     ----------
     design, values
-        Columns (points, unknowns) of the fit, and what they fit (points,).
+        Columns (points, unknowns) of the fit, and the fitted values (points,).
     """
     points, unknowns = design.shape
     weights = np.ones(points)
@@ -62,10 +62,10 @@ def robust_weights(design: FloatArray, values: FloatArray) -> FloatArray:
 
 
 def pure_error(points: SurveyPoints) -> tuple[float | None, int]:
-    """Standard deviation [m] of points measured more than once at one place, and how many repeats there are.
+    """Standard deviation [m] of points measured repeatedly at the same place, and the number of repeats.
 
-    s^2 = sum (r - mean of its place)^2 / (points - places): noise of the measurement, whatever the fit. None without
-    repeats. Points within .001 deg and .01 mm share a place.
+    s^2 = sum (r - mean of its place)^2 / (points - places): the noise of the measurement, independent of the fit. None
+    without repeats. Points within .001 deg and .01 mm share a place.
     """
     turn = np.round(np.mod(points.theta, 2.0 * np.pi) / np.radians(1e-3)).astype(np.int64) % 360_000
     place = np.stack([turn, np.round(points.z / 1e-5).astype(np.int64)])
@@ -87,7 +87,7 @@ FEW = 12  # places measured twice, below which nothing is stated
 
 
 def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
-    """Find outliers (points,), which contradict the others beyond chance, from the residuals of a plain fit."""
+    """Outliers (points,), which contradict the others significantly, from the residuals of a plain fit."""
     if len(residual) > SEARCHED:
         return beyond(design, residual, robust_weights(design, residual) > 0.0)
     stray = shifted_points(design, residual)
@@ -99,10 +99,10 @@ def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
 
 
 def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArray:
-    """Find points (points,) whose distance from the fit of the kept points is beyond chance for any one point.
+    """Points (points,) whose distance from the fit of the kept points is significant for any single point.
 
-    For scans: with many points to an unknown none bends the fit towards itself. Student's t of a point that took no
-    part, t = r/(s sqrt(1 + x^T (X^T X)^-1 x)).
+    For scans with many points per unknown, where no point influences the fit. Student's t of a point outside the fit is
+    t = r/(s sqrt(1 + x^T (X^T X)^-1 x)).
     """
     own, free = design[kept], int(kept.sum()) - design.shape[1]
     left = residual - design @ least_squares(own, residual[kept])
@@ -116,12 +116,13 @@ def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArr
 
 
 def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
-    """Find points (points,) that a shift of their own explains beyond chance; the plain fit is not repeated.
+    """Points (points,) with a significant individual shift; the plain fit is not repeated.
 
-    Point i alone off by delta leaves the residual P_ii delta of itself, P = 1 - Q Q^T of the design, and moves all
-    others. The largest (P r)_i^2/P_ii is taken first, then the largest of what that leaves, up to SHARE of the points
-    (mean-shift outliers: Cook & Weisberg, Residuals and Influence in Regression, 1982, 2.2.2). As many count as are all
-    significant by Student's t, at LEVEL over the number of points, against the scatter without them.
+    A shift delta of only point i causes the residual P_ii delta there, with P = 1 - Q Q^T of the design, and changes
+    all others. The point with the largest (P r)_i^2/P_ii is taken first, then the largest of the remaining residual, up
+    to SHARE of the points (mean-shift outliers: Cook & Weisberg, Residuals and Influence in Regression, 1982, 2.2.2).
+    The largest set counts whose shifts are all significant by Student's t, at LEVEL over the number of points, against
+    the scatter without them.
     """
     points = len(residual)
     span = np.linalg.qr(design)[0]
@@ -155,9 +156,9 @@ def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
 
 
 def significant(design: FloatArray, residual: FloatArray, candidates: BoolArray) -> BoolArray:
-    """Those of the candidates whose shifts are significant given each other: the least goes, one at a time.
+    """Those candidates whose shifts are significant in the presence of the others: the least is removed, one at a time.
 
-    By the residual of a plain fit; there must be degrees of freedom left beside the candidates.
+    It uses the residual of a plain fit, with degrees of freedom beyond the candidates.
     """
     span = np.linalg.qr(design)[0]
     members = np.flatnonzero(candidates)
@@ -179,10 +180,11 @@ def significant(design: FloatArray, residual: FloatArray, candidates: BoolArray)
 
 
 def passes_words(points: SurveyPoints) -> str:
-    """Sentence on repeated measurements that differ from the first beyond chance; empty if they do not.
+    """Sentence on repeated measurements that differ significantly from the first; empty if they do not.
 
     White noise has no mean, and differences of neighbours in theta whose mean square is twice their variance (J. von
-    Neumann, Ann. Math. Stat. 12, 1941, 367); an offset shows in the one, a turn or another shape in the other.
+    Neumann, Ann. Math. Stat. 12, 1941, 367); an offset shows in the mean, a rotation or another shape in the
+    differences.
     """
     first, pairs = dict[tuple[int, int], int](), list[tuple[int, int]]()
     turn = np.round(np.degrees(np.mod(points.theta, 2.0 * np.pi)) / 1e-3).astype(np.int64) % 360_000

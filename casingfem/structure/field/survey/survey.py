@@ -35,22 +35,22 @@ class SurveyField(SeriesBehind):
 
     A thickness is t = a (1 + f), where f may also contain p = 0, d >= 1 (a taper).
 
-    A Field itself: what a Shell takes as ``radius_defect`` or ``thickness_defect``.
+    It is a Field for ``radius_defect`` or ``thickness_defect`` of a Shell.
 
     Parameters
     ----------
     fit : the relative defect f, a FourierField
     mean : (a [m], b [-]) of the mean cone; b = 0 for a thickness
     quantity : "radius" or "thickness"
-    residual_rms, residual_max : relative, what the fit leaves of the measured points
+    residual_rms, residual_max : relative residuals of the measured points
     coverage_deg : largest gap in theta between measured points
     z_range : m, lowest and highest point
-    set_aside : points that a robust fit left out: (theta [deg], z [m], relative residual) of each
-    pure_error : standard deviation [m] of points measured again at one place, None without such repeats
-    repeats : how many there are
-    doubted : points, like those set aside, that took part in a plain fit and contradict all others
-    without : the fit without them, None where there are none
-    axis : the part's own axis, about which the points were taken; None where they were taken as they are
+    set_aside : points that a robust fit excluded: (theta [deg], z [m], relative residual) of each
+    pure_error : standard deviation [m] of points measured repeatedly at one place, None without repeats
+    repeats : number of repeats
+    doubted : points of a plain fit that contradict all others, in the form of `set_aside`
+    without : the fit without them, None if there are none
+    axis : the part's own axis, to which the points refer; None if they were used as given
 
     Examples
     --------
@@ -91,30 +91,22 @@ class SurveyField(SeriesBehind):
     ) -> SurveyField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
-        Or x_m|x_mm, y_m|y_mm, z_m|z_mm, as measuring machines write them; what other columns contain is left out.
+        Or x_m|x_mm, y_m|y_mm, z_m|z_mm, as measuring machines write them; other columns are ignored.
 
-        Parameters
-        ----------
-        n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most 40
-        degree : of the polynomial in z; by default 0 for one height, 1 below four, else 2,
-            lowered (then n_max) while the points cannot determine it
-        robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and state which
-            were set aside
-        centred : take the points about the part's own axis, offset and lean fitted, not the one it was turned about
-        outside : beyond the lowest and highest point the polynomial goes on ("fit"), the shape of the nearest height
-            continues ("nearest"), or it goes down to zero over a quarter of the measured heights ("zero")
+        Parameters ---------- n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most
+        40 degree : of the polynomial in z; by default 0 for one height, 1 below four, else 2, lowered (then n_max)
+        while the points cannot determine it robust : reduce the weight of outliers (Huber, then bisquare weights, scale
+        from the median deviation), and list those excluded centred : use the part's own axis, with fitted offset and
+        inclination, not that of the measurement outside : beyond the lowest and highest point the polynomial continues
+        ("fit"), the shape of the nearest height continues ("nearest"), or it decreases to zero over a quarter of the
+        measured heights ("zero")
 
-        Warns
-        -----
-        ModelWarning
-            `survey-outliers`: a robust fit set points aside; `survey-stray`: a plain one has points that contradict
-            all others; `survey-passes`: places measured twice differ beyond chance; `survey-eccentric`: the part
-            was beside the axis of the survey by more than it is out of round.
+        Warns ----- ModelWarning `survey-outliers`: a robust fit excluded points; `survey-stray`: a plain fit has points
+        that contradict all others; `survey-passes`: repeated measurements differ significantly; `survey-eccentric`: the
+        part was off the axis of the survey by more than its out-of-roundness.
 
-        Raises
-        ------
-        InputError
-            Malformed or implausible tables, a circle not covered for the n_max asked, too few points.
+        Raises ------ InputError The table is malformed or implausible, the circle is not covered for the requested
+        n_max, or there are too few points.
         """
         survey = cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust, centred=centred)
         return survey.bounded(outside)
@@ -148,9 +140,9 @@ class SurveyField(SeriesBehind):
         centred: bool = False,
         placed: Callable[[SurveyPoints], SurveyPoints] | None = None,
     ) -> SurveyField:
-        """Fit points already read; the options as in from_csv.
+        """Fit points that were read; options as in from_csv.
 
-        Where a shell's fields take another place along than the height z, `placed` gives the points with it.
+        If a shell's fields use another coordinate than the height z, `placed` has the points with it.
         """
         axis: Axis | None = None
         if centred:
@@ -260,7 +252,7 @@ class SurveyField(SeriesBehind):
 
 
 def largest_change(plain: FourierField, without: FourierField) -> str:
-    """The harmonic that the stray points bend most."""
+    """The harmonic that the outliers change most."""
     p = max(plain.harmonics, key=lambda p: abs(plain.amplitude(p) - without.amplitude(p)))
     return f"harmonic {p} is {plain.amplitude(p):.3g} with them, {without.amplitude(p):.3g} without"
 

@@ -2,10 +2,10 @@
 
     u_i = sum_k N_k(r_i) u_k
 
-with r_i the place on the facets that is nearest to node i, which is moved there: a tie that spans a gap would resist
-being turned. Linear motions pass, so rigid motions and uniform strains bring no force; a constant stress passes between
-faces whose meshes match, and nearly so between others (collocation at nodes, as in the programs that have *TIE; only an
-integral tie, mortar, passes it exactly).
+with r_i the point on the facets that is nearest to node i. The node is moved there, since a tie across a gap would
+resist rotation. Linear motions are reproduced, so rigid motions and uniform strains cause no force. A constant stress
+is transmitted exactly between matching meshes and approximately between others (collocation at nodes, like *TIE in
+other programs; only an integral mortar tie is exact).
 """
 
 from collections.abc import Sequence
@@ -31,14 +31,9 @@ TOLERANCE = 0.05  # of the facet's size: how far from it a node is still tied
 class Gluing:
     """Two faces to be tied.
 
-    Attributes
-    ----------
-    follower, master
-        Groups: nodes of the first follow the facets of the second; of shells, edges or cells. The finer face follows.
-    tolerance
-        Distance [m] up to which nodes are tied; a twentieth of the facet's size if left out.
-    where
-        What ties them, for messages.
+    Attributes ---------- follower, master Groups: nodes of the first follow the facets of the second; for shells edges
+    or cells. The finer face should follow. tolerance Distance [m] up to which nodes are tied; by default a twentieth of
+    the facet's size. where Origin of the tie, for messages.
 
     Examples
     --------
@@ -53,17 +48,17 @@ class Gluing:
 
 
 def tied(mesh: MeshData, gluings: Sequence[Gluing]) -> MeshData:
-    """A mesh with faces tied; nodes that follow are on the facets that they follow.
+    """A mesh with tied faces; following nodes are moved onto the facets that they follow.
 
     Raises
     ------
     ModelError
-        `mesh-tie` for groups that are not there, have no facets, or are nowhere near each other.
+        `mesh-tie` for unknown groups, groups without facets, or groups far from each other.
 
     Warns
     -----
     ModelWarning
-        `mesh-tie-loose` of nodes that are too far off to be tied.
+        `mesh-tie-loose` for nodes that are too far away to be tied.
 
     Examples
     --------
@@ -133,7 +128,7 @@ SETTLED = 1e-14  # of the reference facet: a step that changes nothing
 
 
 class Places(NamedTuple):
-    """Of each point: facet, shape functions (points, nodes of a facet), place (points, 3), distance, facet's size."""
+    """For each point: facet, shape functions (points, nodes of a facet), position (points, 3), distance, facet size."""
 
     facet: IntArray
     weights: FloatArray
@@ -143,7 +138,7 @@ class Places(NamedTuple):
 
 
 def nearest_places(kind: str, nodes: FloatArray, points: FloatArray) -> Places:
-    """The nearest places to points (p, 3) on facets of a kind with nodes (m, nodes, 3), lines or surfaces."""
+    """The nearest positions to points (p, 3) on facets of a kind with nodes (m, nodes, 3), lines or surfaces."""
     from scipy.spatial import cKDTree  # loaded where parts are glued, not by every study
 
     size = np.linalg.norm(np.ptp(nodes, axis=1), axis=1)
@@ -180,7 +175,7 @@ def projected(kind: str, nodes: FloatArray, x: FloatArray) -> tuple[FloatArray, 
 
 
 def tiny(gram: FloatArray) -> FloatArray:
-    """A small term that keeps a flat facet's matrix regular, far below its round-off."""
+    """A small term, far below round-off, that keeps a flat facet's matrix regular."""
     trace = np.einsum("pdd->p", gram)[:, None, None]
     return np.asarray(np.eye(gram.shape[1]) * np.maximum(1e-15 * trace, np.finfo(float).tiny))
 

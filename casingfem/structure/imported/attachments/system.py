@@ -24,8 +24,8 @@ class Attached(NamedTuple):
     """System of a mesh with attachments.
 
     K, M on the unknowns, not yet made symmetric; `lift` of the dofs of nodes by unknowns; `unknowns` among dofs of
-    nodes and the turns behind them; rigid motions left; `idle` motions of the nodes without stiffness and mass;
-    `connected`, what is needed to follow forces into connections.
+    nodes and the rotations after them; remaining rigid motions; `idle` motions of nodes without stiffness and mass;
+    `connected`, the data for forces in connections.
     """
 
     K: csc_array
@@ -59,18 +59,18 @@ def attached(
     Parameters
     ----------
     K, M
-        Of the cells, supports included, on all dofs of nodes.
+        Matrices of the cells with supports, on all dofs of nodes.
     held, still
-        Dofs that supports fix; nodes that supports fix against turning too.
+        Dofs that supports fix; nodes whose rotations supports fix too.
     fields
         Rigid motions on all dofs of nodes, (dofs, 6).
     supports
-        Springs of the elastic supports, in K already, on all dofs of nodes.
+        Springs of the elastic supports, already in K, on all dofs of nodes.
 
     Raises
     ------
     ModelError
-        `mesh-attachment`, with card and node, for what cannot be attached.
+        `mesh-attachment`, with card and node, for an impossible attachment.
     """
     mesh, size = motions.mesh, motions.size
     turns = np.array([motions.turn(node) for node in still if motions.turn(node) >= 0], dtype=np.int64)
@@ -107,8 +107,8 @@ def attached(
 def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
     """Unknowns to keep, and idle motions (unknowns, motions) of those without mass (`bare`).
 
-    Nodes between springs follow statically. Of springs that support fewer directions than a node has, the motions that
-    no spring feels are idle: as many unknowns are fixed as there are such motions, which changes nothing else.
+    Nodes between springs follow statically. If springs support fewer directions than a node has, the other motions are
+    idle: as many unknowns are fixed as there are such motions, without other effects.
     """
     inner = csc_array(K[:, bare][bare])
     idle = csc_array((K.shape[0], 0))
@@ -127,13 +127,13 @@ def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
 
 
 def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:
-    """Rows in the order of the parts that hang together, and where each part but the first begins."""
+    """Rows in the order of connected parts, and the start of each part except the first."""
     part = connected_components(A, directed=False)[1]
     return np.argsort(part, kind="stable"), np.cumsum(np.bincount(part))[:-1]
 
 
 def warn_floating(mesh: MeshData, held: IntArray) -> None:
-    """Warn of nodes without mass, support or connection whose springs all lead to one other node: they do nothing."""
+    """Warn of nodes without mass, support or connection whose springs all lead to one other node, without effect."""
     given = mesh.attachments
     masses = np.array([mass.node for mass in given.masses], dtype=np.int64)
     tied = [node for equation in given.equations for node in equation.nodes]
@@ -151,7 +151,7 @@ def warn_floating(mesh: MeshData, held: IntArray) -> None:
 
 
 def enlarged(A: csc_array, size: int) -> csc_array:
-    """A matrix with empty rows and columns behind."""
+    """A matrix with additional empty rows and columns."""
     A = A.copy()
     A.resize((size, size))
     return A
@@ -170,7 +170,7 @@ def mass_matrix(motions: Motions) -> csc_array:
 
 
 def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
-    """Refuse motions that a support fixes and a connection moves; motions that a fixed node ties are fixed with it."""
+    """Refuse motions that a support fixes and a connection prescribes; motions tied to a fixed node are fixed too."""
     for dof in held.tolist():
         if dof in rows.owner and dof not in rows.own:
             found = "a support on it, expected one on the node that it follows"
@@ -178,7 +178,7 @@ def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
 
 
 def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArray) -> None:
-    """Refuse nodes with turns of their own of which one motion has neither stiffness nor mass."""
+    """Refuse nodes with own rotations of which one motion has neither stiffness nor mass."""
     first = motions.dofs * len(motions.mesh.points)
     for k, node in enumerate(motions.turning.tolist()):
         own = np.isin(unknowns, [*(motions.dofs * node + np.arange(3)), *(first + 3 * k + np.arange(3))])

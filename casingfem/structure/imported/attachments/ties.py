@@ -1,13 +1,13 @@
 """Elimination of tied motions: every dof of a mesh with attachments as a combination of its unknowns.
 
-Beside the dofs of the nodes (`dofs` of each, node by node) are three turns for each node that has all six
-components: nodes that no cell has, and reference nodes of rigid connections. Behind a rigid connection
+In addition to the dofs of the nodes (`dofs` each, node by node) there are three rotations for each node with all six
+components: nodes outside all cells, and reference nodes of rigid connections. In a rigid connection
 
     u_j = u + theta x (x_j - x),   w_j = theta x n_j on shells;
 
-a mean connection gives its reference the motion that fits u_j best, the least squares of
-sum w_j |u_j - u - theta x (x_j - x)|^2 (RBE3: MSC Nastran Quick Reference Guide); an equation is solved for its first
-term. What depends on dependent motions is put in from the bottom up.
+in a mean connection the motion of the reference fits u_j best, by least squares of sum w_j |u_j - u - theta x (x_j -
+x)|^2 (RBE3: MSC Nastran Quick Reference Guide); an equation is solved for its first term. Motions that depend on
+dependent motions are substituted.
 """
 
 from collections.abc import Sequence
@@ -38,9 +38,9 @@ class Motions:
     mesh, dofs
         The mesh, and dofs of each of its nodes.
     turning
-        Nodes with turns of their own, ascending, (turning,).
+        Nodes with own rotations, ascending, (turning,).
     joints
-        Of shells: how the nodes of walls move with the nodes. None of solids.
+        For shells: motion of the walls' nodes with the nodes. None for solids.
     """
 
     mesh: MeshData
@@ -50,17 +50,17 @@ class Motions:
 
     @property
     def size(self) -> int:
-        """Dofs of nodes, and the turns behind them."""
+        """Number of dofs of nodes, plus the rotations after them."""
         return self.dofs * len(self.mesh.points) + 3 * len(self.turning)
 
     def turn(self, node: int) -> int:
-        """First of the three turns of a node; -1 if it has none of its own."""
+        """Index of the first of the three rotations of a node; -1 if it has none of its own."""
         place = int(np.searchsorted(self.turning, node))
         own = place < len(self.turning) and self.turning[place] == node
         return self.dofs * len(self.mesh.points) + 3 * place if own else -1
 
     def place(self, dof: int) -> tuple[int, int]:
-        """Node and component of a dof; those of a shell's director count as turns."""
+        """Node and component of a dof; dofs of a shell's director count as rotations."""
         behind = dof - self.dofs * len(self.mesh.points)
         return (int(self.turning[behind // 3]), 3 + behind % 3) if behind >= 0 else divmod(dof, self.dofs)
 
@@ -80,7 +80,7 @@ class Motions:
         return [(a, axis) for a, axis in enumerate(axes) if axis.any()]
 
     def felt(self, mass: PointMass) -> list[dict[int, float]]:
-        """The components of a node's motion that a mass feels, over the dofs."""
+        """The components of a node's motion on which a mass acts, over the dofs."""
         return [self.row(mass.node, component, mass.where) for component in range(6 if mass.turns else 3)]
 
     def combined(self, terms: Sequence[Term], where: str) -> dict[int, float]:
@@ -92,7 +92,7 @@ class Motions:
         return {dof: value for dof, value in total.items() if value}
 
     def fault(self, where: str, node: int, found: str) -> ModelError:
-        """Fault of a node that cannot be attached."""
+        """An error about a node with an impossible attachment."""
         source, number = self.mesh.source, self.mesh.node_numbers[node]
         return ModelError("mesh-attachment", f"{source}: {where}: node {number}: found {found}")
 
@@ -106,7 +106,7 @@ def motions_of(mesh: MeshData, dofs: int, joints: Joints | None = None) -> Motio
 
 
 class Rows:
-    """Dependent dofs and the dofs they are made of, each once."""
+    """Dependent dofs and their combinations of other dofs, each once."""
 
     def __init__(self, motions: Motions) -> None:
         self.motions = motions
@@ -123,7 +123,7 @@ class Rows:
 
 
 def tied_rows(motions: Motions, held: IntArray) -> Rows:
-    """Every dependent dof of the attachments of a mesh, dofs `held` by supports left out of its ties."""
+    """Every dependent dof of the attachments of a mesh, without dofs `held` by supports."""
     rows = Rows(motions)
     for rigid in motions.mesh.attachments.rigids:
         take_rigid(rows, rigid)
@@ -183,7 +183,7 @@ def take_mean(rows: Rows, mean: Mean) -> None:
 
 
 def fitted(motions: Motions, mean: Mean) -> FloatArray:
-    """The six motions that fit those of the nodes best, (6, nodes, 3): (A^T w A)^-1 A^T w with A = [1, -[r]]."""
+    """The six rigid motions that fit those of the nodes best, (6, nodes, 3): (A^T w A)^-1 A^T w with A = [1, -[r]]."""
     mesh = motions.mesh
     arms = mesh.points[mean.nodes] - mesh.points[mean.reference]
     reach = max(float(np.abs(arms).max()), np.finfo(float).tiny)
@@ -210,9 +210,9 @@ def take_equation(rows: Rows, equation: Equation) -> None:
 
 
 def take_tie(rows: Rows, tie: Tie, held: IntArray) -> None:
-    """Rows of a tie: displacements, and directors as the others' shape functions move them, n + w ~ sum (n_k + w_k).
+    """Rows of a tie: displacements, and directors from the others' shape functions, n + w ~ sum (n_k + w_k).
 
-    A node's own director is n = sum n_k/|sum n_k| (`cells/shell.py`), so that rigid motions pass.
+    A node's own director is n = sum n_k/|sum n_k| (`cells/shell.py`), so that rigid motions are reproduced.
     """
     motions, dofs, joints = rows.motions, rows.motions.dofs, rows.motions.joints
     fixed = set(held.tolist())
@@ -238,12 +238,12 @@ def take_tie(rows: Rows, tie: Tie, held: IntArray) -> None:
 
 
 def eliminated(rows: Rows) -> csr_array:
-    """Every dof as a combination of independent ones, (size, size); rows of independent dofs are those of 1.
+    """Every dof as a combination of independent ones, (size, size); rows of independent dofs are unit rows.
 
     Raises
     ------
     ModelError
-        `mesh-attachment` for connections that hang on one another in a ring.
+        `mesh-attachment` for connections that depend on each other in a cycle.
     """
     size = rows.motions.size
     dependent = np.zeros(size, dtype=bool)

@@ -1,16 +1,16 @@
 """Effect of rotation on attachments of a part: masses on arms, forces in rigid connections.
 
-A point that a node moves on an arm r is at u + theta x r + theta x (theta x r)/2, to second order. A mass m there
+A point on an arm r of a node is displaced by u + theta x r + theta x (theta x r)/2, to second order. A mass m there
 has, at 1 rad/s and with A v = u + theta x r,
 
     spin softening  m A^T P A,   Coriolis  2 m A^T [a x] A,   force  F = m P (x + r - c),
 
-and every force F on an arm, of a mass or of a connection, adds the stiffness -F.theta x (theta x r) to the turns:
+and every force F on an arm, of a mass or a connection, adds the stiffness -F.theta x (theta x r) to the rotations:
 
     theta.S theta,   S = (F.r) 1 - (F r^T + r F^T)/2.
 
-Inertia about the centre of a mass is that of six points around it. Equations, springs and ties are linear; arms are
-those of the shape at rest.
+Inertia about the centre of a mass is represented by six points around it. Equations, springs and ties are linear; arms
+are those of the shape at rest.
 """
 
 from typing import NamedTuple
@@ -61,7 +61,7 @@ def attached_spin(motions: Motions, rotation: Rotation) -> AttachedSpin:
 
 
 def points_of(mass: PointMass) -> list[tuple[float, FloatArray]]:
-    """Masses and their arms with the mass, centre and inertia of a point mass."""
+    """Masses and arms of points with the mass, centre and inertia of a point mass."""
     centre = np.asarray(mass.offset)
     if not mass.turns:
         return [(mass.mass, centre)]
@@ -83,8 +83,8 @@ def arm_stiffness(force: FloatArray, r: FloatArray) -> FloatArray:
 def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
     """Stiffness of the forces of connections, on all motions.
 
-    `residual` is what loads leave over of the inner forces at every motion; at one that follows others it is the
-    force of its connection, and so is what those bring that follow it.
+    `residual` is the difference of loads and inner forces for every motion. For a dependent motion it is the force of
+    its connection, including the forces of motions that depend on it.
     """
     forces = np.zeros(motions.size)
     dependent = np.array(sorted(rows.owner), dtype=np.int64)
@@ -125,7 +125,7 @@ def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
 
 
 def summed(entries: Entries, size: int) -> csc_array:
-    """Matrices on combinations of motions as one on all motions."""
+    """Matrices on combinations of motions, summed into one on all motions."""
     total = csc_array((size, size))
     for rows, matrix in entries:
         of = as_rows(rows, size)

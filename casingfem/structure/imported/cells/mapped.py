@@ -1,4 +1,4 @@
-"""Isoparametric cells and facets at quadrature points, quantities from their measure, and sums of their matrices."""
+"""Isoparametric cells and facets at quadrature points, their measures, and sums of their matrices."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -23,7 +23,7 @@ class Mapped(NamedTuple):
 
 
 def mapped(kind: str, points: FloatArray, cells: IntArray, degree: int | None = None) -> Mapped:
-    """Map the reference cell's quadrature to cells whose nodes lie at points (nodes, 3)."""
+    """Quadrature of the reference cell mapped to cells with nodes at points (nodes, 3)."""
     _, weights, values, slopes = rule(kind, degree)
     nodes = points[cells]
     x = np.einsum("kq,ekc->eqc", values, nodes, optimize=True)
@@ -57,7 +57,7 @@ def shape_products(
 ) -> tuple[FloatArray, FloatArray]:
     """Integrals of N_i N_j over cells or facets (m, k), (m, k, k), and the size of each (m,), part by part.
 
-    Parts are kinds, rows and the places of a kind's own nodes, as of `native`.
+    Parts are kinds, rows and indices of a kind's own nodes, as in `native`.
     """
     count = cells.shape[1]
     products, size = np.zeros((len(cells), count, count)), np.zeros(len(cells))
@@ -80,7 +80,7 @@ def cell_dofs(cells: IntArray, dofs: int) -> IntArray:
 def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
     """Sum cell matrices (cells, m, m) into a sparse one (size, size) at the dofs rows (cells, m), without zeros.
 
-    So many cells at a time that their numbered entries fit into memory beside the sum; sums of like size are added.
+    Cells are processed in batches whose indexed entries fit into memory; sums of similar size are added.
     """
     small, m = rows.astype(np.int32), rows.shape[1]
     step = max(1, 2 * CHUNK // m**2)
@@ -109,7 +109,7 @@ def on_free(A: csc_array, free: IntArray) -> csc_array:
 
 
 def symmetric(A: csc_array) -> csc_array:
-    """The symmetric part of a matrix that is symmetric but for round-off, without stored zeros."""
+    """The symmetric part of a matrix that is symmetric up to round-off, without stored zeros."""
     A = csc_array(0.5 * (A + A.T))
     A.eliminate_zeros()
     A.sort_indices()  # products of sparse matrices are not in order
@@ -117,7 +117,7 @@ def symmetric(A: csc_array) -> csc_array:
 
 
 def put(total: FloatArray, rows: IntArray, slots: IntArray, matrices: FloatArray, dofs: int) -> None:
-    """Put matrices of cells that have some of the nodes, in their order, into those of all, (cells, m, m)."""
+    """Put matrices of cells with some of the nodes, in their order, into those of all, (cells, m, m)."""
     if dofs * len(slots) == total.shape[1]:
         total[rows] = matrices
         return

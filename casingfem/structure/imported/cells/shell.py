@@ -1,9 +1,8 @@
 """Cells of a shell: directors and frames at the nodes, stiffness with tied strains, mass.
 
 The wall is that of `structure.shell.wall`, curved or linear, or of layers. Its curvature is that of the directors. At a
-kink of the mesh they turn within the cells beside it, and the wall x + z n is mitred there as a solid one is; so the
-metric through the wall is right at kinks too. Where cells are so short that it would be bent more sharply than it is
-thick, it is taken as bent with its thickness as the radius.
+kink of the mesh they vary within the adjacent cells, and the wall x + z n is mitred like a solid one, so the metric
+through the wall is also correct at kinks. In very short cells the radius of curvature is limited to the thickness.
 """
 
 from collections.abc import Iterator, Mapping
@@ -29,7 +28,7 @@ NEAR = 0.7  # least cosine between tied walls of which one takes the other's dir
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ShellCells:
-    """The fields of a `MeshShell` that its cells need; nothing is checked here."""
+    """The fields of a `MeshShell` that its cells need; they are not checked here."""
 
     mesh: MeshData
     thickness: float
@@ -73,9 +72,9 @@ class ShellCells:
 
 
 def directors(mesh: MeshData) -> FloatArray:
-    """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z where no cell is.
+    """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z for nodes without cells.
 
-    Nodes that are tied have that of the wall which they follow, as its shape functions give it.
+    Tied nodes have that of the wall which they follow, from its shape functions.
     """
     if mesh.directors is not None:
         return mesh.directors
@@ -97,7 +96,7 @@ def tangent_frames(normals: FloatArray) -> FloatArray:
 
 
 def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray, only: IntArray | None = None) -> FloatArray:
-    """Stiffness of each cell, or of some by their numbers, (cells, 5 nodes, 5 nodes), dofs node by node."""
+    """Stiffness of each cell, or of some by index, (cells, 5 nodes, 5 nodes), dofs node by node."""
     mesh = shell.apart.mesh
     numbers = np.arange(len(mesh.cells)) if only is None else only
     whole = DOFS * mesh.cell_kind.nodes
@@ -124,7 +123,7 @@ def chunks(mesh: MeshData, numbers: IntArray) -> Iterator[tuple[str, IntArray, I
 def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArray:
     """Resultants of the strains (eps, chi, gamma) in the frame of `tied_strains`, (cells, q or 1, 8, 8).
 
-    Of some cells with curvature b (3, cells, q); a linear wall is the same at all points of a cell.
+    For some cells with curvature b (3, cells, q); a linear wall is the same at all points of a cell.
     """
     t, E, nu, _ = shell.walls()[:, part, None]
     usual = 5.0 / (6.0 - nu) if shell.wall == "curved" else 5.0 / 6.0
@@ -141,7 +140,7 @@ def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArr
 
 
 def no_sharper(b: FloatArray, t: FloatArray) -> FloatArray:
-    """Curvature b (3, ...) of which no radius is less than the thickness t."""
+    """Curvature b (3, ...) limited to radii of at least the thickness t."""
     sharpest = t * (0.5 * np.abs(b[0] + b[1]) + np.hypot(0.5 * (b[0] - b[1]), b[2]))
     return np.asarray(b / np.maximum(sharpest, 1.0))
 
@@ -166,7 +165,7 @@ def consistent_mass(shell: ShellCells, normals: FloatArray, frames: FloatArray) 
 def five_dofs(moments: FloatArray, frames: FloatArray, B: FloatArray | None = None) -> FloatArray:
     """Matrices (cells, 5 k, 5 k) of forms v.B v that act on u, on u and w, and on w by `moments` (3, cells, k, k).
 
-    w is along the tangents (cells, k, 2, 3) of the nodes; B (3, 3) is the identity where it is left out.
+    w is along the tangents (cells, k, 2, 3) of the nodes; B (3, 3) is the identity by default.
     """
     _, cells, k, _ = moments.shape
     B = np.eye(3) if B is None else B

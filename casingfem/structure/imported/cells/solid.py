@@ -19,7 +19,7 @@ COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SolidCells:
-    """The fields of a `Solid` that its cells need; nothing is checked here."""
+    """The fields of a `Solid` that its cells need; they are not checked here."""
 
     mesh: MeshData
     material: Material
@@ -35,7 +35,7 @@ class SolidCells:
 def cell_matrices(
     kind: str, points: FloatArray, cells: IntArray, *of: Callable[[Mapped, IntArray], FloatArray]
 ) -> list[FloatArray]:
-    """Matrices of cells, (cells, 3 nodes, 3 nodes) each: `of` mapped ones and their rows, each kind by itself."""
+    """Matrices of cells, (cells, 3 nodes, 3 nodes) each, by `of` (mapped cells, rows), kind by kind."""
     parts = list(native(kind, cells))
     if parts[0][0] == kind:
         on = mapped(kind, points, cells)
@@ -83,7 +83,7 @@ def elasticity(constants: FloatArray) -> FloatArray:
 def strain_table(slopes: FloatArray, gradient: FloatArray | None = None) -> FloatArray:
     """Strains, `COMPONENTS`, over the dofs of a cell's nodes, (..., 6, 3 nodes), from dN/dx (..., 3, nodes).
 
-    With a gradient F_ki (..., 3, 3) those of F^T grad v: of Green's strain about F, or of e2(u, v) with F = grad u.
+    With a gradient F_ki (..., 3, 3), those of F^T grad v: for Green's strain about F, or for e2(u, v) with F = grad u.
     """
     *places, _, nodes = slopes.shape
     B = np.zeros((*places, 6, nodes, 3))

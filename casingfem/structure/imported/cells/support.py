@@ -1,6 +1,6 @@
 """Properties of groups of an imported mesh: supports, materials, thicknesses.
 
-A support fixes directions; `Clamped` and `ElasticEdge(k_face=...)` serve there too.
+A support fixes directions; `Clamped` and `ElasticEdge(k_face=...)` can be used too.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ class Fixed:
     Raises
     ------
     ValueError
-        If a direction is unknown, named twice, or none is named.
+        If a direction is unknown or repeated, or there is none.
 
     >>> Fixed(directions=("x", "z")).held
     (0, 2)
@@ -69,12 +69,12 @@ def constants_of(material: Material) -> Constants:
 
 
 def by_group(mesh: MeshData, common: Constants, own: Mapping[str, Constants]) -> FloatArray:
-    """Numbers of each cell (numbers, cells): those of its group, or the common ones.
+    """Values for each cell (numbers, cells): those of its group, or the common ones.
 
     Raises
     ------
     ModelError
-        `mesh-group-no-cells`; `mesh-material-twice` for a cell in two groups with numbers of their own.
+        `mesh-group-no-cells`; `mesh-material-twice` for a cell in two groups with values of their own.
     """
     values = np.tile(np.array(common)[:, None], len(mesh.cells))
     owner = np.full(len(mesh.cells), "", dtype=object)

@@ -1,13 +1,13 @@
-"""Strains of the degenerated shell, taken from tying points where quadrature points would lock.
+"""Strains of the degenerated shell, sampled at tying points where quadrature points would cause locking.
 
 MITC9: along r, eps_rr, chi_rr and gamma_r are sampled at two Gauss points in r times three in s, so that they are
-linear in r and quadratic in s; the components along s the other way round; eps_rs and chi_rs at two times two.
-Constant strains are then exact on parallelograms and nearly so on others.
-MITC4: gamma_r is sampled in the middle of the edges along r, gamma_s in those along s; the rest is not tied.
-MITC6 (triangles of six nodes) after Lee & Bathe, Comput. Struct. 82, 2004, 945: with q along the third edge, e_rr, e_ss
-and e_qq = (e_rr + e_ss)/2 - e_rs are linear; (gamma_r, gamma_s) = (p1 + s m, p2 - r m) with linear p1, p2, m. Each is
-sampled at the Gauss points of its edges. What is left of them, there taken from one place within the cell, is here the
-mean over the cell: what tying changes then has no resultant, and frequencies lose an error of second order.
+linear in r and quadratic in s; the components along s vice versa; eps_rs and chi_rs at two times two. Constant strains
+are then exact on parallelograms and nearly so on others. MITC4: gamma_r is sampled in the middle of the edges along r,
+gamma_s in those along s; other strains are not tied. MITC6 (triangles of six nodes) after Lee & Bathe, Comput. Struct.
+82, 2004, 945: with q along the third edge, e_rr, e_ss and e_qq = (e_rr + e_ss)/2 - e_rs are linear; (gamma_r, gamma_s)
+= (p1 + s m, p2 - r m) with linear p1, p2, m. Each is sampled at the Gauss points of its edges. The remaining terms,
+which the paper takes from one point of the cell, are here averaged over the cell. Then the change by tying has no
+resultant, which removes a second-order error of frequencies.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ THREE = 0.5 + 0.5 * np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6)
 
 
 class Tied(NamedTuple):
-    """Strain rows `made` at the quadrature points: rows `of` at places (2, ties), times weights (q, ties), summed."""
+    """Strain rows `made` at the quadrature points: rows `of` at points (2, ties), times weights (q, ties), summed."""
 
     made: tuple[int, ...]
     of: tuple[int, ...]
@@ -115,7 +115,7 @@ def shear_functions(x: FloatArray) -> FloatArray:
 def covariant_strains(
     kind: str, places: FloatArray, rows: Sequence[int], x: FloatArray, n: FloatArray, e: FloatArray
 ) -> FloatArray:
-    """Rows of the covariant strains at local places, over the five dofs of each node, (cells, places, rows, 5 k).
+    """Rows of the covariant strains at local points, over the five dofs of each node, (cells, points, rows, 5 k).
 
     x, n are positions and directors of the nodes (cells, k, 3), e their tangents (cells, k, 2, 3).
     """
@@ -149,7 +149,7 @@ def tied_strains(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Strains in a local frame at the quadrature points (cells, q, 8, 5 k), the measure (cells, q), the curvature.
 
-    The frame's first direction is `along` as the surface sees it, or that of r. The curvature b_11, b_22, b_12 there,
+    The frame's first direction is `along` projected on the surface, or that of r. The curvature b_11, b_22, b_12 there,
     b_ij = -sym(e_i . D_j n), (3, cells, q), is that of the directors.
     """
     D, measure, curvature = surface(kind, x, n, along)
@@ -170,7 +170,7 @@ def surface(
 
 
 def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:
-    """Covariant strains at the quadrature points, taken from where they are tied, (cells, q, 8, 5 k)."""
+    """Covariant strains at the quadrature points from their tying points, (cells, q, 8, 5 k)."""
     covariant = np.zeros((len(x), rule(kind)[0].shape[1], 8, 5 * x.shape[1]))
     for made, of, places, weights in tying(kind):
         sampled = covariant_strains(kind, places, of, x, n, e)
@@ -179,7 +179,7 @@ def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> Fl
 
 
 def local_frame(x_r: FloatArray, x_s: FloatArray, along: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-    """Orthonormal tangents e1, e2 (..., 2, 3), and e_i = D_ia x,a (..., 2, 2); e1 as `along` as it can be."""
+    """Orthonormal tangents e1, e2 (..., 2, 3), and e_i = D_ia x,a (..., 2, 2); e1 closest to `along`."""
     normal = np.cross(x_r, x_s)
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
     e1 = x_r if along is None else along - (normal @ along)[..., None] * normal

@@ -1,4 +1,4 @@
-"""The two faces of a sector: nodes that the turn by one sector's angle lays on each other."""
+"""The two faces of a sector: nodes that rotation by one sector's angle maps onto each other."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ ALIKE = 1e-3  # relative error of the angle between two faces
 
 
 class Turn(NamedTuple):
-    """The turn about an axis through a point by one sector's angle [rad]."""
+    """The rotation about an axis through a point by one sector's angle [rad]."""
 
     axis: Vector
     point: Vector
@@ -40,26 +40,23 @@ class Turn(NamedTuple):
         return np.asarray(away @ e1 + 1j * (away @ e2))
 
     def __str__(self) -> str:
-        """In words."""
+        """The rotation in words."""
         axis, point = (f"({x:g}, {y:g}, {z:g})" for x, y, z in (self.axis, self.point))
         return f"turned by {np.degrees(self.angle):.6g} degrees about {axis} through {point}"
 
 
 class Pairs(NamedTuple):
-    """Nodes of the low face and the nodes of the high face on which the turn lays them; the same node on the axis."""
+    """Nodes of the low face and the nodes of the high face onto which the rotation maps them; equal on the axis."""
 
     low: IntArray
     high: IntArray
 
 
 def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tolerance: float | None) -> Pairs:
-    """The pairs of two groups, or of all nodes that the turn lays on another, to a tolerance [m].
+    """The pairs of two groups, or of all nodes that the rotation maps onto another, to a tolerance [m].
 
-    Raises
-    ------
-    ModelError
-        `cyclic-sectors` where the faces are another angle apart, `cyclic-faces` where nodes or facets do not match:
-        with the distance and the node.
+    Raises ------ ModelError `cyclic-sectors` if the angle between the faces differs, `cyclic-faces` if nodes or facets
+    do not match, with the distance and the node.
 
     Examples
     --------
@@ -85,7 +82,7 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
 
 
 def one_way(mesh: MeshData, turn: Turn, pairs: Pairs) -> Pairs:
-    """Each of the pairs that a half turn finds both ways once; refused if it lays cells on cells, not beside them."""
+    """Each pair of a half turn once, which finds it in both directions; refused if it maps cells onto cells."""
     partner = partners(mesh, pairs)
     facets = mesh.boundary
     turned = partner[mesh.facets[facets[:, 0], facets[:, 1]]]
@@ -100,7 +97,7 @@ def one_way(mesh: MeshData, turn: Turn, pairs: Pairs) -> Pairs:
 
 
 def found_pairs(mesh: MeshData, turn: Turn, reach: float, near: float) -> Pairs:
-    """Nodes of the surface that the turn lays on another one of it."""
+    """Nodes of the surface that the rotation maps onto another node of it."""
     from scipy.spatial import cKDTree  # loaded with the first part, not by every study
 
     nodes = np.unique(mesh.facet_nodes(mesh.boundary))
@@ -141,19 +138,19 @@ def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> P
 
 
 def miss(mesh: MeshData, node: int, partner: int, distance: float) -> str:
-    """A node that does not meet its partner, in words."""
+    """A node that does not match its partner, in words."""
     return f"node {mesh.labels[node]} comes to lie {distance:.3g} m from the nearest, {mesh.labels[partner]}"
 
 
 def partners(mesh: MeshData, pairs: Pairs) -> IntArray:
-    """On which node the turn lays each, (nodes,); -1 where none."""
+    """The node onto which the rotation maps each node, (nodes,); -1 if there is none."""
     partner = np.full(len(mesh.points), -1)
     partner[pairs.low] = pairs.high
     return partner
 
 
 def require_facets(mesh: MeshData, pairs: Pairs) -> None:
-    """Refuse faces whose facets are not laid on facets: other diagonals, other sizes."""
+    """Refuse faces whose facets do not match: other diagonals, other sizes."""
     partner = partners(mesh, pairs)
     facets = mesh.facet_nodes(mesh.boundary)
     turned = np.sort(partner[facets[(partner[facets] >= 0).all(axis=1)]], axis=1)

@@ -1,9 +1,9 @@
-"""A wheel of equal sectors, described by one: u of sector j, in its turned axes, is e^(i n alpha j) times u_0.
+"""A wheel of equal sectors, described by one: u of sector j, in its rotated axes, is e^(i n alpha j) times u_0.
 
-The faces meet, u_high = e^(i n alpha) R u_low with the turn R by alpha = 2 pi/N. With T_n that puts these motions on
-the dofs of the sector, K(n) = T_n^H K T_n and M(n) = T_n^H M T_n are Hermitian, one pencil for each nodal diameter n
-from 0 to N/2 (D. L. Thomas, Int. J. Numer. Meth. Eng. 14, 1979, 81). For 0 < n < N/2 each of its modes is a pair of the
-wheel, cos and sin; for n = 0 and N/2 the pencil is real and each mode is one.
+The faces are joined by u_high = e^(i n alpha) R u_low, with the rotation R by alpha = 2 pi/N. With T_n, which maps such
+motions to the dofs of the sector, K(n) = T_n^H K T_n and M(n) = T_n^H M T_n are Hermitian, one pencil for each nodal
+diameter n from 0 to N/2 (D. L. Thomas, Int. J. Numer. Meth. Eng. 14, 1979, 81). For 0 < n < N/2 each of its modes is a
+pair of the wheel, cos and sin; for n = 0 and N/2 the pencil is real and each mode is single.
 """
 
 from dataclasses import dataclass, field, replace
@@ -38,18 +38,18 @@ class CyclicSector:
     structure
         The sector with its supports; its `rotation`, if it has one, must be about the wheel's axis.
     sectors
-        How many make the wheel, N >= 2.
+        Number of sectors in the wheel, N >= 2.
     axis, point
         The wheel's axis, and a point on it [m].
     faces
-        Groups of the faces; where nodes match after the turn by 2 pi/N if left out.
+        Groups of the faces; by default nodes that match after rotation by 2 pi/N.
     tolerance
-        How far apart paired nodes may be [m]; a thousandth of the shortest edge if left out.
+        Largest distance of paired nodes [m]; by default a thousandth of the shortest edge.
 
     Raises
     ------
     ModelError
-        `cyclic-sectors`, `cyclic-faces`, `cyclic-support`, `cyclic-axis`.
+        `cyclic-sectors`, `cyclic-faces`, `cyclic-support` or `cyclic-axis`.
 
     Examples
     --------
@@ -96,21 +96,21 @@ class CyclicSector:
 
     @property
     def turn(self) -> Turn:
-        """The turn by one sector's angle."""
+        """The rotation by one sector's angle."""
         return Turn(self.axis, self.point, 2.0 * np.pi / self.sectors)
 
     @property
     def diameters(self) -> tuple[int, ...]:
-        """Every nodal diameter the wheel has: 0 .. N/2."""
+        """Every nodal diameter of the wheel: 0 .. N/2."""
         return tuple(range(self.sectors // 2 + 1))
 
     def count(self, n: int) -> int:
-        """Modes of the wheel for each mode of the sector with n diameters: a pair, or one for n = 0 and N/2."""
+        """Number of modes of the wheel for one mode of the sector with n diameters: two, or one for n = 0 and N/2."""
         return 1 if 2 * n in (0, self.sectors) else 2
 
 
 def require_axis(rotation: Rotation | None, turn: Turn) -> None:
-    """Refuse a part that turns about another axis than the wheel's."""
+    """Refuse a part whose axis of rotation differs from that of the wheel."""
     if rotation is None:
         return
     own = Rotation(omega=0.0, axis=turn.axis, centre=turn.point)
@@ -121,7 +121,7 @@ def require_axis(rotation: Rotation | None, turn: Turn) -> None:
 
 
 def joint_directors(mesh: MeshData, pairs: Pairs, turn: Turn) -> FloatArray:
-    """Directors of a shell sector, on its faces the mean over the cells of both sectors, (nodes, 3)."""
+    """Directors of a shell sector, on its faces averaged over the cells of both sectors, (nodes, 3)."""
     total = np.zeros_like(mesh.points)
     np.add.at(total, mesh.cells, cell_normals(mesh))
     both = total[pairs.low] + total[pairs.high] @ turn.matrix  # the high face's, turned back
@@ -138,13 +138,13 @@ class CyclicSystem:
     Attributes
     ----------
     sector
-        What was assembled.
+        The sector that was assembled.
     system
         The sector with its faces free, at its speed.
     spin
-        What rotation adds to it at rest; None without one.
+        Terms that rotation adds to the matrices at rest; None without rotation.
     turns
-        How the dofs of each low node become those of its partner, (pairs, dofs, dofs).
+        Matrices from the dofs of each low node to those of its partner, (pairs, dofs, dofs).
     """
 
     sector: CyclicSector
@@ -154,7 +154,7 @@ class CyclicSystem:
 
     @property
     def frequency_scale(self) -> float:
-        """Bending frequency c t/size^2 [rad/s] of the whole wheel taken as flat."""
+        """Bending frequency c t/size^2 [rad/s] of the whole wheel as a flat plate."""
         mesh = self.sector.structure.mesh
         across = 2.0 * np.abs(self.sector.turn.across(mesh.points[mesh.used])).max()
         return float(self.system.frequency_scale * (mesh.size / np.hypot(mesh.size, across)) ** 2)
@@ -175,7 +175,7 @@ def assemble_cyclic(sector: CyclicSector) -> CyclicSystem:
     Raises
     ------
     ModelError
-        `cyclic-support` where a support fixes a node of one face and not its partner; `static-loose` as in `spin`.
+        `cyclic-support` if a support fixes a node of one face and not its partner; `static-loose` as in `spin`.
     """
     structure: Any = sector.structure
     rotation: Rotation | None = structure.rotation

@@ -33,7 +33,7 @@ def wheel_nodes(sector: CyclicSector) -> IntArray:
 
 
 def wheel_mesh(sector: CyclicSector) -> MeshData:
-    """The wheel's mesh, cells and nodes sector by sector; groups contain those of all sectors, none has the faces."""
+    """The wheel's mesh, cells and nodes sector by sector; groups contain those of all sectors, without the faces."""
     mesh, nodes, N = sector.structure.mesh, wheel_nodes(sector), sector.sectors
     points = np.empty((nodes.max() + 1, 3))
     for j in reversed(range(N)):  # the first sector's faces as they are
@@ -78,7 +78,7 @@ def wheel_fields(sector: CyclicSector, fields: Array, n: IntArray, whole: MeshDa
 
 
 def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str | None) -> csc_array:
-    """Elastic stiffness of a group's cells, of all cells if left out, on the free dofs (free, free).
+    """Elastic stiffness of a group's cells, by default of all cells, on the free dofs (free, free).
 
     Raises
     ------

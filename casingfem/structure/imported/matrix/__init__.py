@@ -1,1 +1,1 @@
-"""Matrices of other programs: reading them, the meaning of their rows, and writing ours."""
+"""Matrices of other programs: reading, meaning of their rows, and writing."""

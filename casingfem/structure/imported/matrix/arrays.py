@@ -1,8 +1,8 @@
 """Matrices as named arrays: npz, MATLAB's .mat (old ones by scipy, version 7.3 by h5py), HDF5.
 
-K, M and maybe C and K4 (structural damping), dense, or sparse as MATLAB keeps it, or in an npz as NAME_data,
+K, M and maybe C and K4 (structural damping), dense, or sparse in MATLAB's form, or in an npz as NAME_data,
 NAME_indices, NAME_indptr of compressed columns; `dofs` (n, 2), `nodes` (k, 4: number, x, y, z) and `axes` (k, 7:
-number, directions of the node's own x and y) if they are there.
+number, directions of the node's own x and y) if present.
 """
 
 import warnings
@@ -70,7 +70,7 @@ def axes_of(table: Array, path: Path) -> dict[int, Array]:
 
 
 def whole_numbers(table: Array, width: int, code: str, what: str, numbered: int = 2) -> Array:
-    """A table of finite numbers, the first `numbered` of its columns whole."""
+    """A table of finite numbers, the first `numbered` columns being whole numbers."""
     if table.ndim != 2 or table.shape[1] != width:
         raise ModelError(code, f"{what} have shape {table.shape}, expected (n, {width})")
     if table.dtype.kind not in "iuf" or not np.isfinite(table).all() or np.any(table[:, :numbered] % 1):
@@ -79,7 +79,7 @@ def whole_numbers(table: Array, width: int, code: str, what: str, numbered: int 
 
 
 def fitting(what: str, given: Any, **options: Any) -> csc_array:
-    """A matrix as compressed columns, whose row numbers and starts of columns fit, which scipy leaves for later."""
+    """A compressed-column matrix, after a check of row indices and column starts, which scipy does later."""
     try:
         if isinstance(given, tuple) and any(part.dtype.kind not in "iu" for part in given[1:]):
             raise ValueError("found row numbers or starts of columns that are not whole numbers")
@@ -98,7 +98,7 @@ def read_from_npz(path: Path) -> dict[str, Any]:
 
 
 def put_together(path: Path, stored: dict[str, Any]) -> dict[str, Any]:
-    """Arrays of which NAME_data, NAME_indices and NAME_indptr, with NAME_shape if it is not square, are one NAME."""
+    """Arrays with NAME_data, NAME_indices and NAME_indptr (and NAME_shape if not square) combined into one NAME."""
     for name in [key.removesuffix("_indptr") for key in stored if key.endswith("_indptr")]:
         parts = [stored.pop(f"{name}_{part}", None) for part in ("data", "indices", "indptr")]
         if any(part is None for part in parts):
@@ -110,14 +110,14 @@ def put_together(path: Path, stored: dict[str, Any]) -> dict[str, Any]:
 
 
 def read_from_mat(path: Path) -> dict[str, Any]:
-    """MATLAB's variables, read by a process of its own, as scipy's reader crashes on some damaged files."""
+    """MATLAB's variables, read in a child process, since scipy's reader crashes on some damaged files."""
     with open_file(regular_file(path)) as stream:
         head = stream.read(SIGNATURE.stop)
     return read_from_hdf5(path) if head[SIGNATURE] == b"\x89HDF" else of_child(path, ".mat", "mat_arrays")
 
 
 def mat_arrays(path: Path) -> dict[str, Any]:
-    """All of them by name, sparse ones in parts; of cells and structs, which contain no numbers, only the size."""
+    """All variables by name, sparse ones in parts; for cells and structs, which contain no numbers, only the size."""
     found: dict[str, Any] = {}
     with warnings.catch_warnings():
         # scipy 1.18 warns where the kind of sparse array is not given, either does; 1.14 has no such argument
@@ -132,7 +132,7 @@ def mat_arrays(path: Path) -> dict[str, Any]:
 
 
 def read_from_hdf5(path: Path) -> dict[str, Any]:
-    """Data sets of an HDF5 file, and groups that MATLAB keeps sparse matrices in, read by a process of its own."""
+    """Data sets of an HDF5 file, and groups with MATLAB's sparse matrices, read in a child process."""
     try:
         import h5py  # noqa: F401
     except ImportError:
@@ -149,7 +149,7 @@ def of_child(path: Path, form: str, reader: str) -> dict[str, Any]:
 
 
 def hdf5_arrays(path: Path) -> dict[str, Any]:
-    """All of them by name, sparse ones in parts."""
+    """All arrays by name, sparse ones in parts."""
     import h5py
 
     found: dict[str, Any] = {}

@@ -94,7 +94,7 @@ def extrn_rows(parser: Parser, card: Card) -> list[tuple[int, int]]:
     Raises
     ------
     ModelError
-        For a grid without its components, and components that are none.
+        For a grid without components, or invalid components.
     """
     words = [text for text in card.fields if text]
     rows, at = list[tuple[int, int]](), 0

@@ -17,7 +17,7 @@ SQUARE, RECTANGULAR, REAL, COMPLEX = ("1", "6"), ("2", "9"), ("1", "2"), ("3", "
 
 
 class Dmig:
-    """The DMIG cards of a file, taken one by one."""
+    """The DMIG cards of a file, added one by one."""
 
     def __init__(self, parser: Parser) -> None:
         self.parser = parser
@@ -31,7 +31,7 @@ class Dmig:
         return list(self.entries)
 
     def take(self, card: Card) -> None:
-        """One card: a header, or a column; loads and recovery matrices are passed over by their names."""
+        """Add one card, a header or a column; loads and recovery matrices are skipped by their names."""
         parser, fields = self.parser, card.fields
         if len(fields) < 3:
             raise parser.fault(card, f"found {len(fields)} fields, expected a name, a node and a component")

@@ -1,4 +1,4 @@
-"""M, K and maybe C, K4 and G of a part with the meaning of their rows, in the units of the file they come from."""
+"""M, K and maybe C, K4 and G of a part with the meaning of their rows, in the units of their file."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -32,13 +32,13 @@ NEEDED = ("K", "M")
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class MatrixSet:
-    """Matrices of one part, (n, n) each; K, M, C and K4 symmetric where the file states it.
+    """Matrices of one part, (n, n) each; K, M, C and K4 symmetric if the file states it.
 
     Attributes
     ----------
     K, M, C, K4, G
         Stiffness, mass, viscous damping, structural damping (the imaginary part of the stiffness), gyroscopic matrix
-        per rad/s (skew); C, K4 and G are None where there is none.
+        per rad/s (skew); C, K4 and G are None if absent.
     dofs
         Node and direction of each row, (n, 2): 1 to 3 along x, y, z, 4 to 6 about them, 0 a scalar.
     points
@@ -48,9 +48,9 @@ class MatrixSet:
     source
         Name of the file, for messages.
     left_out
-        Names of matrices of the files that are none of these.
+        Names of other matrices in the files.
     boundary
-        Nodes at which the part is joined to others, where the files state it: the grids of EXTRN cards.
+        Nodes at which the part is joined to others, if the files state them: the grids of EXTRN cards.
 
     Examples
     --------
@@ -92,25 +92,25 @@ class MatrixSet:
 
     @property
     def named(self) -> dict[str, csc_array]:
-        """The matrices there are, by their letters."""
+        """The existing matrices by their letters."""
         named = {"K": self.K, "M": self.M, "C": self.C, "K4": self.K4, "G": self.G}
         return {name: A for name, A in named.items() if A is not None}
 
 
 def fault(source: str, message: str) -> ModelError:
-    """A malformed file."""
+    """An error about a malformed file."""
     return ModelError("matrix-file", f"{source}: {message}")
 
 
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
     """Names of K, M, C, K4 and G in a set: KAAX, MAAX, BAAX, K4AAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
 
-    Where several fit, those that Nastran gives to its sets: KAA, KGG, KXX, not KASMX.
+    If several fit, Nastran's names of its sets are used: KAA, KGG, KXX, not KASMX.
 
     Raises
     ------
     ModelError
-        `matrix-names` where K or M has none or several.
+        `matrix-names` if there is no K or M, or several.
 
     >>> roles_of(["KAAX", "MAAX", "K4AAX", "PAX"], "part.pch")
     {'K': 'KAAX', 'M': 'MAAX', 'K4': 'K4AAX'}
@@ -132,7 +132,7 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
 
 
 def role_of(name: str) -> str:
-    """K, M, C, K4 or G by a word in a name, by how its last part begins, or its first; "" for none.
+    """K, M, C, K4 or G from a word in a name, from the beginning of its last or first part; "" for none.
 
     >>> role_of("job_STIF1"), role_of("kit_M"), role_of("KAAX"), role_of("K4XX1"), role_of("PAX")
     ('K', 'M', 'K', 'K4', '')
@@ -145,13 +145,13 @@ def role_of(name: str) -> str:
 
 
 def is_part(name: str) -> bool:
-    """Whether a name is sure to be that of a K, M, C, K4 or G: one of Nastran's sets, or the letter alone."""
+    """Whether a name is certainly that of K, M, C, K4 or G: one of Nastran's sets, or the letter alone."""
     upper = name.upper()
     return OF_A_SET.fullmatch(upper) is not None or upper in ("B", *ROLES)
 
 
 def without_null(matrices: Mapping[str, Any]) -> dict[str, Any]:
-    """Square matrices but null ones of 1 x 1: Nastran writes these for a matrix that is purged, i.e. that is zero."""
+    """Square matrices without null ones of 1 x 1, which Nastran writes for a purged, that is zero, matrix."""
     square = {name: A for name, A in matrices.items() if A.shape[0] == A.shape[1]}
     return {name: A for name, A in square.items() if A.shape != (1, 1) or csc_array(A).count_nonzero()}
 
@@ -161,8 +161,8 @@ def from_triples(
 ) -> csc_array:
     """A matrix from its entries, numbered from 0.
 
-    Where each entry is given on one side of the diagonal alone, in whatever order of rows the program that wrote it
-    has, the other side is the same. A `symmetric` one may have some entries on both sides, the others are mirrored.
+    If every entry is given only on one side of the diagonal, in any row order, the other side is mirrored. A
+    `symmetric` one may have some entries on both sides; the others are mirrored.
     """
     full = coo_array((values, (rows, columns)), shape=(size, size)).tocsr()
     places = coo_array((np.ones(len(rows)), (rows, columns)), shape=(size, size)).tocsr()
