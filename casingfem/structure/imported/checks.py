@@ -64,7 +64,7 @@ def repeated_nodes(mesh: MeshData) -> list[Finding]:
 
 
 def extremes(mesh: MeshData, *, nodes: bool) -> tuple[FloatArray, FloatArray]:
-    """Smallest and largest local volume or area of each cell at quadrature points, or also nodes, relative to a cube."""
+    """Smallest and largest local volume or area of each cell at quadrature points or nodes, relative to a cube."""
     least, most = np.empty((2, len(mesh.cells)))
     for kind, rows, slots in natives(mesh):
         inner, at_nodes = local_sizes(mesh, kind, mesh.cells[rows][:, slots])
