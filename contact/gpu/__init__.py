@@ -1,0 +1,5 @@
+"""Many rubs at once on a CUDA device (extra gpu)."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,3 @@
+from .rubs import DeviceRuns, device_runs
+
+__all__ = ["DeviceRuns", "device_runs"]
