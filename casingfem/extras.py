@@ -23,7 +23,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
         "cluster": Extra("sweeps and chances on a Dask cluster (sweep, chance --scheduler)", ("distributed",)),
         "excel": Extra("tables in Excel workbooks (.xlsx)", ("openpyxl",)),
-        "gpu": Extra("many rubs at once on a CUDA device (ct.gpu.device_runs)", ("numba-cuda",)),
+        "gpu": Extra("many rubs at once on a CUDA device (contact.gpu.device_runs)", ("numba-cuda",)),
         "direct": Extra("MKL's factorisation for modes of large structures (direct = pardiso)", ("pypardiso",)),
         "docs": Extra("these pages as a site (make docs)", ("sphinx", "furo", "sphinx-gallery", "myst-parser")),
         "dev": Extra(

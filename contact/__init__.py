@@ -4,7 +4,7 @@ Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRi
 (Unilateral, Penalty, Coulomb) and schemes (`contact.scheme`) are frozen values;
 `run` brings them together and returns a Result. Scene files: `load_scene`. Less common names are in these modules:
 `ct.bodies`, `ct.gaps`, `ct.laws`, `ct.rotor`, `ct.scheme`, `ct.stability`, `ct.cycles`, `ct.scene`, `ct.record`,
-`ct.reference`, `ct.gpu`.
+`ct.reference`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)

@@ -39,7 +39,9 @@ def simulated() -> bool:
 
 def on_device(function: Any, **others: Any) -> Any:
     """A scalar function of the step loops as device code; `others` are the functions that it calls, by name."""
-    cuda = cuda_module()
+    import numba.cuda
+
+    cuda: Any = numba.cuda
     plain = getattr(function, "py_func", function)
     own = FunctionType(plain.__code__, {**plain.__globals__, **others}, plain.__name__)
     return cuda.jit(device=True, inline="always" if not simulated() else False)(own)

@@ -77,6 +77,16 @@ def device_runs(
     ------
     InputError
         No device (with what is missing), or scenes of another kind.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=1.0, velocity=-1.0)
+    >>> try:
+    ...     device_runs([ct.Scene(what=[rod, ct.Wall()], t_end=1.0, courant=0.9)])
+    ... except ct.InputError as error:  # of a machine without a device, or of a scene without a rim
+    ...     str(error).startswith("gpu: ")
+    True
     """
     cuda_module()
     ready = [prepared(scene) for scene in scenes]
