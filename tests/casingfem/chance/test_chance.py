@@ -212,7 +212,9 @@ def test_a_spectrum_beyond_the_mesh_is_refused(made):
 @pytest.mark.campaign  # two workers import everything
 def test_workers_of_a_cluster_give_the_same_table(made, first, tmp_path):
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None, local_directory=tmp_path
+    ) as cluster:
         options = ("--scheduler", cluster.scheduler_address, "--out", str(tmp_path / "out"))
         result = run(made, *options)
     assert result.exit_code == 0, result.output

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array, diags_array
 
 import contact as ct
 
@@ -57,3 +57,30 @@ def test_asymmetry_counts_by_the_largest_entry_of_either_sign(made):
     structure(K=made([[1.0, -100.0], [-100.0 - 0.9e-7, 1.0]]))
     with pytest.raises(ct.InputError, match=r"K: found an asymmetry of 1\.1e-09 of the largest entry"):
         structure(K=made([[1.0, -100.0], [-100.0 - 1.1e-7, 1.0]]))
+
+
+def net(size):
+    """A chain of springs with as many springs across it at random: its band is wide, and stored by its entries."""
+    rng = np.random.default_rng(4)
+    chain = np.column_stack([np.arange(size - 1), np.arange(1, size)])
+    one, two = np.vstack([chain, np.unique(np.sort(rng.integers(0, size, (size, 2)), axis=1), axis=0)]).T
+    K = coo_array((np.full(len(one), -400.0), (one, two)), shape=(size, size))
+    K = csr_array(K + K.T)
+    return csr_array(K - diags_array(K.sum(axis=1) - 100.0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.scheme.HHT(alpha=-0.1)], ids=["explicit", "implicit"])
+def test_free_motion_of_a_net_of_springs_is_that_of_its_modes(scheme):
+    """Both err in phase by less than (omega h)^2/12 of the angle, 1e-4 here."""
+    K, rng = net(200), np.random.default_rng(9)
+    size = K.shape[0]
+    omega2, shapes = np.linalg.eigh(K.toarray())
+    slow = shapes[:, :12] @ rng.standard_normal(12)  # of slow modes, which both schemes follow
+    body = ct.LinearBody(
+        M=np.ones(size), K=K, Q=csr_array(([1.0], ([0], [0])), shape=(1, size)), gap0=np.array([1e3]), velocity=slow,
+    )  # fmt: skip
+    found = ct.run(body, scheme=scheme, t_end=0.5, dt=1e-3, record=ct.Record(every=100, state_every=100))
+    omega, t = np.sqrt(omega2), found.state_time[-1]
+    exact = shapes @ ((shapes.T @ slow) * np.sin(omega * t) / omega)
+    assert np.abs(found.state[-1] - exact).max() < 1e-3 * np.abs(exact).max()
