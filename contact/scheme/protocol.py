@@ -14,6 +14,7 @@ from the formulas of s and delta.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
@@ -215,3 +216,12 @@ class Scheme(Protocol):
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
         """Check the limits and return a Stepper at t = 0."""
+
+
+def window(top: float, dt: float) -> float:
+    """Period [s] of the highest mode `top` [rad/s]; the step if that is longer or there is no such mode.
+
+    >>> window(100.0, 1e-3) == 2.0 * math.pi / 100.0, window(100.0, 0.1), window(0.0, 0.1)
+    (True, 0.1, 0.1)
+    """
+    return max(2.0 * math.pi / top, dt) if top > 0.0 else dt

@@ -14,8 +14,7 @@ from contact.io.trust import Flag
 from contact.model.gaps.modal_system import ModalSystem
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
-from contact.scheme.modal.propagator import window
-from contact.scheme.protocol import Block, Motion, Notes, PlainStepper
+from contact.scheme.protocol import Block, Motion, Notes, PlainStepper, window
 
 if TYPE_CHECKING:
     from contact.loop.modal.modal import EnergyState, ModalState

@@ -7,7 +7,6 @@ Math. 3, 1961, 381). Free motion and statics are exact for any h.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +16,7 @@ from contact.base.remembered import remembered
 from contact.record.energy import Stored
 from contact.record.record import Tally
 from contact.scheme.modal.coupled import Coupled
-from contact.scheme.protocol import PlainStepper
+from contact.scheme.protocol import PlainStepper, window
 
 SYMMETRIC = 1e-12  # relative
 
@@ -144,11 +143,6 @@ class ExactRun(PlainStepper):
     def window(self) -> float:
         """Period of the highest mode [s]."""
         return window(self.parts.top, self.dt)
-
-
-def window(top: float, dt: float) -> float:
-    """Period [s] of the highest mode `top` [rad/s]; the step if that is longer or there is no such mode."""
-    return max(2.0 * math.pi / top, dt) if top > 0.0 else dt
 
 
 @remembered

@@ -17,8 +17,7 @@ from contact.model.rotor.rotor import Rotor
 from contact.record.energy import Stored
 from contact.record.orbit import TURNS, orbit
 from contact.record.record import Samples, Tally, tally
-from contact.scheme.modal.propagator import window
-from contact.scheme.protocol import Block, Motion, Notes, PlainStepper
+from contact.scheme.protocol import Block, Motion, Notes, PlainStepper, window
 from contact.scheme.rotor.propagation import generator, highest, step_of, stored_stiffness
 
 if TYPE_CHECKING:
