@@ -81,10 +81,11 @@ class SmallModel:
 def small_model(modes: Kept, times: Times, spin: float) -> SmallModel:
     """The modes of a basis and the motions that respond to them; `times` gives G, K1 and K2 times motions."""
     assert modes.solve is not None
-    follow = independent(modes.vectors, modes.solve(np.hstack(times(modes.vectors))), modes.mass)
+    of_modes = times(modes.vectors)
+    follow = independent(modes.vectors, modes.solve(np.hstack(of_modes)), modes.mass)
     V, m = np.hstack([modes.vectors, follow]), len(modes.omega)
-    G, first, second = (np.zeros((V.shape[1],) * 2) for _ in range(3))
-    for begin in range(0, V.shape[1], COLUMNS):
+    G, first, second = (np.hstack([V.T @ part, np.zeros((V.shape[1], follow.shape[1]))]) for part in of_modes)
+    for begin in range(m, V.shape[1], COLUMNS):
         here = slice(begin, begin + COLUMNS)
         for total, part in zip((G, first, second), times(V[:, here]), strict=True):
             total[:, here] = V.T @ part

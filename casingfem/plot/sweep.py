@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, PURPLE, SKY, new_figure, rpm_above, styled
 from casingfem.plot.ticks import label_decades
+from contact.io.trust import OF_LIMITS
 
 PANELS = (
     ("amplitude_m", "amplitude [mm]", 1e3),
@@ -24,6 +25,7 @@ LOGARITHMIC = ("amplitude_m", "diverged_at_s")
 SPAN = 100.0  # times: amplitudes that differ by less are drawn on a linear scale
 ROBUST = 98.0  # per cent of the values span a colour scale: one run far out leaves the others their colours
 UNSAFE = ("grows",)
+WALL = OF_LIMITS["wall"]  # code of the warning of a rim that deflects by more than half of its wall
 SPEED = "speed [Hz]"
 Mask = NDArray[np.bool_]
 Rows = Sequence[Mapping[str, Any]]
@@ -70,7 +72,7 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Rows) -> Figure:
             _curve(axes, values[:, 0], measured, shown, marks)
             if name == "growth_1_s":
                 _interval(axes, values[:, 0], rows, shown)
-            _shade(axes, values[:, 0], unsafe(rows))
+            _shade(axes, values[:, 0], unsafe(rows) | beyond(rows))
             axes.set(xlabel=keys[0], ylabel=label)
             if k < 2 and keys[0] == SPEED:
                 rpm_above(axes)
@@ -109,6 +111,15 @@ def unsafe(rows: Rows) -> Mask:
     [True, True, False]
     """
     return np.array([row["status"] == "diverged" or row.get("motion") in UNSAFE for row in rows], dtype=bool)
+
+
+def beyond(rows: Rows) -> Mask:
+    """Runs that ended, but whose rim deflected by more than half of its wall.
+
+    >>> beyond([{"status": "done", "flags": flags} for flags in ("wall-deflection; slip-reverses", "")]).tolist()
+    [True, False]
+    """
+    return np.array([WALL in str(row.get("flags") or "").split("; ") for row in rows], dtype=bool) & ~unsafe(rows)
 
 
 def stretches(x: FloatArray, chosen: Mask) -> list[tuple[float, float]]:

@@ -87,7 +87,9 @@ def unsure(fit: UpdateResult) -> list[tuple[str, str]]:
         (f"{a} and {b}", f"The data cannot distinguish {a} from {b} (correlation {r:+.2f}).")
         for a, b, r in fit.indistinct()
     ]
+    unseen = fit.identifiability.unseen
     for p, weak, bound in zip(fit.parameters, fit.prior_only, fit.at_bound, strict=True):
+        found += [(p.name, f"The table hardly depends on {p.name}.")] if p.name in unseen and not weak else []
         found += [(p.name, f"Only its prior determines {p.name}.")] if weak else []
         found += [(p.name, f"{p.name} ended on a bound: the model or the bound is wrong.")] if bound else []
     return found
@@ -102,7 +104,7 @@ def update_verdict(fit: UpdateResult, shapes: ShapeFit | None = None) -> Verdict
         f"{written(100.0 * fit.rms_before, 2)} % before, over {used_words(fit)}."
     )
     doubtful = unsure(fit)
-    facts = [("Largest errors", f"{capital(worst_rows(fit))}.")]
+    facts = [("Worst rows", f"{capital(worst_rows(fit))}, relative to the uncertainty of each row.")]
     if shapes is not None:
         facts.append(("Shapes", f"The MAC of paired shapes is {shapes.after.mean_plane:.3f} in the mean; before the "
                                 f"update it was {shapes.before.mean_plane:.3f}."))  # fmt: skip
@@ -115,10 +117,10 @@ def update_verdict(fit: UpdateResult, shapes: ShapeFit | None = None) -> Verdict
 
 def sure_words(fit: UpdateResult) -> str:
     """Value and standard deviation of the parameters that the data determine, the most certain first."""
-    alike = {name for a, b, _ in fit.indistinct() for name in (a, b)}
+    open_ = {name for a, b, _ in fit.indistinct() for name in (a, b)} | set(fit.identifiability.unseen)
     kept = [
         k for k, p in enumerate(fit.parameters)
-        if p.name not in alike and not fit.prior_only[k] and not fit.at_bound[k]
+        if p.name not in open_ and not fit.prior_only[k] and not fit.at_bound[k]
     ]  # fmt: skip
     spread = {
         k: float(fit.sigma[k]) / (1.0 if fit.parameters[k].log else abs(float(fit.value[k])) or 1.0) for k in kept

@@ -11,12 +11,15 @@ from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, 
 from casingfem.plot.pages.scene import ROUND_OFF
 from casingfem.plot.pages.speeds import listed, with_rpm
 from casingfem.plot.style import Drawn
-from casingfem.plot.sweep import column, named, stretches, unsafe
+from casingfem.plot.sweep import beyond, column, named, stretches, unsafe
 from contact.io.columns import Columns
 
 Rows = Sequence[Mapping[str, Any]]
 CAPTION = "Results of the runs over the varied keys."
-OF_CURVES = " Bars: 95 % interval of the growth. Shaded: values at which the motion grows or the run diverged."
+OF_CURVES = (
+    " Bars: 95 % interval of the growth. Shaded: values at which the motion grows, the run diverged, or the rim "
+    "deflects by more than half of its wall."
+)
 OF_MAPS = " Colours span all but the outermost values."
 FOLDED = 20  # runs from which their table is folded
 NAMED = 4  # ranges or codes in a sentence
@@ -43,9 +46,10 @@ def sweep_page(
 def sweep_verdict(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> Verdict:
     """Summary of a sweep: unsafe runs, largest force and amplitude, safe and unsafe values, warnings, next steps."""
     state, sentence = outcome(rows)
+    rms = " rms in the last quarter of the run" if any(row.get("motion") for row in rows) else ""
     facts = [
         ("Force", largest_words(labels, keys, rows, "peak_force_N", "N")),
-        ("Amplitude", largest_words(labels, keys, rows, "amplitude_m", "mm", 1e3)),
+        ("Amplitude", largest_words(labels, keys, rows, "amplitude_m", f"mm{rms}", 1e3)),
         ("Growth", growth_words(labels, keys, rows)),
         *range_facts(keys, rows),
         ("Warnings", warning_words(rows)),
@@ -61,13 +65,19 @@ def outcome(rows: Rows) -> tuple[str, str]:
     """The state (good, bad or open), and the first sentence."""
     count = Counter(str(row["status"]) for row in rows)
     bad, broken = int(unsafe(rows).sum()), count["refused"] + count["failed"]
-    undecided = sum(row.get("motion") == UNDECIDED for row in rows)
+    undecided, large = sum(row.get("motion") == UNDECIDED for row in rows), int(beyond(rows).sum())
+    too_short = (
+        f"{undecided} of {counted(len(rows), 'run')} {'is' if undecided == 1 else 'are'} too short to show growth."
+    )
     if broken == len(rows):
         return "bad", f"No result: all {len(rows)} runs were refused or failed."
     if bad:
         return "bad", f"Unsafe: the motion grows or diverges in {bad} of {counted(len(rows), 'run')}."
+    if large:
+        words = f"Unsafe: the rim deflects by more than half of its wall in {large} of {counted(len(rows), 'run')}."
+        return "bad", f"{words} {too_short}" if undecided else words
     if undecided:
-        return "open", f"Not decided: {undecided} of {counted(len(rows), 'run')} are too short to show growth."
+        return "open", f"Not decided: {too_short}"
     if any(row.get("motion") for row in rows):
         return "good", f"Bounded: the motion grows in none of {counted(len(rows), 'run')}."
     return "", f"{count['done']} of {counted(len(rows), 'run')} ended, over {' and '.join(keys_of(rows))}."
@@ -139,10 +149,10 @@ def range_facts(keys: Sequence[str], rows: Rows) -> list[tuple[str, str]]:
     values = [row[keys[0]] for row in rows]
     if not all(isinstance(value, int | float) for value in values):
         return []
-    x, bad = np.array(values, dtype=float), unsafe(rows)
+    x, bad, large = np.array(values, dtype=float), unsafe(rows), beyond(rows)
     decided = np.array([row["status"] == "done" and row.get("motion") != UNDECIDED for row in rows])
     words = []
-    for name, chosen in (("Unsafe", bad), ("Safe", decided & ~bad)):
+    for name, chosen in (("Unsafe", bad), ("Beyond half the wall", large), ("Safe", decided & ~bad & ~large)):
         ranges = stretches(x, chosen)
         if ranges:
             text = listed(ranges) if keys[0] == "speed.hz" else plain_ranges(ranges)
@@ -204,6 +214,11 @@ def further_words(rows: Rows) -> str:
         return (
             "Run one scene that diverged: `casingfem rub` repeats its last stretch at half the step and states whether "
             "the growth is converged."
+        )
+    if beyond(rows).any():
+        return (
+            "Enlarge the clearance, reduce friction or add a coating. `casingfem interactions` lists the dangerous "
+            "speeds between these runs."
         )
     if any(row.get("motion") == UNDECIDED for row in rows):
         return "Lengthen t_end, then sweep again."

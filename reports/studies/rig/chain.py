@@ -68,10 +68,11 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         clock("rub, as built", lambda: rig_rub.run("as built", files, plan, terms)),
         clock("rub, defect machined away", lambda: rig_rub.run("defect machined away", files, plan, [])),
     ]
-    rims = {"as built [dB]": terms, "defect machined away [dB]": []}
-    controls = clock("rubs with a cause taken away", lambda: rig_rub.controls(files, plan, rims))
+    controls = clock("rubs with a cause taken away", lambda: rig_rub.controls(files, plan))
     levels = [rub.excess_db(plan.n) for rub in rubs]
-    rows = [{"blade": "digging blade"} | dict(zip(rims, levels, strict=True)), *controls]
+    columns = ("as built [dB]", "defect machined away [dB]")
+    alone: list[Row] = [{"blade": words, columns[0]: None, columns[1]: level} for words, level in controls.items()]
+    rows: list[Row] = [{"blade": "digging blade"} | dict(zip(columns, levels, strict=True)), *alone]
     show(f"Level of n = {plan.n} over the next nodal diameter", rows)
 
     sections = [

@@ -72,16 +72,11 @@ def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], spe
     """What became of each rub, how hard it hits, at which speeds; how sure that is; what would make it surer."""
     states = [outcome(rub.ran) for rub in rubs]
     facts = tuple(
-        (
-            capital(rub.name),
-            f"{sentence} The largest force is {rub.ran.force:.0f} N, the largest deflection of the rim "
-            f"{deflection(rub)}. {' '.join(speed_words(rub.speeds))}",
-        )
+        (capital(rub.name), f"{sentence} {' '.join(speed_words(rub.speeds))}")
         for rub, (_, sentence) in zip(rubs, states, strict=True)
     )
     return Verdict(
-        found=f"The rim deflects by {' and '.join(f'{deflection(rub)} ({rub.name})' for rub in rubs)}. The linear "
-        f"model is valid up to {100.0 * WALL:g} % of the wall.",
+        found=" ".join(headline(rub, speed_hz) for rub in rubs),
         facts=facts,
         sure=f"The casing's frequencies (SYNTHETIC) are met to {100 * fit.rms_after:.2g} % RMS, with a misfit of "
         f"{fit.misfit:.2g} sigma. The measured blade's are met to {100 * blade.fit.rms_after:.2g} %, with a misfit of "
@@ -91,6 +86,21 @@ def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], spe
         "without wear the forces are too high.",
         state="bad" if any(state == "bad" for state, _ in states) else states[-1][0],
         strips=tuple((f"Speeds, {rub.name}", speed_strip(rub.speeds, speed_hz)) for rub in rubs),
+    )
+
+
+def headline(rub: Rub, speed_hz: float) -> str:
+    """Whether all speeds are safe, and the force and the deflection at the speed of the run."""
+    low, high = (float(hz) for hz in rub.speeds.peaks.map.speed_hz[[0, -1]])
+    span = f"{60.0 * low:,.0f} to {60.0 * high:,.0f} rpm"
+    unsafe = [run for run in rub.speeds.runs if run.verdict != "safe"]
+    count = f"{len(unsafe)} of {len(rub.speeds.runs)} speeds from {span} are not safe"
+    rim = rub.ran.rim
+    limit = "" if rim.largest <= WALL * rim.wall else f" (the linear model is valid up to {100.0 * WALL:g} %)"
+    speeds = count if unsafe else f"every speed from {span} is safe"
+    return (
+        f"{capital(rub.name)}, {speeds}: at {60.0 * speed_hz:,.0f} rpm the tip presses with {rub.ran.force:,.0f} N, "
+        f"and the rim deflects by {deflection(rub)}{limit}."
     )
 
 
@@ -158,17 +168,23 @@ def causes(rows: Sequence[Row], rubs: Sequence[Rub], plan: RubPlan) -> Section:
     columns = tuple(rows[0])
     table = Table(
         f"Level of n = {plan.n} over the next nodal diameter, last quarter of the run.", columns,
-        tuple(tuple(text(row[name]) if name == "blade" else f"{row[name]:+.1f}" for name in columns) for row in rows),
+        tuple(tuple(_level(row[name]) for name in columns) for row in rows),
     )  # fmt: skip
     closed = " and ".join(f"{100.0 * rub.ran.closed / rub.ran.span:.0f} % of the time ({rub.name})" for rub in rubs)
     words = (
         "Friction feeds the motion while the contact is closed, and only if it is above tan(lean). "
         f"The contact is closed {closed}.",
-        "A growing motion opens the contact. Impacts then bound it.",
+        "A growing motion opens the contact. Impacts then bound it. The causes are taken away from the rim without the "
+        "defect alone.",
         f"The rubs have a step of {plan.dt:g} s. The rows below the first and the runs over speed have one of "
         f"{LONGER_STEP * plan.dt:g} s.",
     )
     return Section("What the rub needs to grow", words, tables=(table,))
+
+
+def _level(cell: object) -> str:
+    """Text of a cell: a level [dB] with its sign."""
+    return f"{cell:+.1f}" if isinstance(cell, float) else text(cell)
 
 
 def rub_section(rub: Rub, plan: RubPlan) -> Section:

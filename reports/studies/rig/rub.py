@@ -21,7 +21,6 @@ from contact.rim_motion import rim_motion
 from contact.stability.split_casing import perfect_mean
 from reports.studies.rig.tuning import RubPlan, Tuning, band_of_n, leading, tuned
 from reports.studies.rim_levels import excess_db, rim_levels
-from reports.tables import Row
 
 LONGER_STEP = 3.0  # times the plan's step: of the runs over speed and of those with a cause taken away
 
@@ -134,8 +133,8 @@ def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
     return ct.interactions(scene, np.linspace(0.1 * highest, highest, 91), runs=10)
 
 
-def controls(files: tuple[Path, Path], plan: RubPlan, rims: dict[str, list[dict[str, float]]]) -> list[Row]:
-    """Level of n over the next nodal diameter [dB] of each rim with a cause taken away, all with LONGER_STEP."""
+def controls(files: tuple[Path, Path], plan: RubPlan) -> dict[str, float]:
+    """Level of n over the next nodal diameter [dB] of the round rim with a cause taken away, all with LONGER_STEP."""
     plan = replace(plan, dt=LONGER_STEP * plan.dt)
     without = {
         f"digging blade, {LONGER_STEP:g} times the step": plan,
@@ -143,15 +142,12 @@ def controls(files: tuple[Path, Path], plan: RubPlan, rims: dict[str, list[dict[
         "friction 0.15, below tan(lean)": replace(plan, friction=0.15),
         "trailing blade": replace(plan, lean_deg=-plan.lean_deg),
     }
-    rows: list[Row] = []
+    levels = {}
     for words, changed in without.items():
-        row: Row = {"blade": words}
-        for name, terms in rims.items():
-            scene = planned(scene_of(files, changed, terms), changed)
-            result = ct.run(scene, record=ct.Record(every=20, state_every=20))
-            row[name] = excess_db(rim_levels(scene.what.casing, result), plan.n)
-        rows.append(row)
-    return rows
+        scene = planned(scene_of(files, changed, []), changed)
+        result = ct.run(scene, record=ct.Record(every=20, state_every=20))
+        levels[words] = excess_db(rim_levels(scene.what.casing, result), plan.n)
+    return levels
 
 
 def scene_toml(scene: ct.RotatingRim, files: tuple[Path, Path], plan: RubPlan) -> str:

@@ -12,6 +12,7 @@ from casingfem.plot.interaction import figure_map
 from casingfem.plot.motion import figure_spectrum
 from casingfem.plot.pages.scene import scene_page, scene_verdict
 from casingfem.plot.pages.speeds import safe_ranges, speed_words
+from casingfem.plot.pages.sweep import sweep_verdict
 from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_waves, full_spectrum
 from contact.io.trust import Flag
 from contact.model.gaps.bladed_disk import pair_rim
@@ -194,3 +195,16 @@ def test_a_page_has_no_repr_and_every_number_its_unit():
     assert not re.search(r"\w+\(\w+=|\bnan\b|\binf\b|\d[eE][+-]\d", text)
     heads = re.findall(r'<th scope="col" class="number">([^<]+)</th>', html)
     assert [head for head in heads if "[" not in head and head not in ("contact", "closings")] == []
+
+
+def test_a_sweep_calls_no_run_safe_whose_rim_deflects_by_more_than_half_of_its_wall():
+    keys, state = ["speed.hz"], {"status": "done", "peak_force_N": 50.0, "amplitude_m": 1e-5, "unaccounted_rel": 1e-13}
+    flags = {1.0: "", 2.0: "wall-deflection; slip-reverses", 3.0: "wall-deflection", 4.0: ""}
+    motion = {1.0: "bounded", 2.0: "bounded", 3.0: "undecided", 4.0: "decays"}
+    rows = [{"speed.hz": hz, **state, "motion": motion[hz], "flags": flags[hz]} for hz in flags]
+    found = sweep_verdict(["speed.hz [Hz]"], keys, rows)
+    words = "Unsafe: the rim deflects by more than half of its wall in 2 of 4 runs. 1 of 4 runs is too short"
+    assert (found.state, found.found[: len(words)]) == ("bad", words)
+    facts = dict(found.facts)
+    assert facts["Beyond half the wall"] == "The runs at 120 to 180 rpm (2 to 3 Hz)."
+    assert facts["Safe"] == "The runs at 60 rpm (1 Hz); 240 rpm (4 Hz)."
