@@ -11,6 +11,7 @@ from casingfem.io import strict_csv
 from casingfem.io.columns import MERIDIAN, named
 from casingfem.io.together import together
 from casingfem.structure.field.field import Field
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.field.survey.points import read_points
 from casingfem.structure.field.survey.survey import SurveyField
@@ -39,6 +40,8 @@ CHARTS: dict[str, Callable[..., Chart]] = {
     "blade": Blade,
 }  # fmt: skip
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
+LEAST = 1e-4  # of the largest amplitude of a survey
+NOISE = 4.0  # standard deviations: amplitudes of a survey below are left out of a spectrum
 
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
@@ -216,14 +219,41 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
     return None
 
 
+def spectrum_of_surveys(table: ImperfectionTable, folder: Path) -> Spectrum:
+    """The spectrum that is fitted to the shapes of surveys, each even along the axis."""
+    fits = []
+    for name in table.surveys:
+        survey = SurveyField.fitted(read_points(folder / name), degree=0)
+        if survey.quantity != table.of:
+            raise ValueError(f"{name}: found a survey of the {survey.quantity}, expected one of the {table.of}")
+        fits.append(above_noise(survey))
+    return Spectrum.of_surveys(fits, p_max=table.p_max)
+
+
+def above_noise(survey: SurveyField) -> FourierField:
+    """The harmonics of a survey whose amplitude is above that of the noise of its points, `NOISE` standard deviations.
+
+    Noise of standard deviation r at N points gives each coefficient r sqrt(2/N). Digits of a file that are the same at
+    all heights are no noise of this kind: amplitudes below `LEAST` of the largest are left out too.
+    """
+    fit = survey.fit
+    size = np.hypot(fit.cos[:, 0], fit.sin[:, 0])
+    noise = NOISE * survey.residual_rms * np.sqrt(2.0 / survey.points)
+    seen = size > max(noise, LEAST * size.max(initial=0.0))
+    return FourierField(p=fit.p[seen], cos=fit.cos[seen], sin=fit.sin[seen])
+
+
 def build_random(table: ImperfectionTable, stream: int, tables: StudyFile, folder: Path) -> RandomField | None:
     """A random field; None where the tables it needs are not in order, which is collected there."""
     seed, scale = table.seed or 0, 1.0 if table.scale is None else table.scale
-    if isinstance(table.random, list):
-        median = {wave.p: wave.median for wave in table.random}
-        high = {wave.p: wave.high or RAYLEIGH * wave.median for wave in table.random}
-        if len(median) < len(table.random):
-            raise ValueError(f"found harmonics {[wave.p for wave in table.random]}, expected each p once")
+    if table.surveys:
+        spectrum = spectrum_of_surveys(table, folder).scaled(scale)
+        return RandomField(spectrum=spectrum, seed=seed, stream=stream)
+    if waves := table.waves:
+        median = {wave.p: wave.median for wave in waves}
+        high = {wave.p: wave.high or RAYLEIGH * wave.median for wave in waves}
+        if len(median) < len(waves):
+            raise ValueError(f"found harmonics {[wave.p for wave in waves]}, expected each p once")
         spectrum = Spectrum.between(median, high, p_max=table.p_max).scaled(scale)
         return RandomField(spectrum=spectrum, seed=seed, stream=stream)
     if tables.chart is None or tables.shell is None:

@@ -270,6 +270,7 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     """Name and hash of the input, package versions, seed."""
     update, mistuning = tables.update, None if tables.cyclic is None else tables.cyclic.mistuning
     names = [entry.survey for entry in tables.imperfection]
+    names += [name for entry in tables.imperfection for name in entry.surveys]
     names += [] if update is None else [update.table, update.shapes]
     names += [mistuning if isinstance(mistuning, str) else None]
     names += [table.mesh for table in (tables.solid, tables.shell) if table is not None]

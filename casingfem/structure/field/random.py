@@ -6,6 +6,7 @@ The same seed gives identical bits.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -76,6 +77,38 @@ class Spectrum:
         ratio = np.exp(_log_interpolated(p, {k: high[k] / median[k] for k in high}, slope=False))
         return cls(p=p, median=level, high=level * ratio)
 
+    @classmethod
+    def of_surveys(cls, fields: Sequence[FourierField], *, p_max: int | None = None) -> Spectrum:
+        """Spectrum of casings like those of fitted surveys: ln a = c - b ln p + s z, z standard normal.
+
+        c, b and s are least squares of the logarithms of all measured amplitudes from p = 2 on, of the parts that are
+        constant along the axis. p = 1 is the position of the axis. The law continues to `p_max`, by default the
+        highest harmonic of the surveys.
+
+        Raises
+        ------
+        ModelError
+            There are fewer than three amplitudes above zero.
+
+        Examples
+        --------
+        >>> one = FourierField.of({2: 0.008, 4: (0.0, 0.002), 8: 0.0005})
+        >>> found = Spectrum.of_surveys([one], p_max=9)
+        >>> found.p.tolist(), round(float(found.median[3]), 6), bool(np.allclose(found.high, found.median))
+        ([2, 3, 4, 5, 6, 7, 8, 9], 0.00128, True)
+        """
+        measured = [(p, a) for each in fields for p, a in _amplitudes(each) if p > 1 and a > 0.0]
+        if len({p for p, _ in measured}) < 2 or len(measured) < 3:
+            found = f"{len(measured)} amplitudes above zero from p = 2 on"
+            raise ModelError("field-spectrum", f"Spectrum: found {found}, expected at least 3 of 2 harmonics")
+        p, a = np.array(measured).T
+        design = np.column_stack([np.ones(len(p)), -np.log(p)])
+        (c, b), *_ = np.linalg.lstsq(design, np.log(a), rcond=None)
+        scatter = np.sqrt(np.sum((np.log(a) - design @ (c, b)) ** 2) / (len(p) - 2))
+        every = np.arange(2, (p_max or int(p.max())) + 1)
+        median = np.exp(c - b * np.log(every))
+        return cls(p=every, median=median, high=median * np.exp(NINETY * scatter))
+
     def scaled(self, factor: float) -> Spectrum:
         """The same spectrum multiplied by `factor`."""
         return replace(self, median=factor * self.median, high=factor * self.high)
@@ -93,6 +126,11 @@ class Spectrum:
     def rms(self) -> FloatArray:
         """Root mean square of each amplitude, (H,)."""
         return np.asarray(self.median * np.exp(self.deviation**2))
+
+
+def _amplitudes(field: FourierField) -> list[tuple[int, float]]:
+    """Harmonics of a field and the amplitudes of their parts that are constant along the axis."""
+    return [(int(p), float(np.hypot(c, s))) for p, c, s in zip(field.p, field.cos[:, 0], field.sin[:, 0], strict=True)]
 
 
 def _log_interpolated(p: IntArray, given: dict[int, float], *, slope: bool) -> FloatArray:

@@ -26,9 +26,21 @@ class Wave(Table):
     )
 
 
+Name = Annotated[str, Field(min_length=1)]
+
+
+def kind_of_random(value: object) -> str:
+    """Which of the forms of `random` a value has."""
+    if not isinstance(value, list):
+        return "name"
+    return "surveys" if value and all(isinstance(each, str) for each in value) else "spectrum"
+
+
 Random = Annotated[
-    Annotated[Literal["example"], Tag("name")] | Annotated[list[Wave], Tag("spectrum"), Field(min_length=1)],
-    Discriminator(lambda value: "spectrum" if isinstance(value, list) else "name"),
+    Annotated[Literal["example"], Tag("name")]
+    | Annotated[list[Wave], Tag("spectrum"), Field(min_length=1)]
+    | Annotated[list[Name], Tag("surveys"), Field(min_length=1)],
+    Discriminator(kind_of_random),
 ]
 
 
@@ -48,10 +60,23 @@ class ImperfectionTable(Table):
         " holds, it goes down to zero, or such a survey is refused; fit if left out, nearest where the points cover"
         " less than half of the shell",
     )
-    random: Random | None = Field(default=None, description='"example" (radius), or [{p, median, high}], relative')
+    random: Random | None = Field(
+        default=None,
+        description='"example" (radius), or [{p, median, high}], relative, or [survey CSVs] with such a spectrum',
+    )
     seed: int | None = Field(default=None, ge=0, description="of the random field: same seed, same field")
     scale: Positive | None = Field(default=None, description="factor on the random field's spectrum [-]")
     p_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of the random field")
+
+    @property
+    def waves(self) -> list[Wave]:
+        """The spectrum that `random` states; none of another form."""
+        return [each for each in self.random or [] if isinstance(each, Wave)]
+
+    @property
+    def surveys(self) -> list[str]:
+        """The surveys that `random` names; none of another form."""
+        return [each for each in self.random if isinstance(each, str)] if isinstance(self.random, list) else []
 
     @model_validator(mode="after")
     def _one_source(self) -> "ImperfectionTable":
