@@ -180,6 +180,8 @@ class Interactions(Reported):
 def speeds_of(scene: Scene | HandPair) -> Array:
     """Speeds [turns/s] up to AROUND times the highest speed of a scene, in STEPS steps.
 
+    Speeds at which a body is not known (`ModalBody.known_speeds`) are left out.
+
     Raises InputError for a pair, and for a scene that does not turn.
     """
     if isinstance(scene, HandPair):
@@ -193,7 +195,12 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     top = float(np.max(hz))
     if isinstance(what, RotatingRim | Rub | Rotor) and not top > 0.0:
         raise InputError("speed_hz: found none for a scene that does not turn, expected the speeds to examine")
-    return np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
+    low, high = top * AROUND / STEPS, top * AROUND
+    for body in () if rub_of(what) is None else rub_of(what).bodies:
+        if body.known_speeds is not None:
+            known = np.asarray(body.known_speeds) / (2.0 * math.pi)
+            low, high = max(low, float(known[0])), min(high, float(known[1]))
+    return np.linspace(low, high, STEPS)
 
 
 def interactions(
@@ -209,7 +216,7 @@ def interactions(
         run. A rotor, alone or in its casing, is run at its critical speeds too; its poles are those without contact.
     speed_hz
         Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0. If left out, 200
-        speeds up to twice the highest speed of the scene.
+        speeds up to twice the highest speed of the scene, at which all bodies are known.
     runs
         Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds.
     closed

@@ -76,7 +76,8 @@ MESHES = {
     ),
     "mesh-format": (
         "the ending of a mesh file is not one of those known",
-        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran), .cdb (Ansys) or .unv (universal)",
+        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran), .cdb (Ansys), .unv (universal) "
+        "or .med (Salome)",
     ),
     "mesh-group-empty": (
         "a group contains no node of a cell",

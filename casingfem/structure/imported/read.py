@@ -1,4 +1,4 @@
-"""Read a mesh from a file: Gmsh (msh 2.2, 4.1), VTU, Abaqus (inp), Nastran (bdf, nas, dat), Ansys (cdb), unv.
+"""Read a mesh from a file: Gmsh (msh 2.2, 4.1), VTU, Abaqus (inp), Nastran (bdf, nas, dat), Ansys (cdb), unv, MED.
 
 Physical groups, sets and constraints become groups by name, for supports and materials. Gmsh and VTU files are read
 with meshio, whose silence is made good here: what it passes over or cuts short is counted against the file and refused.
@@ -19,6 +19,7 @@ from casingfem.structure.imported.readers.bdf import read_bdf
 from casingfem.structure.imported.readers.cdb import read_cdb
 from casingfem.structure.imported.readers.draft import Block, Draft, build, joined
 from casingfem.structure.imported.readers.inp import read_inp
+from casingfem.structure.imported.readers.med import read_med
 from casingfem.structure.imported.readers.unv import read_unv
 from contact.io.infiles import read_bytes, regular_file
 from contact.io.units import units_of
@@ -33,7 +34,7 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
     Parameters
     ----------
     path
-        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat, .cdb or .unv file.
+        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat, .cdb, .unv or .med file.
     scale
         What coordinates are multiplied by to be metres: 1e-3 for millimetres.
     join
@@ -67,7 +68,7 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
     if not (np.isfinite(join) and join >= 0.0):
         raise ModelError("mesh-scale", f"{file.name}: join must be 0 or a distance, found {join!r}")
     readers = {".msh": read_gmsh, ".vtu": read_vtu, ".inp": read_inp, ".bdf": read_bdf, ".nas": read_bdf,
-               ".dat": read_bdf, ".cdb": read_cdb, ".unv": read_unv}  # fmt: skip
+               ".dat": read_bdf, ".cdb": read_cdb, ".unv": read_unv, ".med": read_med}  # fmt: skip
     reader = readers.get(file.suffix.lower())
     if reader is None:
         raise ModelError("mesh-format", f"{file.name}: found the ending {file.suffix!r}")

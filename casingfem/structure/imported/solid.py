@@ -6,7 +6,7 @@ Geometry and displacements have the same shape functions, so the curved faces of
 integrated in batches; the mass is consistent.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -91,6 +91,37 @@ class Solid(SolidCells):
         from casingfem.structure.imported.solid_spin import solid_turning
 
         return solid_turning(at_rest, self, rotation)
+
+    def steady_shape(self) -> FloatArray:
+        """Displacements of the nodes [m] in steady rotation, (nodes, 3): growth and untwist, on the deformed shape.
+
+        Raises
+        ------
+        ModelError
+            `rotation-none` without a rotation; `static-loose` if the centrifugal force drives a free rigid motion.
+        NumericsError
+            If Newton's method does not settle: the part leaves its shape at this speed.
+
+        Examples
+        --------
+        A rod of length L that turns about its end grows by rho Omega^2 L^3 / (3 E).
+
+        >>> import casingfem as cf
+        >>> sizes = [1.0, 0.02, 0.02]
+        >>> bar = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), lambda u: u * sizes, groups={"root": (0, 0.0)})
+        >>> steel = cf.Material(E=210e9, nu=0.0, rho=7800.0)
+        >>> spin = cf.Rotation(omega=100.0, axis=(0.0, 0.0, 1.0), centre=(0.0, 0.01, 0.01))
+        >>> rod = cf.Solid(mesh=bar, material=steel, supports={"root": cf.Clamped()}, rotation=spin)
+        >>> round(float(1e6 * rod.steady_shape()[:, 0].max()), 1), round(1e6 * 7800.0 * 100.0**2 / (3.0 * 210e9), 1)
+        (123.8, 123.8)
+        """
+        from casingfem.structure.imported.solid_spin import steady_state
+
+        if self.rotation is None:
+            raise ModelError("rotation-none", "steady_shape: found a structure without rotation")
+        at_rest = replace(self, rotation=None).assembled()
+        linear = self.spin(at_rest, self.rotation).fields
+        return steady_state(at_rest, self, self.rotation, self.rotation.omega**2 * linear).fields
 
 
 def assemble_solid(solid: Solid) -> MeshSystem:

@@ -59,7 +59,7 @@ def solid_turning(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> 
     """A solid assembled at rest and an axis."""
 
     def steady(fields: FloatArray) -> Callable[[float], csc_array]:
-        return lambda omega: steady_stiffness(system, solid, rotation.at(omega), omega**2 * fields)
+        return lambda omega: steady_state(system, solid, rotation.at(omega), omega**2 * fields).stiffness
 
     return MeshTurning(
         system=system, rotation=rotation, inertia=solid_inertia(solid, rotation),
@@ -154,8 +154,15 @@ def solid_stiffening(solid: SolidCells, fields: FloatArray) -> Stiffening:
     return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
 
 
-def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, start: FloatArray) -> csc_array:
-    """Tangent stiffness of the steady state at a speed less the stiffness at rest, spin softening included.
+class SteadyState(NamedTuple):
+    """Displacements [m], (nodes, 3), and the tangent stiffness less that at rest, spin softening included."""
+
+    fields: FloatArray
+    stiffness: csc_array
+
+
+def steady_state(system: MeshSystem, solid: SolidCells, rotation: Rotation, start: FloatArray) -> SteadyState:
+    """The steady state at a speed, by Newton's method on the deformed shape.
 
     `start`: displacements to begin with, (nodes, 3).
 
@@ -184,7 +191,7 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
         fields = fields + system.expand(step[:, None])[:, :, 0]
         if np.linalg.norm(step) <= SETTLED * np.linalg.norm(fields):
             K, _ = tangent(solid, fields)
-            return csc_array(on_free(csc_array(K - soft), system.free) - at_rest)
+            return SteadyState(fields, csc_array(on_free(csc_array(K - soft), system.free) - at_rest))
     turns = omega / (2.0 * np.pi)
     raise NumericsError(f"rotation: found no steady state at {turns:.4g} turns a second in {STEPS} steps")
 

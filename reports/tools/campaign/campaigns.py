@@ -148,7 +148,7 @@ CAMPAIGNS = (
     ),
     Campaign("verification.rubs.turning", "bodies that turn: growth, impulse and ledger beside plain NumPy", RUBS),
     Campaign("studies.blade_off", "fifteen seconds after a blade is lost", (*RUBS, "contact/model/rotor")),
-    Campaign("studies.rotor37", "what the rub of NASA rotor 37 converges with", (*STRUCTURE, *RUBS)),
+    Campaign("studies.rotors", "convergence of NASA rotors 37 and 67", (*STRUCTURE, *RUBS)),
     Campaign("studies.section_44", "the study's rubs", RUBS),
     Campaign("studies.wear", "abradable coatings", (*RUBS, "contact/record/wear.py")),
     Campaign("studies.jumps", "jumps of a rub over its speed: folds beside slow ramps", (*CYCLES, *RUBS)),

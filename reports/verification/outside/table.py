@@ -11,7 +11,7 @@ from collections import Counter
 from pathlib import Path
 
 from reports.tables import Row, show, write
-from reports.verification.outside import blades, shells, swept_strip, two_masses
+from reports.verification.outside import blades, code_aster, shells, swept_strip, two_masses
 from reports.verification.outside.columns import row
 from reports.verification.schemes.cycles import published
 
@@ -34,7 +34,8 @@ def main(out: Path, quick: bool = False, calculix: bool = False) -> list[Row]:
                 f"ccx: found no such program, expected CalculiX on the path; {shells.TABLE.name} has its table"
             )
         shells.run_calculix(out)
-    rows = [*shells.rows(quick), *blades.rows(quick), *swept_strip.rows(), *two_masses.rows(), *driven(out)]
+    rows = [*shells.rows(quick), *blades.rows(quick), *swept_strip.rows(), *two_masses.rows(), *code_aster.rows()]
+    rows += driven(out)
     show("Results of others", [{name: one[name] for name in list(one)[:8]} for one in rows])
     counts = Counter(
         "pass" if one["verdict"] == "pass" else "fail" if one["verdict"] == "FAIL" else "reason" for one in rows

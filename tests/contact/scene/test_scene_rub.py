@@ -414,7 +414,9 @@ def test_a_scene_at_a_speed_at_which_a_basis_is_not_known_is_refused(hz, fault, 
     blade().save(tmp_path / "blade.npz")
     text = write(RIM.replace("hz = 5.0", f'hz = {hz!r}\nturning = "casing"'))
     if fault is None:
-        assert ct.load_scene(text).what.casing.known_speeds.tolist() == known.tolist()
+        scene = ct.load_scene(text)
+        assert scene.what.casing.known_speeds.tolist() == known.tolist()
+        np.testing.assert_allclose(ct.scene.load_interactions(text).speed_hz[[0, -1]], [4.0, 6.0], rtol=1e-12)
         return
     with pytest.raises(ct.InputError, match="casing: speed: ") as refused:
         ct.load_scene(text)

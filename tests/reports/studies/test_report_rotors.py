@@ -1,13 +1,13 @@
-"""What the rub of NASA rotor 37 converges with, run small."""
+"""Convergence of the examples of NASA rotors, run small."""
 
 import pytest
 
-from reports.studies import rotor37
+from reports.studies import rotors
 
 
 @pytest.mark.campaign
 def test_frequencies_and_impulses_of_rotor_37_converge(tmp_path):
-    rows = rotor37.main(tmp_path, quick=True)
+    rows = rotors.main(tmp_path, quick=True)
     assert [row["worst [%]"] for row in rows if "worst [%]" in row] == sorted(
         (row["worst [%]"] for row in rows if "worst [%]" in row), reverse=True
     )
