@@ -7,6 +7,7 @@ correction converges fast and the branch is nearly straight.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -66,6 +67,8 @@ class Course:
 
     def slope(self, at: Orbit) -> Array:
         """Derivative of the state after one period with respect to the parameter (n,)."""
+        if at.slope is not None:
+            return at.slope
         change = self.difference(at.value)
         moved = map_of(self.family, at.value + change, at.start, at.periods)(at.x, tangent=False)
         return (moved.x - at.x) / change
@@ -79,30 +82,34 @@ class Course:
         found = np.linalg.solve(J, np.concatenate([np.zeros(n), [1.0]]))
         return self.unit(Tangent(found[:n], float(found[n])), at.x)
 
-    def next(self, at: Orbit, along: Tangent, length: float) -> Orbit:
-        """The orbit on the plane normal to `along` at a given distance.
+    def next(self, at: Orbit, along: Tangent, length: float, bend: Tangent | None = None) -> Orbit:
+        """The orbit on the plane normal to `along` at a given distance; `bend` is the change of the tangent there.
 
         Raises NumericsError where no orbit is found, and InputError for a value of the parameter outside the family.
         """
         n = at.x.size
         weight = 1.0 / max(float(at.x @ at.x), self.size**2)
         x, value = at.x + length * along.x, float(at.value + length * along.value)
-        J = np.zeros((n + 1, n + 1))
+        if bend is not None:
+            x, value = x + 0.5 * length**2 * bend.x, value + 0.5 * length**2 * bend.value
+        J, eye = np.zeros((n + 1, n + 1)), np.eye(n)
         J[n, :n], J[n, n] = weight * along.x, along.value / self.span**2
         for k in range(NEWTON):
             map_ = map_of(self.family, value, at.start, at.periods)
             found = map_(x)
             delta = self.difference(value)
-            moved = map_of(self.family, value + delta, at.start, at.periods)(x, tangent=False)
+            near = map_of(self.family, value + delta, at.start, at.periods)
+            slope = (near.beside(x, found, map_.period) - found.x) / delta
             assert found.M is not None
-            J[:n, :n], J[:n, n] = found.M - np.eye(n), (moved.x - found.x) / delta
+            J[:n, :n], J[:n, n] = found.M - eye, slope
             off = weight * float(along.x @ (x - at.x)) + along.value * (value - at.value) / self.span**2 - length
             change = np.linalg.solve(J, np.concatenate([x - found.x, [-off]]))
             x, value = x + change[:n], value + float(change[n])
-            if not np.all(np.isfinite(x)) or not self.low - self.span < value < self.high + self.span:
+            size, moved = float(x @ x), float(change[:n] @ change[:n])
+            if not math.isfinite(size) or not self.low - self.span < value < self.high + self.span:
                 break
-            if np.linalg.norm(change[:n]) <= CLOSE * np.linalg.norm(x) and abs(change[n]) <= CLOSE * self.span:
-                return made(self.family, value, map_, at.periods, at.start, x, found, k + 1)
+            if moved <= CLOSE**2 * size and abs(change[n]) <= CLOSE * self.span:
+                return made(self.family, value, map_, at.periods, at.start, x, found, k + 1, slope)
         raise NumericsError(f"no orbit after {NEWTON} Newton steps near {self.family.name} = {value:.8g}")
 
 
@@ -124,11 +131,11 @@ class Signs(NamedTuple):
 
 def signs(at: Orbit, along: Tangent) -> Signs:
     """Signs of an orbit at which the branch has this tangent."""
-    mu = at.multipliers
-    real = mu.imag == 0.0
+    mu = at.multipliers.tolist()
+    real = [value.real for value in mu if value.imag == 0.0]
     return Signs(
-        along.value > 0.0, int(np.sum(real & (mu.real > 1.0))), int(np.sum(real & (mu.real < -1.0 - EVEN))),
-        int(np.sum(~real & (np.abs(mu) > 1.0 + EVEN))),
+        along.value > 0.0, sum(value > 1.0 for value in real), sum(value < -1.0 - EVEN for value in real),
+        sum(value.imag != 0.0 and abs(value) > 1.0 + EVEN for value in mu),
         tuple(-ends if ends else often for often, ends in zip(at.closings, at.rests, strict=True)),
     )  # fmt: skip
 
@@ -149,9 +156,17 @@ def kinds(left: Signs, right: Signs) -> list[str]:
     return found
 
 
+def bent(along: Tangent, after: Tangent, length: float) -> Tangent:
+    """Change of the tangent along the branch, over the last step."""
+    return Tangent((after.x - along.x) / length, (after.value - along.value) / length)
+
+
 def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float, after: Tangent) -> list[Special]:
     """Special points between an orbit and the next one, `length` away, located by bisection along the tangent."""
     left, right = signs(at, along), signs(new, after)
+    if left == right:
+        return []
+    bend = bent(along, after, length)
     low, found = 0.0, []
     for _ in range(MOST):
         if left == right:
@@ -160,7 +175,7 @@ def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float,
         try:
             for _ in range(BISECTIONS):
                 middle = 0.5 * (low + high)
-                trial = course.next(at, along, middle)
+                trial = course.next(at, along, middle, bend)
                 here = signs(trial, course.tangent(trial, along))
                 if here == left:
                     low, before = middle, trial
@@ -180,6 +195,7 @@ class Way(NamedTuple):
     specials: tuple[Special, ...]
     along: Tangent
     length: float
+    bend: Tangent | None = None
 
 
 def begun(course: Course, begin: Orbit, ahead: Tangent, longest: float) -> Way:
@@ -191,11 +207,11 @@ def followed(
     course: Course, way: Way, *, longest: float, most: int, progress: Callable[[Way], None] | None = None
 ) -> Branch:
     """All orbits of a branch from the current one on; `progress` receives the distance after each."""
-    points, specials, along, length = list(way.points), list(way.specials), way.along, way.length
+    points, specials, along, length, bend = list(way.points), list(way.specials), way.along, way.length, way.bend
     while len(points) < most:
         at = points[-1]
         try:
-            new = course.next(at, along, length)
+            new = course.next(at, along, length, bend)
             after = course.tangent(new, along)
             end = CORNER if course.product(after, along, new.x) < STRAIGHT else ""
             value, x = (at.value, at.x) if end else (new.value, new.x)
@@ -206,7 +222,7 @@ def followed(
         outside = not course.low <= value <= course.high
         edge = _at_edge(course, at, value, x) if outside else None
         if end and edge is None:
-            length *= 0.5
+            length, bend = 0.5 * length, None
             if length < LEAST * longest:
                 return Branch(points=tuple(points), specials=tuple(specials), end=_why(course, at, along, end))
             continue
@@ -220,11 +236,11 @@ def followed(
         points.append(new)
         if merged(course, points[-2], new):
             return Branch(points=tuple(points), specials=tuple(specials), end=JOINS)
-        along = after
+        along, bend = after, bent(along, after, length)
         if new.iterations <= EASY:
             length = min(1.5 * length, longest)
         if progress is not None:
-            progress(Way(tuple(points), tuple(specials), along, length))
+            progress(Way(tuple(points), tuple(specials), along, length, bend))
     end = f"{most} orbits" if len(points) >= most else ""
     return Branch(points=tuple(points), specials=tuple(specials), end=end)
 

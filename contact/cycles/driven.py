@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, readonly, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
-from contact.cycles.passage import Closed, Motion
-from contact.cycles.switched import Drive, Forcing, Phase, Plant
+from contact.cycles.known import Known
+from contact.cycles.passage import Motion
+from contact.cycles.switched import Drive, Forcing, Plant
 from contact.model.bodies.patch import Patch
 
 RIGID = 1e-6  # frequency over that of the force which represents a rigid mode: 4e-12 of its flight over a period
@@ -127,7 +128,10 @@ class DrivenBody:
         omega = self.patch.body.omega
         scale = readonly(np.where(omega > 0.0, omega, 2.0 * math.pi * freq_hz))
         plant = _plant(self, freq_hz, scale)
-        return ForcedFamily(body=self, name=name, freq_hz=freq_hz, plant=plant, scale=scale, looks=looks)
+        return ForcedFamily(
+            body=self, name=name, freq_hz=freq_hz, plant=plant, scale=scale, looks=looks, known=Known(plant),
+            drive=_drive(self, scale, freq_hz),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -140,7 +144,8 @@ class ForcedFamily:
     plant: Plant
     scale: Array  # of the velocities [rad/s]
     looks: int | None
-    phases: dict[Closed, Phase] = field(default_factory=dict)
+    known: Known
+    drive: Drive  # at `freq_hz`
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -152,14 +157,16 @@ class ForcedFamily:
         body, freq_hz = self.body, self.freq_hz
         if self.name == "freq_hz":
             freq_hz = value
+            require_positive(freq_hz=freq_hz)
+            same = self.drive
+            drive = Drive(w=2.0 * math.pi * freq_hz, harmonics=same.harmonics, b=same.b, c=same.c, d=same.d)
         elif self.name == "amplitude":
-            body = replace(body, amplitude=value)
+            drive = _drive(replace(body, amplitude=value), self.scale, freq_hz)
         else:
-            body = replace(body, patch=replace(body.patch, clearance=value))
-        require_positive(freq_hz=freq_hz)
-        period, drive = 1.0 / freq_hz, _drive(body, self.scale, freq_hz)
+            drive = _drive(replace(body, patch=replace(body.patch, clearance=value)), self.scale, freq_hz)
+        period = 1.0 / freq_hz
         step = looks_of(period, self.plant.rate, self.looks)
-        return Motion(plant=self.plant, drive=drive, step=step, phases=self.phases), period
+        return Motion(plant=self.plant, drive=drive, step=step, known=self.known), period
 
     @property
     def begin(self) -> Array:

@@ -7,22 +7,17 @@ Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems,
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array
+from contact.base.arrays import Array, Indices
 from contact.base.errors import NumericsError
-from contact.cycles.switched import Complex, Drive, DrivenPhase, Phase, Plant, driven_phase, phase_of
+from contact.cycles.known import EVENTS, Closed, DrivenPhase, Known, resonance
+from contact.cycles.switched import Drive, Plant
 
-if TYPE_CHECKING:
-    from contact.loop.phase import PhaseWork
-
-Closed = tuple[int, ...]
-EVENTS = 4000  # in one period: more are chatter
 PIVOTS = 200
-INSIDE = 1e-9  # of what adds up to a gap: less penetration is none
 TOUCH = 1e-7  # of the velocities that add up to the gap's: a slower hit is the end of a series, or none
 
 
@@ -45,6 +40,14 @@ class Event(NamedTuple):
 After = tuple[Array, Array | None, Closed, Event]  # state, derivative and closed contacts after an event, and the event
 
 
+class Stretches(NamedTuple):
+    """Phases of a passage one after another, by their numbers in `known`, and how long each lasts [s]."""
+
+    phase: Indices
+    time: Array
+    known: Known
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Passage:
     """End of a period: state, derivative (n, n) if requested, events, closed contacts at `first` and at the end.
@@ -56,6 +59,7 @@ class Passage:
     x: Array
     M: Array | None
     events: tuple[Event, ...]
+    stretches: Stretches
     gap: Array
     force: Array
     amplitude: Array
@@ -63,39 +67,18 @@ class Passage:
     last: Closed
 
 
-class Extremes(NamedTuple):
-    """Over the period so far: least gaps, largest forces (k,), largest and least outputs (o,)."""
-
-    gap: Array
-    force: Array
-    most: Array
-    least: Array
-
-    def after(self, phase: Phase, work: PhaseWork) -> Extremes:
-        """Extremes of this phase and another one together."""
-        k, shut = self.gap.size, list(phase.closed)
-        gap, force = work.least[:k].copy(), self.force.copy()
-        gap[shut], force[shut] = np.minimum(self.gap[shut], 0.0), work.most[shut]
-        return Extremes(gap, force, work.most[k:].copy(), work.least[k:].copy())
-
-
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Motion:
-    """A plant under a drive; its phases are computed when first needed, those of the plant once for all drives."""
+    """A plant under a drive; phases of the plant are shared over all drives in `known`."""
 
     plant: Plant
     drive: Drive
     step: float
-    phases: dict[Closed, Phase]
-    driven: dict[Closed, DrivenPhase] = field(default_factory=dict)
+    known: Known
 
     def phase(self, closed: Closed) -> DrivenPhase:
         """The phase with these contacts closed."""
-        if closed not in self.driven:
-            if closed not in self.phases:
-                self.phases[closed] = phase_of(self.plant, closed)
-            self.driven[closed] = driven_phase(self.plant, self.phases[closed], self.drive)
-        return self.driven[closed]
+        return self.known.driven(closed, self.drive)
 
     def angle(self, time: float) -> Array:
         """Angles of the harmonics [rad]."""
@@ -115,12 +98,29 @@ class Motion:
 
     def closed_at(self, x: Array, time: float) -> Closed:
         """Contacts that press at a state; rigid contacts count as open, and must not be penetrated."""
-        plant, moved = self.plant, self.drive.c.at(self.angle(time))
-        gap, size = plant.C @ x + moved, np.abs(plant.C) @ np.abs(x) + np.abs(moved)
-        if np.any((gap < -INSIDE * size)[plant.rigid]):
+        from contact.loop.period import contacts_at
+
+        bundle = self.known.under(self.drive)
+        self.known.arrays.work.x[:] = x
+        return self.pressed(contacts_at(bundle, time), time)
+
+    def pressed(self, found: int, time: float) -> Closed:
+        """Contacts closed at the state in the work space, by what the compiled search answered."""
+        from contact.loop.period import INSIDE, TOGETHER
+
+        work, plant = self.known.arrays.work, self.plant
+        if found == INSIDE:
             raise NumericsError("a rigid contact is closed where the period begins: choose another start, or give it S")
-        force = pressing(plant.soft_S, gap[plant.soft])
-        return tuple(int(i) for i in plant.soft[force > 0.0])
+        if found == TOGETHER:
+            gap = plant.C @ work.x + self.drive.c.at(self.angle(time))
+            work.closed[:] = 0
+            work.closed[plant.soft[pressing(plant.soft_S, gap[plant.soft]) > 0.0]] = 1
+        return closed_of(work.closed)
+
+
+def closed_of(closed: Indices) -> Closed:
+    """Numbers of the contacts that are closed."""
+    return tuple([i for i, shut in enumerate(closed.tolist()) if shut])
 
 
 def pressing(W: Array, g: Array) -> Array:
@@ -148,57 +148,97 @@ def passage(
 
     Raises NumericsError for chatter.
     """
-    from contact.loop.phase import pass_phase
+    from contact.loop.period import CLOSED, DONE, IMPACT, INSIDE, ON, START, TOGETHER, UNKNOWN, pass_period
 
-    plant, k = motion.plant, len(motion.plant.C)
-    closed = first = motion.closed_at(x, start)
-    M = np.eye(x.size) if tangent else None
-    time, end, events = start, start + period, list[Event]()
-    none, o = np.inf if extremes else -np.inf, len(plant.D)  # what begins beyond all values is not searched for
-    reached = Extremes(gap=np.full(k, none), force=np.full(k, 0.0 if extremes else np.inf), most=np.full(o, -none),
-                       least=np.full(o, none))  # fmt: skip
+    plant, known = motion.plant, motion.known
+    bundle, work, stage = known.under(motion.drive), known.arrays.work, START
+    work.x[:], work.at[0] = x, start
+    hits: dict[int, Event] = {}
     while True:
-        driven = motion.phase(closed)
-        phase, before = driven.phase, time
-        forced = (driven.X @ np.exp(1j * motion.angle(time))).real
-        work = _begun(plant, driven, phase.U @ (x - forced), reached)
-        hit = pass_phase(*driven.bundles, k, time, end, motion.step)
-        time = float(work.at[0])
-        forced = (driven.X @ np.exp(1j * motion.angle(time))).real
-        x = (phase.V @ (work.y[0] + 1j * work.y[1])).real + forced
-        if not np.all(np.isfinite(x)):
-            raise NumericsError(f"the motion is not a number after {time:.4g} s")
-        if M is not None:
-            M = phase.flow(time - before, M)
-        reached = reached.after(phase, work)
-        for contact, row in plant.slips:
-            if contact in closed and not work.least[k + row] > 0.0:
-                raise NumericsError(
-                    f"the slip of contact {contact + 1} turns before {time:.6g} s: it would stick, which long runs "
-                    "follow (ct.run), not periodic motions"
-                )
-        if hit < 0:
+        why = pass_period(bundle, stage, start + period, motion.step, extremes, tangent)
+        if why == DONE:
             break
-        x, M, closed, event = _switched(motion, x, M, closed, hit, time)
-        events.append(event)
-        if len(events) > EVENTS:
-            raise NumericsError(
-                f"found over {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters"
-            )
-    shown = slice(0, len(plant.D) - plant.hidden)
+        stage = ON
+        if why in (INSIDE, TOGETHER):
+            motion.pressed(why, start)
+            stage = CLOSED
+        elif why == UNKNOWN:
+            known.number(closed_of(work.closed))
+        elif why == IMPACT:
+            _hit(motion, work, hits, tangent)
+        else:
+            raise _refused(why, work, start)
+        bundle, work = known.bundle, known.arrays.work
+    events = _events(work, hits)
+    shown, stretches = slice(0, len(plant.D) - plant.hidden), int(work.where[3])
     return Passage(
-        start=start, x=x, M=M, events=tuple(events), gap=reached.gap, force=reached.force,
-        amplitude=np.maximum(reached.most, -reached.least)[shown], first=first, last=closed,
+        start=start, x=work.x.copy(), M=work.M.copy() if tangent else None, events=events, gap=work.gap.copy(),
+        force=work.force.copy(), amplitude=np.maximum(work.most, -work.least)[shown],
+        first=closed_of(work.first), last=closed_of(work.closed),
+        stretches=Stretches(work.stretch[:stretches].copy(), work.stretch_time[:stretches].copy(), known),
     )  # fmt: skip
 
 
-def _switched(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float) -> After:
-    """State, derivative and closed contacts after an event."""
-    if hit in closed:
-        return x, M, tuple(i for i in closed if i != hit), Event(time, hit, False, False, 0.0)
-    if not motion.plant.rigid[hit]:
-        return x, M, tuple(sorted((*closed, hit))), Event(time, hit, True, True, 0.0)
-    return _impact(motion, x, M, closed, hit, time)
+def beside(motion: Motion, found: Passage, x: Array, start: float, scale: float) -> Array | None:
+    """State after the phases of another passage, each `scale` times as long; None where a rigid contact was hit.
+
+    Where forces are continuous at events, the state at the end changes by the square of a shift of theirs: of a drive
+    close to that of `found` this is the state after a period but for the square of what the drives differ by.
+    """
+    from contact.loop.period import DONE, pass_beside
+
+    if any(event.closes and motion.plant.rigid[event.contact] for event in found.events):
+        return None
+    known, (phase, time, of) = motion.known, found.stretches
+    if of is not known:
+        new = {number: known.number(of.closed_of(number)) for number in dict.fromkeys(phase.tolist())}
+        phase = np.array([new[number] for number in phase.tolist()])
+    bundle = known.under(motion.drive)
+    known.arrays.work.x[:] = x
+    if pass_beside(bundle, start, phase, time, scale) != DONE:
+        raise resonance()
+    return np.array(known.arrays.work.x)
+
+
+def _refused(why: int, work: Any, start: float) -> NumericsError:
+    """Error of a passage that has no end."""
+    from contact.loop.period import CHATTER, RESONANCE, SLIP
+
+    time = float(work.at[0])
+    if why == RESONANCE:
+        return resonance()
+    if why == CHATTER:
+        return NumericsError(f"found over {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters")
+    if why == SLIP:
+        return NumericsError(
+            f"the slip of contact {work.where[1] + 1} turns before {time:.6g} s: it would stick, which long runs "
+            "follow (ct.run), not periodic motions"
+        )
+    return NumericsError(f"the motion is not a number after {time:.4g} s")
+
+
+def _events(work: Any, hits: dict[int, Event]) -> tuple[Event, ...]:
+    """Events of a passage in their order."""
+    count = int(work.where[2])
+    return tuple(
+        hits[k] if k in hits else Event(time, at if at >= 0 else -1 - at, at >= 0, at >= 0, 0.0)
+        for k, (time, at) in enumerate(zip(work.event_time[:count].tolist(), work.event[:count].tolist(), strict=True))
+    )
+
+
+def _hit(motion: Motion, work: Any, hits: dict[int, Event], tangent: bool) -> None:
+    """A rigid contact's impact, written into the work space."""
+    x, M, time = work.x.copy(), work.M.copy() if tangent else None, float(work.at[0])
+    x, M, now, event = _impact(motion, x, M, closed_of(work.closed), int(work.where[1]), time)
+    work = motion.known.arrays.work
+    work.x[:] = x
+    if M is not None:
+        work.M[:] = M
+    work.closed[:] = 0
+    work.closed[list(now)] = 1
+    hits[int(work.where[2])] = event
+    work.event_time[work.where[2]] = time
+    work.where[2] += 1
 
 
 def _impact(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float) -> After:
@@ -253,17 +293,3 @@ def _kept(motion: Motion, x: Array, closed: Closed, stays: list[int], time: floa
     W = plant.impulse[np.ix_(stays, stays)]
     pressed = pressing(W, -W @ lam[place])  # accelerations with these contacts free are -W lam
     return tuple(sorted((*soft, *(i for i, force in zip(stays, pressed, strict=True) if force > 0.0))))
-
-
-def _begun(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> PhaseWork:
-    """Work arrays of a phase that starts at state y."""
-    work, phase, k = driven.work, driven.phase, reached.gap.size
-    work.y[0], work.y[1] = y.real, y.imag
-    most, least = work.most, work.least
-    most[:k], least[:k] = np.inf, reached.gap  # of an open contact the least gap counts, of a closed one the force
-    shut = list(phase.closed)
-    most[shut], least[shut] = reached.force[shut], -np.inf
-    most[k:], least[k:] = reached.most, reached.least
-    for contact, row in plant.slips:  # of this phase alone
-        most[k + row], least[k + row] = np.inf, np.inf if contact in phase.closed else -np.inf
-    return work

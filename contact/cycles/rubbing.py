@@ -18,6 +18,7 @@ import numpy as np
 from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
 from contact.cycles.driven import looks_of
+from contact.cycles.known import Known
 from contact.cycles.passage import Motion
 from contact.cycles.switched import Complex, Drive, Forcing, Plant
 from contact.model.gaps.gap import RotatingRim
@@ -114,7 +115,7 @@ class RimFamily:
         period = 2.0 * math.pi / (base * abs(speed))
         drive = _drive(rub, contact, speed, waves, base)
         step = looks_of(period, plant.rate, self.looks)
-        return Motion(plant=plant, drive=drive, step=step, phases={}), period
+        return Motion(plant=plant, drive=drive, step=step, known=Known(plant)), period
 
 
 def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array, readonly, require_count, require_finite
 from contact.base.errors import InputError, NumericsError
 from contact.cycles.driven import Family
-from contact.cycles.passage import Motion, Passage, passage
+from contact.cycles.passage import Motion, Passage, beside, passage
 
 SETTLED = 1e-9  # of the state: change over a period of a run that has come to rest
 HUGE = 1e30  # change over a period of a run that diverges
@@ -59,6 +59,7 @@ class Orbit:
     touching: tuple[int, ...]
     M: Array
     iterations: int
+    slope: Array | None = None
 
     @property
     def multiplier(self) -> float:
@@ -84,7 +85,7 @@ class Orbit:
     def twice(self) -> Orbit:
         """The same motion as an orbit of twice the period."""
         return replace(
-            self, periods=2 * self.periods, period=2.0 * self.period, M=readonly(self.M @ self.M),
+            self, periods=2 * self.periods, period=2.0 * self.period, M=readonly(self.M @ self.M), slope=None,
             multipliers=self.multipliers**2, closings=tuple(2 * often for often in self.closings),
             rests=tuple(2 * often for often in self.rests),
         )  # fmt: skip
@@ -106,6 +107,11 @@ class Map(NamedTuple):
     def __call__(self, x: Array, *, tangent: bool = True) -> Passage:
         """Follow x over one period."""
         return passage(self.motion, x, self.start, self.period, tangent=tangent, extremes=tangent)
+
+    def beside(self, x: Array, found: Passage, period: float) -> Array:
+        """The end of x here, near a map of another `period` by which x went through `found`: for a difference."""
+        end = beside(self.motion, found, x, self.start, self.period / period)
+        return self(x, tangent=False).x if end is None else end
 
 
 def map_of(family: Family, value: float, start: float = 0.0, periods: int = 1) -> Map:
@@ -235,7 +241,8 @@ def _free_time(found: Passage, motion: Motion, period: float) -> float:
 
 
 def made(
-    family: Family, value: float, map_: Map, periods: int, start: float, x: Array, found: Passage, iterations: int
+    family: Family, value: float, map_: Map, periods: int, start: float, x: Array, found: Passage, iterations: int,
+    slope: Array | None = None,
 ) -> Orbit:  # fmt: skip
     """The orbit of a passage that returns to its start."""
     assert found.M is not None
@@ -248,4 +255,5 @@ def made(
         multipliers=np.linalg.eigvals(found.M).astype(complex), gap=readonly(found.gap), force=readonly(found.force),
         amplitude={name: float(size) for name, size in zip(family.channels, found.amplitude, strict=True)},
         closings=tuple(closings), rests=tuple(rests), touching=found.first, M=readonly(found.M), iterations=iterations,
+        slope=slope,
     )  # fmt: skip

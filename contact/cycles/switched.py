@@ -10,16 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
-
-if TYPE_CHECKING:
-    from contact.loop.phase import PhaseWork
 
 Complex = NDArray[np.complex128]
 PULLS = (1.0, 1.7)  # p and r over the system's rate: two, so that the closed contact's poles stay apart
@@ -85,6 +82,11 @@ class Plant:
         return np.asarray(self.S[np.ix_(self.soft, self.soft)])
 
     @cached_property
+    def shift(self) -> Array:
+        """S, then E: gaps and outputs for unit forces at the contacts, (k + o, k)."""
+        return np.vstack([self.S, self.E])
+
+    @cached_property
     def gap_rates(self) -> Array:
         """C A: rate of each gap per unit of each state, (k, n)."""
         return np.asarray(self.C @ self.A)
@@ -118,14 +120,6 @@ class Phase:
     V: Complex  # (n, half), pairs counted twice
     U: Complex  # (half, n)
     rows: Array  # (k + o, n): what is watched, of x
-    push: Array  # (n, closed): columns of B
-    shift: Array  # (k + o, closed): columns of S, then E
-    lam_parts: Array  # (2, half): real and imaginary parts, as the compiled passage takes them
-    seen_parts: Array  # (2, k + o, half): of `rows` V
-
-    def flow(self, time: float, M: Array) -> Array:
-        """e^{A time} M."""
-        return np.asarray((self.V @ (np.exp(self.lam * time)[:, None] * (self.U @ M))).real)
 
 
 def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
@@ -144,20 +138,16 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
         raise InputError(f"contact: rigid contacts {names} are not independent, expected a compliance (S or stiffness)")
     solve = np.asarray(np.linalg.inv(L))
     K = -solve @ seen[chosen]
-    push, shift = plant.B[:, chosen], np.vstack([plant.S[:, chosen], plant.E[:, chosen]])
-    joined = A + push @ K
+    joined = A + plant.B[:, chosen] @ K
     lam, V = np.linalg.eig(joined)
     if not np.linalg.cond(V) < DEFECT:
         raise NumericsError(f"contacts closed {closed}: found two modes that have become one, expected distinct ones")
     upper = np.flatnonzero(lam.imag >= 0.0)
     U = np.linalg.inv(V)[upper]
     V = V[:, upper] * np.where(lam[upper].imag > 0.0, 2.0, 1.0)
-    rows = np.vstack([C, plant.D]) + shift @ K
+    rows = np.vstack([C, plant.D]) + plant.shift[:, chosen] @ K
     rows[chosen] = K
-    return Phase(
-        closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows, push=push,
-        shift=shift, lam_parts=_parts(lam[upper]), seen_parts=_parts(rows @ V),
-    )  # fmt: skip
+    return Phase(closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=U, rows=rows)
 
 
 def _balanced(L: Array) -> Array:
@@ -171,58 +161,18 @@ def _balanced(L: Array) -> Array:
     return L
 
 
-class DrivenPhase(NamedTuple):
-    """A phase under a drive."""
-
-    phase: Phase
-    b: Forcing  # of x, the contacts' share included
-    watched: Forcing
-    X: Complex  # x of the forced vibration, (n, harmonics)
-    work: PhaseWork  # filled anew for each passage
-    bundles: tuple[Any, Any]  # the arrays of the compiled passage and `work`: to make them costs as much
-
-
-def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
-    """Forced vibration of the phase and the arrays of the compiled passage; raises NumericsError at resonance."""
-    from contact.jit.bundle import Bundle
-    from contact.loop.phase import PhaseArrays, phase_work
-
-    chosen, w = list(phase.closed), drive.w * drive.harmonics
-    gaps = _forcing_of_gaps(plant, drive, w, chosen)
-    force = gaps.seen(-phase.solve)
-    b = drive.b.plus(force.seen(phase.push))
-    watched = Forcing(np.concatenate([drive.c.rest, drive.d.rest]), np.vstack([drive.c.wave, drive.d.wave]))
-    watched = watched.plus(force.seen(phase.shift))
-    watched.rest[chosen], watched.wave[chosen] = force.rest, force.wave
-    turning = 1j * w
-    up, down = turning - phase.lam[:, None], -turning - phase.lam[:, None]
-    if min(np.abs(up).min(initial=1.0), np.abs(down).min(initial=1.0)) < 1e-12 * drive.w:
-        raise NumericsError("the drive is at the resonance of an undamped mode, expected damping or another frequency")
-    ahead, back = 0.5 * (phase.U @ b.wave) / up, 0.5 * (phase.U @ b.wave.conj()) / down
-    X = phase.V @ ahead + (phase.V @ back).conj()
-    arrays = PhaseArrays(
-        lam=phase.lam_parts, beta=_parts(phase.U @ b.rest), rows=phase.seen_parts, rest=watched.rest.copy(),
-        wave=_parts(watched.wave + phase.rows @ X), harmonic=w,
-    )  # fmt: skip
-    work = phase_work(arrays)
-    return DrivenPhase(phase, b, watched, X, work, (Bundle(arrays), Bundle(work)))
-
-
-def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) -> Forcing:
-    """Fourier terms of c(t) in the equation of each closed contact."""
-    rest, wave = drive.c.rest[chosen].copy(), drive.c.wave[chosen].copy()
+def pulls(plant: Plant, drive: Drive) -> Forcing:
+    """Fourier terms of c(t) in the equation of each contact while it is closed, (k,)."""
+    if not plant.rigid.any():
+        return drive.c
+    w = drive.w * drive.harmonics
     p, r = (pull * plant.rate for pull in PULLS)
-    for row, i in enumerate(chosen):
-        if plant.rigid[i]:
-            c, of_b = Forcing(drive.c.rest[[i]], drive.c.wave[[i]]), drive.b.seen(plant.C[[i]])
-            velocity = c.rate(w).plus(of_b)
-            pull = drive.b.seen(plant.gap_rates[[i]]).plus(velocity.rate(w))
-            rest[row] = pull.rest[0] + (p + r) * velocity.rest[0] + p * r * c.rest[0]
-            wave[row] = pull.wave[0] + (p + r) * velocity.wave[0] + p * r * c.wave[0]
-    return Forcing(rest, wave)
-
-
-def _parts(values: Complex) -> Array:
-    parts = np.empty((2, *values.shape))
-    parts[0], parts[1] = values.real, values.imag
-    return parts
+    velocity = drive.c.rate(w).plus(drive.b.seen(plant.C))
+    pull = drive.b.seen(plant.gap_rates).plus(velocity.rate(w))
+    rigid = Forcing(
+        pull.rest + (p + r) * velocity.rest + p * r * drive.c.rest,
+        pull.wave + (p + r) * velocity.wave + p * r * drive.c.wave,
+    )
+    return Forcing(
+        np.where(plant.rigid, rigid.rest, drive.c.rest), np.where(plant.rigid[:, None], rigid.wave, drive.c.wave)
+    )

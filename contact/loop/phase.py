@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.jit.compiled import jit, jit_entry
+from contact.jit.compiled import jit
 
 TINY = 1e-12  # of what a watched value is the sum of: below, it is zero
 STILL = 1e-9  # of what a slope is the sum of: a smaller one is none
@@ -285,7 +285,7 @@ def first_event(
     return found, when
 
 
-@jit_entry
+@jit
 def pass_phase(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, t_end: float, longest: float) -> int:
     """Advance y to the first event or to `t_end` in equal steps; returns the contact of the event, or -1.
 

@@ -11,4 +11,5 @@ from tests.contact.cycles.henon import Henon, followed_map
 def family(monkeypatch):
     for name in ("shooting", "basins"):
         monkeypatch.setattr(import_module(f"contact.cycles.{name}"), "passage", followed_map)
+    monkeypatch.setattr(import_module("contact.cycles.shooting"), "beside", lambda *_: None)
     return Henon()
