@@ -5,6 +5,8 @@ Complexity 14, 1998, 466): draw k is number k // REPLICATES of sequence k % REPL
 cube evenly. The spread of their means gives the uncertainty of the mean of all (`estimates`).
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.stats import qmc
 
@@ -42,10 +44,17 @@ def points(seed: int, draws: range, dimension: int) -> FloatArray:
         raise InputError(f"draws: found {draws}, expected numbers in steps of one from a multiple of {REPLICATES}")
     rounds = -(-len(draws) // REPLICATES)
     found = np.empty((rounds, REPLICATES, dimension))
-    for own in range(REPLICATES):
-        sequence = qmc.Sobol(dimension, scramble=True, seed=np.random.default_rng([seed, own]))
+    for own, sequence in enumerate(sequences(seed, dimension)):
+        sequence.reset()
         if draws.start:
             sequence.fast_forward(draws.start // REPLICATES)
         found[0, own] = sequence.random(1)  # scipy warns of first numbers that are no power of 2
         found[1:, own] = sequence.random(rounds - 1)
     return np.clip(found.reshape(-1, dimension)[: len(draws)], EDGE, 1.0 - EDGE)
+
+
+@lru_cache(maxsize=2)
+def sequences(seed: int, dimension: int) -> tuple[qmc.Sobol, ...]:
+    """The scrambled sequences: scrambling takes far longer than a few points."""
+    seeds = (np.random.default_rng([seed, own]) for own in range(REPLICATES))
+    return tuple(qmc.Sobol(dimension, scramble=True, seed=each) for each in seeds)

@@ -7,7 +7,7 @@ in a file. A run does not depend on the others of its group, so a resumed table 
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,14 +15,17 @@ from casingfem.chance.estimates import Estimate, clopper_pearson
 from casingfem.chance.evaluate import Drawing
 from casingfem.chance.points import REPLICATES, points
 from casingfem.chance.result import Chance
+from casingfem.chance.run import drawing_of
 from casingfem.io.arrays import Array, FloatArray
-from contact.io.outfiles import finite, read_checked, write_checked
+from casingfem.io.side_by_side import one_thread, usable_cores
+from contact.io.outfiles import finite, json_text, read_checked, write_checked
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_laws import Closing, RimProfile
 from contact.model.law import Coulomb, Law, Unilateral
 from contact.prepared import Scene
 from contact.speed_runs import runs_at_speeds
+from contact.sweep.spread import on_workers
 
 GROUP = 32  # runs of a file
 KEPT = (
@@ -31,27 +34,64 @@ KEPT = (
 Row = dict[str, Any]
 
 
-def run_rubs(found: Chance, own: Drawing, folder: Path | None, progress: Callable[[int, int], None]) -> list[Row]:
+class Group(NamedTuple):
+    """A task of a worker: scene file, what it has to contain, the draws, growth (draws, speeds) of closed contact."""
+
+    path: str
+    source: str
+    draws: list[int]
+    growth: FloatArray
+
+
+def run_rubs(
+    found: Chance, folder: Path | None, progress: Callable[[int, int], None], *, processes: int | None = None,
+    scheduler: str | None = None,
+) -> list[Row]:  # fmt: skip
     """One row for each of the first casings that are dangerous at some speed: its draw, and the result of its run.
 
-    The draws are in random order, so that the first ones are a fair sample of all.
+    The draws are in random order, so that the first ones are a fair sample of all. `processes` and `scheduler` are
+    those of `run_draws`.
     """
     given, lot = found.drawn.given, found.drawn.lot
     worst = Chance.severity(found.drawn)
     chosen = np.flatnonzero(worst > found.drawn.floor)[: given.table.runs].tolist()
-    rows: list[Row] = []
-    for first in range(0, len(chosen), GROUP):
-        draws = chosen[first : first + GROUP]
-        path = None if folder is None else folder / f"runs_{draws[0]:07d}_{draws[-1]:07d}.json"
-        head = {"draws": draws, "turns": given.table.turns}
-        kept = None if path is None else read_checked(path, "runs", **head)
-        if kept is None:
-            kept = group_of(own, draws, lot["growth"][draws])
-            if path is not None:
-                write_checked(path, "runs", kept, **head)
-        rows += kept
-        progress(len(rows), len(chosen))
+    groups = [chosen[first : first + GROUP] for first in range(0, len(chosen), GROUP)]
+    kept = {draws[0]: rows for draws in groups if (rows := read_group(found, folder, draws)) is not None}
+    path, source = str(given.path), json_text(given.source)
+    missing = [Group(path, source, draws, lot["growth"][draws]) for draws in groups if draws[0] not in kept]
+    progress(sum(map(len, kept.values())), max(len(chosen), 1))
+    if missing and scheduler is None:
+        _ = drawing_of(path, source).casings.wide  # once, for all workers that are copies of this process
+    with one_thread():
+        for draws, rows in on_workers(missing, run_group, processes or usable_cores(), scheduler):
+            if folder is not None:
+                write_checked(group_file(folder, draws), "runs", rows, **head_of(found, draws))
+            kept[draws[0]] = rows
+            progress(sum(map(len, kept.values())), len(chosen))
+    return [row for draws in groups for row in kept[draws[0]]]
+
+
+def run_group(group: Group) -> tuple[list[int], list[Row]]:
+    """The draws of a group and their rows."""
+    return group.draws, group_of(drawing_of(group.path, group.source), group.draws, group.growth)
+
+
+def read_group(found: Chance, folder: Path | None, draws: list[int]) -> list[Row] | None:
+    """The stored rows of a group; None if they are missing or damaged."""
+    if folder is None:
+        return None
+    rows: list[Row] | None = read_checked(group_file(folder, draws), "runs", **head_of(found, draws))
     return rows
+
+
+def group_file(folder: Path, draws: list[int]) -> Path:
+    """The file of a group."""
+    return folder / f"runs_{draws[0]:07d}_{draws[-1]:07d}.json"
+
+
+def head_of(found: Chance, draws: list[int]) -> dict[str, Any]:
+    """What a stored group belongs to."""
+    return {"draws": draws, "turns": found.drawn.given.table.turns}
 
 
 def group_of(own: Drawing, draws: list[int], growth: FloatArray) -> list[Row]:

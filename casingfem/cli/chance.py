@@ -47,8 +47,8 @@ def chance(file: Path, processes: int | None, scheduler: str | None, as_json: bo
         def ran(runs: int, most: int) -> None:
             working.say(f"chance {file.name}, {runs} of {most} runs", runs / most)
 
-        own = Drawing.of(given) if given.table.runs or (out is not None and given.table.worst) else None
-        rows = [] if own is None else run_rubs(found, own, folder, ran)
+        rows = run_rubs(found, folder, ran, processes=processes, scheduler=scheduler) if given.table.runs else []
+        own = Drawing.of(given) if out is not None and given.table.worst else None
         files: dict[str, Content] = {}
         if out is not None and own is not None:
             working.say(f"chance {file.name}: the worst casings")
