@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.experiment.circle.test_circle_scan import ring_rig
 from tests.probed import numbers_in, probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -166,4 +167,44 @@ def test_numbers_of_hammer_records(held):
         coherence=found.coherence.responses[0][5:500:9],
         averages=[found.averages],
         hits=finite(found.hits),
+    )
+
+
+@pytest.mark.slow
+def test_numbers_of_a_correlation(held):
+    """Twenty-four sensors on a wavy cylinder see noisy shapes of a softer one; one sensor is turned over."""
+
+    def tube(E):
+        return cf.Shell(
+            chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
+            material=cf.Material(E=E, nu=0.3, rho=7800.0), mesh=cf.ShellMesh(order=6, rows=1, around=9),
+            radius_defect=cf.FourierField.of({2: 5e-4, 8: 3e-4, 10: 4e-4}),
+        )  # fmt: skip
+
+    model, real = cf.modes(tube(210e9), 6, method="shell"), cf.modes(tube(205e9), 6, method="shell")
+    theta, rng = np.arange(24) * np.pi / 12, np.random.default_rng(6)
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    at = np.column_stack([0.3 * out[:, :2], np.full(24, 0.1)])
+    n = real.nodal_diameters[:4]
+    values = np.column_stack([np.cos(m * theta + 0.3 * k) for k, m in enumerate(n)])
+    values = values + 0.02 * rng.standard_normal(values.shape)
+    values[5] *= -1.0
+    shapes = cf.correlation.MeasuredShapes.from_arrays(freq_hz=real.freq[:4], values=values, points=at, directions=out)
+    held(1e-4, found=finite(cf.correlate(model, shapes).to_json()))
+
+
+def test_numbers_of_a_scan(held):
+    """Velocities that the rig's scan of two pairs gives, their lines, and the waves in them."""
+    rig, circle = ring_rig(split=0.8)
+    made = cf.rig.scan(
+        rig, cf.rig.Turning(mirror=1.7), [cf.rig.Tone(370.2, 2.0, 0.3)], circle=circle, drive=5, fs=1000.0,
+        seconds=2.0, seed=5,
+    )  # fmt: skip
+    waves = cf.circle.demodulate(made.record, 9).waves()
+    held(
+        1e-5,
+        V=made.V,
+        waves=[x for one in waves for x in (one.amplitude, one.travelling)],
+        velocity=made.record.velocity[::97],
+        angle=made.record.angle[::97],
     )

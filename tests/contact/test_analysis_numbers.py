@@ -121,3 +121,49 @@ def test_numbers_of_a_lost_blade(held):
         turned=ct.recovery.rotor_turned(scene, result)[::40],
         orbit=[x for x in numbers_in(result.notes.orbit) if np.isfinite(x)],
     )
+
+
+def test_numbers_of_a_rotor_that_rubs_over_speed(held):
+    """Growth of the free rotor, synchronous rub and its growth, dry whirl."""
+    lost = R.Unbalance(moment=2.5e-2, angle_deg=15.0)
+    rotor = R.Rotor.of(R.Jeffcott(mass=10.0, stiffness=4e6, zeta=0.03, zeta_internal=0.01), 70.0, unbalance=lost)
+    casing = R.rigid_casing(radius=0.25, mass=20.0, stiffness=2e7, zeta=0.1)
+    scene = R.rotor_rub(rotor, casing, [R.rigid_tip()], clearance=5e-4)
+    found = ct.stability.rotor_stability(scene, np.linspace(20.0, 160.0, 8), mu=0.12)
+    held(1e-5, found=[x for x in numbers_in(found) if np.isfinite(x)])
+
+
+def test_numbers_of_varied_contacts(held):
+    """Growth of closed contact where casing, blade and friction vary, and of one on the springs of its law."""
+    scene = ct.RotatingRim(ring(), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)
+    modes = len(ring().omega)
+    cases = ct.stability.Cases(
+        casing=1.0 + 0.01 * np.cos(np.outer(np.arange(5), np.arange(1, modes + 1))),
+        blade=1.0 + 0.02 * np.sin(np.arange(5)), mu=np.linspace(0.0, 0.3, 5),
+    )  # fmt: skip
+    speeds = np.linspace(3.0, 40.0, 9)
+    soft = ct.stability.on_springs(scene, ct.stability.slope_of(LAWS["hertz"], 2e-6))
+    held(
+        1e-5,
+        growth=ct.stability.growth_of_cases(scene, speeds, cases),
+        soft=ct.stability.growth_of_cases(soft, speeds, cases),
+        slopes=[ct.stability.slope_of(law, depth) for law in LAWS.values() for depth in (5e-7, 2e-6, 5e-6)],
+    )
+
+
+def test_numbers_of_a_driven_mass_on_a_stop(held):
+    """A branch over frequency with its orbits, the motion along one of them, and what runs from random starts reach."""
+    mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    family = driven.over("freq_hz", freq_hz=0.1)
+    (branch, *_) = ct.cycles.follow(family, (0.12, 0.17), longest=0.3).branches
+    along = ct.cycles.traced(family, ct.cycles.orbit(family, 0.16))
+    reached = ct.cycles.basins(family, 0.18, np.array([0.05, 0.05]), starts=4, seed=1, settle=80)
+    held(
+        1e-4,
+        branch=[x for orbit in branch.points for x in (orbit.value, orbit.amplitude["x"], orbit.period)],
+        special=[one.orbit.value for one in branch.specials],
+        trace=along.displacement["x"][::20],
+        shares=[x for one in reached.attractors for x in (one.share, one.periods, one.amplitude["x"])],
+    )
