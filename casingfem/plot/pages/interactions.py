@@ -91,7 +91,9 @@ def deflection_words(runs: Sequence[Any]) -> str:
         what = "disk" if largest.body == "rotor" else "rim"
         words.append(f"The {what} moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}.")
         if not stopped and math.isfinite(largest.allowed_m):
-            words.append(f"The linear model is valid up to {1e3 * largest.allowed_m:.3g} mm.")
+            most = largest.allowed_m
+            limit = f"{1e3 * most:.3g} mm" if most < 1.0 else f"{most:.3g} m"
+            words.append(f"The linear model is valid up to {limit}.")
     if stopped:
         ran = "run was" if len(stopped) == 1 else "runs were"
         limit = f"the limit of the linear model, {1e3 * stopped[0].limit_m:.3g} mm"

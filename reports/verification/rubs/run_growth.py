@@ -197,9 +197,14 @@ def moved(what: ct.RotatingRim | ct.Rub, by: float) -> ct.RotatingRim | ct.Rub:
 
 
 def by_start(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: float) -> list[tuple[str, str]]:
-    """Verdict of the short run and fate of the long one, for each change of the start."""
-    others = [moved(what, k * MOVED) for k in range(1, COPIES + 1)]
-    return [(verdict_of(ended(one, mu, planned, STEP)), fate(one, mu, planned, end)[0]) for one in others]
+    """Verdict of the short run, repeated where it is too short, and fate of the long one, for each changed start."""
+    found = []
+    for one in (moved(what, k * MOVED) for k in range(1, COPIES + 1)):
+        short = ended(one, mu, planned, STEP)
+        if verdict_of(short) == "undecided" and planned == END:
+            short = ended(one, mu, REPEATED * END, STEP)
+        found.append((verdict_of(short), fate(one, mu, planned, end)[0]))
+    return found
 
 
 def escapes(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: float) -> bool:
