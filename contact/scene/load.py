@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.toml import entries, read_toml
 from contact.prepared import Scene
+from contact.scene.kinds import KINDS, file_of
 from contact.scene.problems import Problems, SceneError, validated
 
 if TYPE_CHECKING:
-    from contact.scene.tables import File
+    from contact.scene.kinds import File
 
 SIDES = ("rim", "rub", "disk")  # kinds of scenes of which one side turns
 ASIDE = ("sweep", "chance")  # tables of a scene file that say how often and around what it is run
@@ -100,10 +101,8 @@ def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
 
 
 def _validated(data: dict[str, Any], file: Path) -> File:
-    from contact.scene.tables import FILES
-
     kind = entries(data.get("scene")).get("kind")
-    if str(kind) not in FILES:
+    if str(kind) not in KINDS:
         found = "nothing" if kind is None else repr(kind)
-        raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, FILES))}"])
-    return validated(FILES[str(kind)], data, file)
+        raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, KINDS))}"])
+    return validated(file_of(str(kind)), data, file)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def refusals(table: CheckedFile, file: Path) -> list[str]:
     """Implausible numbers that the file does not allow, a line each: file: key: found X, expected Y."""
-    from contact.scene.tables import RodsFile
+    from contact.scene.rods import RodsFile
 
     found = list(implausible(table, radius=table.radius(file.parent)))
     if isinstance(table, RodsFile):

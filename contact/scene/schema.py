@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 from contact.scene.cycles import CyclesFile
+from contact.scene.kinds import KINDS, file_of
 from contact.scene.scheme import Table
-from contact.scene.tables import FILES
 from contact.scene.turning import TURNING
 
 
 def scene_models() -> dict[str, type[Table]]:
     """All kinds of scene files; "cycles", "cycles-rim", ... are those of `casingfem cycles`."""
-    return {**FILES, "cycles": CyclesFile, **{f"cycles-{kind}": model for kind, model in TURNING.items()}}
+    return {
+        **{kind: file_of(kind) for kind in KINDS},
+        "cycles": CyclesFile,
+        **{f"cycles-{kind}": model for kind, model in TURNING.items()},
+    }
 
 
 def scene_schema() -> dict[str, Any]:

@@ -5,26 +5,17 @@ import math
 import pytest
 from pydantic import ValidationError
 
+from contact.scene.beams import BeamTable, CantileverTable, CircleTable, RingTable, StopTable
 from contact.scene.cycles import CyclesContact, DriveTable
 from contact.scene.laws import CoatingTable
 from contact.scene.pair import BladeModeTable, CasingPairTable, PairContact
 from contact.scene.parts import RecordTable
 from contact.scene.patch import GroundTable, PatchBodyTable, PatchContact
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskPairTable, DiskTable, RimContact, RimHead
+from contact.scene.rods import MassTable, RodsHead, RodTable, WallTable
 from contact.scene.roundness import GapTable, RandomRoundness, SpectrumLine
 from contact.scene.rub import RubBlade, RubCasing, RubGravity, RubNode, RubSpeed, RubWhirl
 from contact.scene.scheme import ModalScheme, ScanTable, SchemeTable, SpeedTable, Waviness
-from contact.scene.tables import (
-    BeamTable,
-    CantileverTable,
-    CircleTable,
-    MassTable,
-    RingTable,
-    RodsHead,
-    RodTable,
-    StopTable,
-    WallTable,
-)
 from contact.scene.turning import BasinsTable, ContinuationTable, SpeedRange, VaryTable
 
 SECTION = {"length": 1.0, "width": 0.1, "height": 0.1, "E": 1e9, "rho": 1e3}

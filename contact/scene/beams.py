@@ -1,36 +1,20 @@
-"""Scene files of kinds "rods", "beam" and "cantilever"; the other kinds are imported when a file needs them."""
+"""Scene files of kinds "beam" and "cantilever"."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
-from contact.io.tables import Number, Positive, table_of, value_of
+from contact.io.tables import Positive, table_of, value_of
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
-from contact.model.bodies.body import Body, PointMass, Rod, Wall
-from contact.model.bodies.chain import assemble
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.ring_modes import ThinRing, ring_modes
 from contact.model.gaps.rod_modes import Cantilever
-from contact.scene.pair import PairFile
 from contact.scene.parts import RecordTable, read_basis
-from contact.scene.patch import PatchFile
 from contact.scene.problems import Problems
-from contact.scene.rim import DiskFile, RimFile
-from contact.scene.rotor import RotorFile
-from contact.scene.rub import RubFile
-from contact.scene.scheme import (
-    Built,
-    Distance,
-    Force,
-    Name,
-    SceneFile,
-    SchemeTable,
-    Table,
-    Velocity,
-)
+from contact.scene.scheme import Built, Distance, Force, Name, SceneFile, SchemeTable, Table, Velocity
 
 SECTION = ("width", "height", "E", "rho")  # of a ring that no basis gives
 
@@ -159,63 +143,3 @@ class CantileverFile(SceneFile):
             law, scheme = self.scheme.method()
         problems.check()
         return gap, law, scheme
-
-
-@table_of(Rod)
-class RodTable(Table):
-    """[[rod]]: the fields of `Rod`."""
-
-
-@table_of(PointMass)
-class MassTable(Table):
-    """[[mass]]: the fields of `PointMass`."""
-
-
-@table_of(Wall)
-class WallTable(Table):
-    """[wall] or [[wall]]."""
-
-
-class RodsHead(Table):
-    """[scene] of kind "rods"; gravity > 0 pulls towards -x."""
-
-    kind: Literal["rods"] = Field(description="which kind of scene this is")
-    t_end: Positive = Field(description="time at which the run ends [s]")
-    gravity: Number = Field(default=0.0, description="towards -x [m/s^2]")
-
-
-def _listed(value: object) -> object:
-    return [value] if isinstance(value, dict) else value
-
-
-class RodsFile(SceneFile):
-    """A scene of rods, masses and walls on one axis."""
-
-    scene: RodsHead = Field(description="what this scene is")
-    rod: list[RodTable] = Field(default_factory=list, description="tables [[rod]]")
-    mass: list[MassTable] = Field(default_factory=list, description="tables [[mass]]")
-    wall: Annotated[list[WallTable], BeforeValidator(_listed)] = Field(
-        default_factory=list, description="a table [wall], or several [[wall]]"
-    )
-    scheme: SchemeTable = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored; every step if left out")
-
-    def built(self, folder: Path, problems: Problems) -> Built:
-        """The object that the table describes; raises SceneError."""
-        bodies: list[Body] = []
-        with problems.at():
-            bodies += [value_of(mass, PointMass) for mass in self.mass]
-            bodies += [value_of(rod, Rod) for rod in self.rod]
-            bodies += [value_of(wall, Wall) for wall in self.wall]
-            assemble(bodies, gravity=self.scene.gravity)
-        with problems.at("scheme"):
-            law, scheme = self.scheme.method()
-        problems.check()
-        return bodies, law, scheme
-
-
-File = RodsFile | RimFile | RubFile | DiskFile | BeamFile | CantileverFile | PatchFile | PairFile | RotorFile
-FILES: dict[str, type[File]] = {
-    "rods": RodsFile, "rim": RimFile, "rub": RubFile, "disk": DiskFile, "beam": BeamFile, "cantilever": CantileverFile,
-    "patch": PatchFile, "pair": PairFile, "rotor": RotorFile,
-}  # fmt: skip
