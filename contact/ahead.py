@@ -16,7 +16,9 @@ import numpy as np
 
 from contact.base.errors import InputError
 from contact.cycles.driven import DrivenBody
+from contact.cycles.follow import follow
 from contact.cycles.shooting import orbit
+from contact.cycles.traced import traced
 from contact.io.names import hint
 from contact.io.workers import worker_pool
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
@@ -117,7 +119,11 @@ def _cycles() -> None:
     mass = _body(1.0, channels=("x",), zeta=0.1)
     patch = Patch(body=mass, normal=("x",), clearance=1.0)
     body = DrivenBody(patch=patch, channel="x", amplitude=0.1, stiffness=10.0)
-    orbit(body.over("freq_hz", freq_hz=0.1), 0.1)
+    family = body.over("freq_hz", freq_hz=0.1)
+    one = orbit(family, 0.1)
+    follow(family, (0.1, 0.11), first=one, longest=0.5)  # slopes
+    traced(family, one, samples=1)  # a phase by itself
+    family.at(0.1)[0].closed_at(one.x, 0.0)
 
 
 def _floquet() -> None:
