@@ -65,10 +65,20 @@ def pad() -> list[Row]:
     """Turning points of 1 kg on 10 kN/m, released at 0.85 mm on a plane with mu N = 1 N: 0.2 mm nearer each."""
     omega, start, loss = 100.0, 0.85e-3, 2e-4
     body = ct.ModalBody(
-        omega=[omega, 0.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)), kind="point"
+        omega=np.array([omega, 0.0]),
+        zeta=np.zeros(2),
+        channels=("x", "y"),
+        rows=np.eye(2),
+        S=np.zeros((2, 2)),
+        kind="point",
     )
     patch = ct.Patch(
-        body=body, normal=("y",), tangent=(("x",),), clearance=0.0, load=[0.0, -10.0], displacement=[start, 0.0]
+        body=body,
+        normal=("y",),
+        tangent=(("x",),),
+        clearance=0.0,
+        load=np.array([0.0, -10.0]),
+        displacement=np.array([start, 0.0]),
     )
     half = math.pi / omega
     run = ct.run(patch, law=ct.Coulomb(mu=0.1), scheme=ct.ExactModal(), t_end=5.0 * half, dt=half / 2000.0,
@@ -84,10 +94,10 @@ def stop() -> list[Row]:
     """100 kg on 10 kN/m at 1 m/s against a stop of 1 MN/m: force, duration and impulse of the shock."""
     mass, spring, bumper = 100.0, 1e4, 1e6
     body = ct.ModalBody(
-        omega=[math.sqrt(spring / mass)], zeta=[0.0], channels=("gap",), rows=[[-1.0 / math.sqrt(mass)]],
-        S=[[1.0 / bumper]], kind="point",
+        omega=np.array([math.sqrt(spring / mass)]), zeta=np.zeros(1), channels=("gap",),
+        rows=np.array([[-1.0 / math.sqrt(mass)]]), S=np.array([[1.0 / bumper]]), kind="point",
     )  # fmt: skip
-    patch = ct.Patch(body=body, normal=("gap",), clearance=0.0, velocity=[math.sqrt(mass)])
+    patch = ct.Patch(body=body, normal=("gap",), clearance=0.0, velocity=np.array([math.sqrt(mass)]))
     omega = math.sqrt((spring + bumper) / mass)
     run = ct.run(patch, scheme=ct.ExactModal(), t_end=2.0 * math.pi / omega, dt=math.pi / omega / 20000.0)
     values = {
