@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtri
 
-from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, refined
+from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, refined, tried
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 
@@ -148,11 +148,11 @@ def _with_more(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit | N
 
 def _with_one_more(fit: PoleFit, rules: Thresholds) -> PoleFit | None:
     """The fit with one more pole that lowers the sum of squares by more than chance; None where there is none."""
-    trials = (refined(fit.window, start, TRY_STEPS) for start in _starts(fit))
-    best = min(trials, key=lambda trial: trial.squares)
-    if fit.squares - best.squares < asked(fit.window.Y.shape[1], rules):
+    trials = (tried(fit.window, start, TRY_STEPS) for start in _starts(fit))
+    poles, squares = min(trials, key=lambda trial: trial[1])
+    if fit.squares - squares < asked(fit.window.Y.shape[1], rules):
         return None
-    larger = fit_poles(fit.window, best.poles)
+    larger = fit_poles(fit.window, poles)
     return larger if fit.squares - larger.squares >= _needed(larger, rules) else None
 
 

@@ -44,7 +44,7 @@ from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, 
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
 from casingfem.experiment.identify.usable import usable
-from casingfem.experiment.identify.verdict import reasons, without_copies
+from casingfem.experiment.identify.verdict import reasons, without_copies, without_twins
 from casingfem.io.arrays import Array, FloatArray
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
@@ -142,6 +142,7 @@ def identify(
     modes = modes if tracks or picked is not None else without_copies(modes, grid.directions)
     doublets = paired(modes)
     modes = oriented(settled(modes, doublets), doublets, sensors)
+    modes = modes if picked is not None else without_twins(modes, doublets)
     notes = (
         *said, *_empty(modes, rules), *_test_notes(data, left, rules), *setup_notes(tracks),
         *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle), *pair_notes(modes, doublets),

@@ -15,21 +15,25 @@ about a pole times K is the variance of the noise that counts. Each standard dev
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.experiment.identify.merged_lines import merged_lines
 from casingfem.experiment.identify.thresholds import USUAL
 from casingfem.io.arrays import Array, FloatArray, freeze
 
-STEPS = 40
-CONVERGED = 1e-3  # gain in units of the noise that ends the fit
+STEPS, POLISHING = 40, 5  # most steps, and with all lines after those with merged lines
+FIRST = 1e-3  # damping of a step
+CONVERGED = 1e-3  # gain in variances of the residual, or of the noise, that ends the fit
 MOST_LAGS = 12
+MANY, FEWER = 200, 0.5  # lines from which on they are merged; share of them, at most, that is left
 HANN = (-1.0, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.0, 1.0 / 6.0)  # lines away, share of the power (Bendat & Piersol, 8.5)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Window:
     """Lines and channels of one fit.
 
@@ -55,27 +59,35 @@ class Window:
         """Distance of lines [rad/s]."""
         return 2.0 * np.pi * float(self.freq[1] - self.freq[0])
 
+    @cached_property
+    def merged(self) -> Window:
+        """The window with fewer lines and the same products, where it has half of its lines or less; else itself."""
+        if len(self.freq) < MANY:
+            return self
+        few = merged_lines(self.freq, self.Y, self.along, self.floor)
+        return self if len(few.freq) > FEWER * len(self.freq) else replace(self, **few._asdict())
+
     def resonances(self, poles: Array) -> tuple[Array, Array]:
-        """Columns of unit peak (lines, poles), and their derivatives by omega_k/sigma_k, then ln sigma_k (2 poles)."""
+        """Columns G of unit peak (lines, poles), and sigma dG/dq."""
         if not self.leak:
             return self._at(poles, self.freq)
         parts = [(share, self._at(poles, self.freq + by * self.leak)) for by, share in HANN]
-        columns, slopes = (sum(share * part[k] for share, part in parts) for k in (0, 1))
-        return np.asarray(columns), np.asarray(slopes)
+        columns, by_q = (sum(share * part[k] for share, part in parts) for k in (0, 1))
+        return np.asarray(columns), np.asarray(by_q)
 
     def _at(self, poles: Array, freq: FloatArray) -> tuple[Array, Array]:
         sigma = -poles.real
-        q = sigma + 1j * (2.0 * np.pi * freq[:, None] - poles.imag)
-        inverse = sigma / q
+        off = (2.0 * np.pi * freq[:, None] - poles.imag) / sigma
+        size = 1.0 / (1.0 + off * off)
+        inverse = np.empty(off.shape, complex)  # sigma/q
+        inverse.real, inverse.imag = size, -off * size
+        along = self.along[:, None]
         if np.isfinite(self.end):
-            late = np.exp(-q * self.end)
-            columns = inverse * (1.0 - late)
-            by_q = inverse * self.end * late * sigma - columns * inverse  # times sigma
-        else:
-            columns = inverse
-            by_q = -inverse * inverse
-        slopes = np.concatenate([-1j * by_q, columns + by_q], axis=1)
-        return self.along[:, None] * columns, self.along[:, None] * slopes
+            late = along * np.exp(-self.end * sigma * (1.0 + 1j * off))
+            columns = inverse * (along - late)
+            return columns, inverse * late * (self.end * sigma) - columns * inverse
+        columns = along * inverse
+        return columns, -columns * inverse
 
     def polynomials(self) -> Array:
         """Columns (lines, terms) of modes outside the window."""
@@ -139,7 +151,7 @@ class State(NamedTuple):
     poles: Array
     Q: Array
     T: Array  # [G P] = Q T
-    slopes: Array
+    by_q: Array  # sigma dG/dq
     A: Array  # residues, then polynomials
     rest: Array
     squares: float
@@ -162,23 +174,44 @@ def fit_poles(window: Window, poles: Array, *, steps: int = STEPS) -> PoleFit:
 
 
 def refined(window: Window, poles: Array, steps: int = STEPS) -> State:
-    """Poles [rad/s] after a limited number of steps, without uncertainties, for a trial."""
-    polynomials = window.polynomials()
-    at = _state(window, np.asarray(poles, complex), polynomials)
-    damping = 1e-3
-    quiet = max(CONVERGED, 1e-12 * float(np.sum(np.abs(window.Y) ** 2)))
+    """Poles [rad/s] after a limited number of steps, first with merged lines; without uncertainties."""
+    start = np.asarray(poles, complex)
+    if steps and len(start) and window.merged is not window:
+        start, steps = _descended(window, window.merged, start, steps).poles, min(steps, POLISHING)
+    return _descended(window, window, start, steps)
+
+
+def tried(window: Window, poles: Array, steps: int) -> tuple[Array, float]:
+    """Poles [rad/s] after a limited number of steps with merged lines, and the sum of squares of all lines there."""
+    few = window.merged
+    left = 0.0 if few is window else float(np.sum(np.abs(window.Y) ** 2) - np.sum(np.abs(few.Y) ** 2))
+    at = _descended(window, few, np.asarray(poles, complex), steps)
+    return at.poles, left + at.squares
+
+
+def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
+    """Poles within a window after a limited number of steps with the lines that are used.
+
+    The damping of a step follows the ratio of the fall of the sum of squares to the predicted one (Nielsen, Damping
+    parameter in Marquardt's method, Technical University of Denmark, IMM-REP-1999-05).
+    """
+    polynomials = used.polynomials()
+    at = _state(used, poles, polynomials)
+    entries, least = 2.0 * used.Y.size + 1.0, 1e-12 * float(np.sum(np.abs(used.Y) ** 2))
+    damping, rise, system = FIRST, 2.0, None
     for _ in range(steps if len(at.poles) else 0):
-        information, gradient, _, _ = _system(at)
+        information, gradient = system = system or _system(at)
         scale = np.diag(information) + 1e-12 * np.trace(information) / len(information) + 1e-300
         step = np.asarray(np.linalg.solve(information + damping * np.diag(scale), -gradient), np.float64)
-        new = _state(window, _moved(window, at.poles, step), polynomials)
-        gain = at.squares - new.squares
+        new = _state(used, _moved(window, at.poles, step), polynomials)
+        gain, predicted = at.squares - new.squares, float(step @ (damping * scale * step - gradient))
         if gain >= 0.0:
-            at, damping = new, max(damping / 10.0, 1e-10)
-            if gain < quiet:
+            at, system, rise = new, None, 2.0
+            damping = max(damping * max(0.1, 1.0 - (2.0 * gain / max(predicted, 1e-300) - 1.0) ** 3), 1e-10)
+            if gain < max(CONVERGED * max(1.0, at.squares / entries), least):
                 break
         else:
-            damping *= 10.0
+            damping, rise = damping * rise, 2.0 * rise
             if damping > 1e8:
                 break
     return at
@@ -198,35 +231,44 @@ def _moved(window: Window, poles: Array, step: FloatArray) -> Array:
 
 
 def _state(window: Window, poles: Array, polynomials: Array) -> State:
-    columns, slopes = window.resonances(poles)
+    columns, by_q = window.resonances(poles)
     Q, T = np.linalg.qr(np.concatenate([columns, polynomials], axis=1))
     seen = Q.conj().T @ window.Y
     rest = window.Y - Q @ seen
     T = T + 1e-13 * np.max(np.abs(np.diag(T))) * np.eye(len(T))
-    return State(poles, Q, T, slopes, np.linalg.solve(T, seen), rest, float(np.sum(np.abs(rest) ** 2)))
+    return State(poles, Q, T, by_q, np.linalg.solve(T, seen), rest, float(np.vdot(rest, rest).real))
 
 
-def _system(at: State) -> tuple[FloatArray, FloatArray, Array, Array]:
-    """J^H J and J^H R, real; the projected slopes (lines, 2 poles), and Q^H times the slopes."""
-    along = at.Q.conj().T @ at.slopes
-    slopes = at.slopes - at.Q @ along
-    A = np.concatenate([at.A[: len(at.poles)]] * 2)
-    information = np.real((slopes.conj().T @ slopes) * (A.conj() @ A.T))
-    gradient = -np.real(np.sum((slopes.conj().T @ at.rest) * A.conj(), axis=1))
-    return information, gradient, slopes, along
+def _system(at: State) -> tuple[FloatArray, FloatArray]:
+    """J^H J (2 poles, 2 poles) and J^H R (2 poles,), real, without the projected derivatives."""
+    along, bare = at.Q.conj().T @ at.by_q, at.by_q.conj().T
+    A = at.A[: len(at.poles)]
+    gradient = np.sum((bare @ at.rest) * A.conj(), axis=1)
+    return _information(bare @ at.by_q - along.conj().T @ along, A), -np.concatenate([-gradient.imag, gradient.real])
+
+
+def _information(products: Array, A: Array) -> FloatArray:
+    """J^H J from the products (poles, poles) of the projected derivatives by q."""
+    blocks = products * (A.conj() @ A.T)
+    whole = [np.concatenate([blocks.real, -blocks.imag], axis=1), np.concatenate([blocks.imag, blocks.real], axis=1)]
+    return np.concatenate(whole)
 
 
 def _finished(window: Window, at: State) -> PoleFit:
     """Everything about the poles in ascending order."""
     count = len(at.poles)
-    information, _, slopes, along = _system(at)
+    along = at.Q.conj().T @ at.by_q
+    by_q = at.by_q - at.Q @ along
+    information = _information(by_q.conj().T @ by_q, at.A[:count])
     A = at.A[:count]
     inverse = np.linalg.pinv(information + 1e-300 * np.eye(2 * count), hermitian=True) if count else information
-    scores = -np.real(slopes.conj() * (at.rest @ np.concatenate([A, A]).conj().T))
+    scores = by_q.conj() * (at.rest @ A.conj().T)
+    scores = -np.concatenate([-scores.imag, scores.real], axis=1)
     local, noise, alike = _noise_about(window, at)
     root = np.sqrt(np.tile(alike, 2))
     middle = (scores.T @ scores) * np.outer(root, root)
     inverse_t = np.linalg.inv(at.T)
+    along = np.concatenate([-1j * along, at.T[:, :count] + along], axis=1)
     order = np.argsort(at.poles.imag)
     both = np.r_[order, count + order]
     return PoleFit(

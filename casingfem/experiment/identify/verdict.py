@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,8 @@ MANY = 8  # channels from which on a mode can be local
 NEAR_COPY = 2.0  # bandwidths within which a mode may be that of another set-up
 UNSEEN, DEVIATIONS = 0.1, 3.0  # of one mode at a sensor: share of the other mode; its own standard deviations
 PURE = 0.9  # share of n from which a shape is that of a mode
+HALF = 0.5  # of the narrower bandwidth, within which two modes may be one; assurance of shapes more alike than not
+SAME = 2.0  # standard deviations within which two frequencies do not differ
 
 
 def reasons(fit: PoleFit, phases: list[float], rules: Thresholds = USUAL) -> list[str]:
@@ -83,21 +85,48 @@ def without_copies(modes: list[Mode], directions: IntArray) -> list[Mode]:
 
     Two set-ups of few modes look like this. Modes of pure n, and of different `directions` (sensors,), are no copies.
     """
+    text = "no sensor sees both it and the mode at {:.2f} Hz: one mode in two set-ups? Measure all sensors at once"
+    return _weaker(modes, lambda k, j: text if _apart(modes[k], modes[j], directions) else "")
+
+
+def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mode]:
+    """The modes (ascending); of two within half of a bandwidth that may be one resonance, the weaker one is doubtful.
+
+    A peak that moves from hit to hit, or is not that of a linear resonance, leaves two poles. Their shapes are more
+    alike than not, or their frequencies do not differ. Shapes of normal modes are nearly orthogonal at many sensors:
+    of random ones at 8 sensors 3 % are more alike than not. The modes of a doublet are two.
+    """
+
+    def why(k: int, j: int) -> str:
+        one, other = modes[k], modes[j]
+        gap = other.freq - one.freq
+        if (k, j) in doublets or gap > HALF * 2.0 * min(one.zeta * one.freq, other.zeta * other.freq):
+            return ""
+        if len(one.shape) >= MANY and float(one.shape @ other.shape) ** 2 > HALF:
+            return (
+                "its shape and frequency are nearly those of the stronger mode at {:.2f} Hz: one mode that differs from"
+                " hit to hit or with the force? Check for loose parts or level"
+            )
+        same = gap < SAME * float(np.hypot(one.sigma_freq, other.sigma_freq))
+        return (
+            "its frequency is that of the stronger mode at {:.2f} Hz within their uncertainty: one peak that is not"
+            " that of a linear resonance? Measure with another force, or another reference"
+        ) if same else ""  # fmt: skip
+
+    return _weaker(modes, why)
+
+
+def _weaker(modes: list[Mode], why: Callable[[int, int], str]) -> list[Mode]:
+    """The modes (ascending); of two close ones the weaker one has a reason: its own, or that of `why` (lower, upper)."""
     done = list(modes)
     for k, one in enumerate(modes):
         for j in range(k + 1, len(modes)):
             other = modes[j]
             if other.freq - one.freq > NEAR_COPY * 2.0 * max(one.zeta * one.freq, other.zeta * other.freq):
                 break
-            if _apart(one, other, directions):
-                weaker = min((k, j), key=lambda m: (not modes[m].reason, modes[m].signal))
-                text = (
-                    f"no sensor sees both it and the mode at {(other if weaker == k else one).freq:.2f} Hz: one mode"
-                    " in two set-ups? Measure all sensors at once"
-                )
-                done[weaker] = replace(
-                    done[weaker], reason="; ".join(part for part in (done[weaker].reason, text) if part)
-                )
+            weaker, at = min((k, other), (j, one), key=lambda m: (not modes[m[0]].reason, modes[m[0]].signal))
+            if not done[weaker].reason and (text := why(k, j)):
+                done[weaker] = replace(done[weaker], reason=text.format(at.freq))
     return done
 
 
