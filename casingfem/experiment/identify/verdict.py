@@ -94,7 +94,8 @@ def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> l
 
     A peak that moves from hit to hit, or is not that of a linear resonance, leaves two poles. Their shapes are more
     alike than not, or their frequencies do not differ. Shapes of normal modes are nearly orthogonal at many sensors:
-    of random ones at 8 sensors 3 % are more alike than not. The modes of a doublet are two.
+    of random ones at 8 sensors 3 % are more alike than not. The modes of a doublet are two, and modes of nodal
+    diameters may have one frequency.
     """
 
     def why(k: int, j: int) -> str:
@@ -107,7 +108,8 @@ def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> l
                 "its shape and frequency are nearly those of the stronger mode at {:.2f} Hz: one mode that differs from"
                 " hit to hit or with the force? Check for loose parts or level"
             )
-        same = gap < SAME * float(np.hypot(one.sigma_freq, other.sigma_freq))
+        waves = min(one.n, other.n) > 0  # of a circle, whose modes come in pairs
+        same = not waves and gap < SAME * float(np.hypot(one.sigma_freq, other.sigma_freq))
         return (
             "its frequency is that of the stronger mode at {:.2f} Hz within their uncertainty: one peak that is not"
             " that of a linear resonance? Measure with another force, or another reference"
@@ -117,7 +119,7 @@ def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> l
 
 
 def _weaker(modes: list[Mode], why: Callable[[int, int], str]) -> list[Mode]:
-    """The modes (ascending); of two close ones the weaker one has a reason: its own, or that of `why` (lower, upper)."""
+    """The modes (ascending); of two close ones the weaker one has a reason, its own or that of `why` (lower, upper)."""
     done = list(modes)
     for k, one in enumerate(modes):
         for j in range(k + 1, len(modes)):

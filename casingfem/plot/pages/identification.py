@@ -14,8 +14,8 @@ from casingfem.plot.style import Drawn
 MOST_SHAPES = 20  # of a table of all pairs of modes
 LIKE = 0.2  # modal assurance from which a pair of many modes is listed
 POLES = (
-    "Poles over model order, stable ones green. Behind: the mode indicator (singular values over the references). Red"
-    " lines: modes found, dashed where doubtful."
+    "Poles over model order, stable ones green. Behind: the complex mode indicator (CMIF, singular values over the"
+    " references). Red lines: modes found, dashed where doubtful."
 )
 CHANNEL = " Below: one channel with its fit, magnitude and phase."
 PICKING = {
