@@ -17,13 +17,16 @@ def rotor_campbell(file: Path, as_json: bool, out: Path | None, to_hz: float | N
     import numpy as np
 
     from contact import InputError, load_scene
+    from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
     from contact.model.rotor import Rotor, campbell, critical_speeds, unbalance_response
 
     scene = load_scene(file)
     rotor = scene.what.rotor if isinstance(scene.what, Rub) else scene.what
     if not isinstance(rotor, Rotor):
-        raise InputError(f"{file}: scene.kind: found another kind, expected a study or a scene of kind 'rotor'")
+        turns = isinstance(scene.what, RotatingRim | Rub)
+        more = ": casingfem interactions finds the dangerous speeds of a rub" if turns else ""
+        raise InputError(f"{file}: scene.kind: found another kind, expected a study or a scene of kind 'rotor'{more}")
     top = to_hz if to_hz is not None else 1.5 * rotor.speed.fastest / (2.0 * np.pi)
     if not top > 0.0:
         raise click.UsageError("--to-hz: the rotor is at rest: give the highest speed")

@@ -182,7 +182,14 @@ def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
 
 def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> CyclesScene:
     """The bodies of a run, without its time."""
-    table = validated(model, data, file)
+    try:
+        table = validated(model, data, file)
+    except SceneError as error:
+        if "scheme" not in data and "t_end" not in data["scene"]:
+            raise
+        remedy = "leave out its time and its scheme, and state speed.from_hz and speed.to_hz"
+        more = f"{file}: found a scene of a run, expected a scene of periodic motions: {remedy}"
+        raise SceneError([*error.problems, more]) from None
     require_plausible(table, file)
     speed, vary = table.speed, table.vary
     bodies = {key: part for key, part in data.items() if key not in ("vary", "continuation", "basins")}

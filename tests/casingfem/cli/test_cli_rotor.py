@@ -32,9 +32,11 @@ def test_campbell_of_a_jeffcott_rotor_is_its_closed_form(tmp_path):
 
 
 def test_campbell_refuses_scenes_of_other_kinds():
-    found = invoke("campbell", SCENES / "two_rods.toml")
-    assert found.exit_code == 2
-    assert "scene.kind: found another kind, expected a study or a scene of kind 'rotor'" in found.stderr
+    kind = "scene.kind: found another kind, expected a study or a scene of kind 'rotor'"
+    for name, words in (("two_rods", kind), ("bladed_disk", f"{kind}: casingfem interactions finds")):
+        found = invoke("campbell", SCENES / f"{name}.toml")
+        assert found.exit_code == 2
+        assert words in found.stderr
 
 
 def test_campbell_of_a_rotor_in_a_casing_is_that_of_the_rotor():

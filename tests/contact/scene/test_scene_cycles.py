@@ -87,6 +87,12 @@ def test_broken_scenes_name_file_and_key(tmp_path, old, new, words):
     assert all(str(file) in problem for problem in raised.value.problems)
 
 
+def test_a_scene_of_a_run_is_refused_with_what_to_change():
+    file = SCENES.parent / "bladed_disk.toml"
+    with pytest.raises(ct.scene.SceneError, match=r"found a scene of a run.* state speed\.from_hz and"):
+        ct.scene.load_cycles(file)
+
+
 @pytest.mark.parametrize("ends", ["from_hz = 0.15\nto_hz = 0.2", "from_hz = 0.2\nto_hz = 0.15"])
 def test_random_starts_are_asked_for_between_the_ends_of_the_range(tmp_path, ends):
     text = TEXT.replace("from_hz = 0.15\nto_hz = 0.2", ends) + "[basins]\nseed = 1\nat = {}\n"
