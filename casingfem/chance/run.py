@@ -14,6 +14,7 @@ import numpy as np
 from casingfem.chance.evaluate import RESULTS, Drawing, Lot
 from casingfem.chance.importance import Importance, indices, mixed_designs
 from casingfem.chance.load import ChanceScene, load_chance
+from casingfem.chance.replaced import FLAG
 from casingfem.io.arrays import FloatArray
 from casingfem.io.side_by_side import one_thread, usable_cores
 from contact.base.errors import InputError
@@ -138,7 +139,8 @@ def importance_of(given: ChanceScene, kept: dict[str, Lot], groups: list[str]) -
 
 def open_store(given: ChanceScene, folder: Path) -> Path:
     """Folder of the stored draws, marked with the scene it belongs to; raises SceneError for another scene."""
-    key = json_text({name: part for name, part in given.source.items() if name != "sha256"})  # draws may be added
+    known = {name: part for name, part in given.source.items() if name != "sha256"}  # draws may be added
+    key = json_text({**known, "solved_in_full_above": FLAG})
     mark = folder / "chance.json"
     if mark.exists() and read_bytes(mark) != key.encode("utf-8"):
         found = f"found draws of another scene, study or version in {folder}"
