@@ -57,7 +57,7 @@ def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         return _fields(json.loads(str(data["document"])), data)
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise InputError(f"{path}: key 'document': found one without, or with another, {error}") from error
+        raise InputError(f"{path}: key 'document': found a missing or wrong entry {error}") from error
 
 
 def _fields(document: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:

@@ -55,7 +55,9 @@ def asked(stepper: Stepper, *decisive: Any) -> str:
     try:
         document = packing.packed(decisive, "")
     except StoredError as error:
-        raise InputError(f"checkpoint: a run with {error} cannot be recognised again: run it without one") from error
+        raise InputError(
+            f"checkpoint: a run with {error} cannot be identified after a stop: run it without a checkpoint"
+        ) from error
     text = json.dumps([document, stepper.label, stepper.dt, versions()], sort_keys=True)
     digest = hashlib.sha256(text.encode())
     for array in (*packing.arrays.values(), *arrays_in(stepper.memory)):

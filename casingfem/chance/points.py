@@ -39,7 +39,7 @@ def points(seed: int, draws: range, dimension: int) -> FloatArray:
     True
     """
     if not 1 <= dimension <= MOST:
-        raise InputError(f"dimension: found {dimension} random numbers a draw, expected 1 to {MOST}")
+        raise InputError(f"dimension: found {dimension} random numbers for each draw, expected 1 to {MOST}")
     if draws.start % REPLICATES or draws.step != 1:
         raise InputError(f"draws: found {draws}, expected numbers in steps of one from a multiple of {REPLICATES}")
     rounds = -(-len(draws) // REPLICATES)

@@ -191,7 +191,7 @@ def drawing_of(path: str, source: str) -> Drawing:
     given = load_chance(path)
     if json_text(given.source) != source:
         found = "found another scene, study or version in a worker process than in the command"
-        raise InputError(f"{path}: {found}, expected the same: leave the files unchanged, install the same versions")
+        raise InputError(f"{path}: {found}, expected no change: restore the files, and install the same versions")
     return Drawing.of(given)
 
 

@@ -43,5 +43,5 @@ class ChanceTable(Table):
     @model_validator(mode="after")
     def _power(self) -> "ChanceTable":
         if self.importance & (self.importance - 1) or self.importance == 1:
-            raise ValueError(f"found importance = {self.importance}, expected 0 or a power of 2 from 2")
+            raise ValueError(f"found importance = {self.importance}, expected 0 or a power of 2, at least 2")
         return self

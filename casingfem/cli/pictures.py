@@ -215,7 +215,7 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     drawn = {name: body for name, body in zip(rub.names, rub.bodies, strict=True) if body.recovery_cells is not None}
     if not drawn:
         expected = "recovery = true in [reduce] of the study that makes it"
-        raise InputError(f"basis: found none that recovers the motion of its nodes, expected {expected}")
+        raise InputError(f"basis: found none with data for the motion of its nodes, expected {expected}")
     shown = frames(len(result.state_time))
     time = result.state_time[shown]
     files: dict[str, Content] = {}

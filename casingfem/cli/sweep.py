@@ -59,7 +59,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
         why = f"{all_of} {became} refused, the first: {found.why}"
         fail(f"sweep {file}: the numerics failed: {why}", NUMERICS_FAILED)
     if lost := found.failed + found.diverged:
-        click.echo(f"sweep {file}: {lost} of {len(rows)} runs are not done, the first: {found.why}", err=True)
+        click.echo(f"sweep {file}: {lost} of {len(rows)} runs did not finish; the first: {found.why}", err=True)
 
 
 def words(found: "SweepResult", seconds: float) -> str:

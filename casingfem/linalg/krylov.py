@@ -151,7 +151,7 @@ def nearest(
             if closed and basis.count < wanted:
                 basis.begin(rng.standard_normal((size, min(block, size - basis.count))))
                 if not basis.fresh.shape[1]:
-                    raise NumericsError(f"the mass moves {basis.count} ways, {wanted} modes were asked for")
+                    raise NumericsError(f"the mass moves {basis.count} ways, {wanted} modes were requested")
             elif closed or basis.count >= min(look, room - 2 * block):
                 theta, S, left = basis.ritz()
                 left[max(wanted - spare, 0) :] /= SPARE

@@ -192,7 +192,7 @@ def static_by_cycles(K: csc_array, near_null: FloatArray, loads: FloatArray) -> 
         before, slope = slope, np.einsum("ij,ij->j", residual, down)
         way = down + np.divide(slope, before, out=np.zeros_like(slope), where=before > 0.0) * way
     left = float(BALANCED * (np.linalg.norm(residual, axis=0)[allowed > 0.0] / allowed[allowed > 0.0]).max())
-    raise ConvergenceError(f"{left:.1e} of a load is not balanced after {ITERATIONS} cycles")
+    raise ConvergenceError(f"{left:.1e} of a load remains unbalanced after {ITERATIONS} cycles")
 
 
 def count_that_fits(pencil: Pencil, sigma: float) -> int | None:

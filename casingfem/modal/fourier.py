@@ -236,7 +236,7 @@ def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, Fl
         vectors = root[:, None] * vectors
         values, turn = eigh(meridian.energies(vectors), vectors.T @ (meridian.mass[:, None] * vectors))
         return values, vectors @ turn
-    raise NumericsError(f"n = {meridian.n}: round-off outweighs the stiffness: the wall is too thin for these numbers")
+    raise NumericsError(f"n = {meridian.n}: round-off exceeds the stiffness: the wall is too thin for double precision")
 
 
 def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> FloatArray:

@@ -114,7 +114,7 @@ def reduce(
     P = seen.loads
     if not P.any():
         where = interface.where if isinstance(interface, Rim) else repr(getattr(interface, "edge", ""))
-        raise ModelError("interface-held", f"interface: {where} is fixed, nothing can be pushed there")
+        raise ModelError("interface-held", f"interface: {where} is fixed, so forces there have no effect")
     turning = modal_turning(structure, system, interface, seen.axes, seen.radius)
     loads = P if turning is None else np.hstack([P, turning.load])
     solve: Solve | None = None

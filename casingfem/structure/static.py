@@ -19,7 +19,7 @@ def solve_static(
     structure: MeshStructure, loads: Sequence[MeshLoad], *, system: MeshSystem | None = None
 ) -> MeshDeflection: ...
 def solve_static(structure, loads, *, system=None):  # type: ignore[no-untyped-def]
-    """Displacements of a supported structure under loads that act together.
+    """Displacements of a supported structure under simultaneous loads.
 
     K u = f, linear, about the unloaded shape.
 
@@ -31,13 +31,10 @@ def solve_static(structure, loads, *, system=None):  # type: ignore[no-untyped-d
         On a chart `SurfaceLoad`, `Pressure`, `Gravity`, `EdgeLoad`, `PointLoad` of `cf.loads`; on an imported part
         `Gravity`, `EdgeLoad` on a group of facets, `cf.imported.NodeLoad`, `FacetPressure`; or loads of your own.
     system
-        The assembled structure, if there is one already.
+        The assembled structure, if it exists already.
 
-    Raises
-    ------
-    ModelError
-        load-none without loads; load-edge for a load that the structure cannot have; static-loose if a rigid motion is
-        not restrained; structure-unknown for what is no structure.
+    Raises ------ ModelError load-none without loads; load-edge for a load that the structure does not support;
+    static-loose if a rigid motion is not restrained; structure-unknown for another object.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""study.toml: its schema, how it is read, and how an updated one is written."""
+"""study.toml: its schema, reading, and writing of updated studies."""
 
 from casingfem.study.imported import MeshStudy
 from casingfem.study.load import Study, load_shell_study, load_study

@@ -45,7 +45,7 @@ NOISE = 4.0  # standard deviations: amplitudes of a survey below are left out of
 
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
-    """The shell a study describes, or None with the reasons collected: of each part, then of the whole."""
+    """The shell of a study, or None with the collected reasons: first of each part, then of the whole."""
     if tables.cyclic is not None:
         problems.add("cyclic", "it beside [chart]", "an imported mesh: the sector of a wheel", "study-key")
     chart = try_chart(tables, problems)
@@ -97,7 +97,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
 
 
 def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
-    """The chart of a study, or None with the reason collected."""
+    """The chart of a study, or None with the collected reason."""
     if tables.chart is not None:
         with problems.at("chart"):
             return build_chart(tables.chart, problems.file.parent)
@@ -105,7 +105,7 @@ def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
 
 
 def build_chart(table: shapes.ChartTable, folder: Path) -> Chart:
-    """The chart of a [chart] table; its files are beside the study."""
+    """The chart of a [chart] table; its files are relative to the study."""
     if isinstance(table, shapes.PointsTable):
         points = read_meridian(folder / table.points) if isinstance(table.points, str) else table.points
         return Revolved(profile=SmoothMeridian(points=tuple((r, z) for r, z in points)))
@@ -120,12 +120,12 @@ def build_chart(table: shapes.ChartTable, folder: Path) -> Chart:
 
 
 def read_meridian(path: Path) -> list[tuple[float, float]]:
-    """The points of a CSV file or workbook under radius_m and z_m, in the order of its rows.
+    """The points of a CSV file or workbook with columns radius_m and z_m, in the order of its rows.
 
     Raises
     ------
     InputError
-        Naming the line.
+        The table is invalid; the message has the line.
     """
     table = named(strict_csv.read(path), MERIDIAN)
     if set(table.header) != {"radius_m", "z_m"}:
@@ -156,7 +156,7 @@ def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> t
 
 
 def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
-    """Strips of the pieces of a meridian that have a wall or a material of their own."""
+    """Strips of the pieces of a meridian that have their own thickness or material."""
     table = study.chart
     if not isinstance(table, shapes.MeridianTable) or study.shell is None:
         return []
@@ -175,7 +175,7 @@ def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
 
 
 def build_mesh(table: shapes.MeshTable, default: ShellMesh) -> ShellMesh:
-    """The default mesh, with the values of [mesh] in its place."""
+    """The default mesh, with the values of [mesh] replaced."""
     rows = tuple(table.rows) if isinstance(table.rows, list) else table.rows
     return ShellMesh(
         order=table.order or default.order,
@@ -191,7 +191,7 @@ def build_plies(table: shapes.ShellTable) -> tuple[Ply, ...]:
 
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
-    """One imperfection field, or None with the reason collected."""
+    """One imperfection field, or None with the collected reason."""
     if tables.chart is not None and tables.chart.kind in FLAT and table.of == "radius":
         found, expected = "'radius' on a plate, which has none", "thickness, or a chart with a radius"
         problems.add(f"{key}.of", found, expected, "field-no-radius")
@@ -244,7 +244,7 @@ def above_noise(survey: SurveyField) -> FourierField:
 
 
 def build_random(table: ImperfectionTable, stream: int, tables: StudyFile, folder: Path) -> RandomField | None:
-    """A random field; None where the tables it needs are not in order, which is collected there."""
+    """A random field; None if the tables it needs are invalid, which is collected there."""
     seed, scale = table.seed or 0, 1.0 if table.scale is None else table.scale
     if table.surveys:
         spectrum = spectrum_of_surveys(table, folder).scaled(scale)

@@ -32,11 +32,11 @@ class Wheel:
     sector
         The wheel by its one sector.
     diameters
-        Nodal diameters whose modes are wanted.
+        Nodal diameters for the modes.
     coriolis
-        Whether the waves with Coriolis forces are wanted too.
+        Whether waves with Coriolis forces are also computed.
     deviations, blade
-        Relative deviations of the blades' frequencies, None of a tuned wheel; the group of cells that deviates.
+        Relative deviations of the blades' frequencies, None for a tuned wheel; the group of cells that deviates.
     """
 
     sector: CyclicSector
@@ -87,12 +87,12 @@ def build_wheel(tables: StudyFile, structure: Solid | MeshShell | None, problems
 
 
 def read_deviations(path: Path) -> FloatArray:
-    """Deviations of a CSV file under blade,deviation, blades counted from 1, in any order.
+    """Deviations from a CSV file with columns blade,deviation; blades are counted from 1, in any order.
 
     Raises
     ------
     InputError
-        Naming the line.
+        The table is invalid; the message has the line.
     """
     table = strict_csv.read(path)
     if set(table.header) != {"blade", "deviation"}:
@@ -107,9 +107,9 @@ def read_deviations(path: Path) -> FloatArray:
 
 
 def build_rotation(table: RotationTable | None, chart: Chart | None, problems: Problems) -> Rotation | None:
-    """The rotation of a study: of a blade on its hub, or about an axis in the chart's coordinates.
+    """The rotation of a study: for a blade on its hub, or about an axis in the chart's coordinates.
 
-    A closed casing turns about z unless an axis is named; an open chart needs a hub radius or an axis.
+    A closed casing rotates about z unless an axis is named; an open chart needs a hub radius or an axis.
     """
     if table is None or chart is None:
         return None
@@ -131,7 +131,7 @@ def build_rotation(table: RotationTable | None, chart: Chart | None, problems: P
 
 
 def build_mesh_rotation(table: RotationTable | None, problems: Problems) -> Rotation | None:
-    """The rotation of an imported part: about an axis in the mesh's coordinates, which must be named."""
+    """The rotation of an imported part about an axis in the mesh's coordinates, which must be given."""
     if table is None:
         return None
     for key in ("hub_radius", "stagger_deg"):
@@ -148,11 +148,11 @@ def build_mesh_rotation(table: RotationTable | None, problems: Problems) -> Rota
 
 
 def axis_vector(axis: str | list[float] | None) -> Vector:
-    """An axis as a study has it: by name or by its components; z if left out."""
+    """An axis of a study, by name or by components; by default z."""
     return NAMED[axis] if isinstance(axis, str) else NAMED["z"] if axis is None else vector(axis)
 
 
 def vector(numbers: list[float] | None) -> Vector:
-    """Three numbers; the origin if left out."""
+    """Three numbers; by default the origin."""
     x, y, z = numbers or (0.0, 0.0, 0.0)
     return x, y, z

@@ -37,19 +37,19 @@ class MeshStudy(FromFile):
     Attributes
     ----------
     path, file
-        Where it was read from, and its tables as written.
+        Path of the file, and its tables as written.
     structure
         The solid or shell.
     start
-        The structure with the parameters' start values put in: where an update begins.
+        The structure with the start values of the parameters, where an update begins.
     table, parameters
-        Of [update]: the measured frequencies, None without; what may vary.
+        From [update]: the measured frequencies, None without; the parameters.
     interface
-        Of [reduce]: the group or nodes that contact sees; None without.
+        From [reduce]: the interface for contact; None without.
     wheel
-        Of [cyclic]: the wheel of which the structure is one sector; None without.
+        From [cyclic]: the wheel of which the structure is one sector; None without.
     source
-        Name and hash of the input (the file and its mesh), versions, seed: what a result has.
+        Name and hash of the input (the file and its mesh), versions, seed, for results.
     """
 
     path: Path
@@ -64,7 +64,7 @@ class MeshStudy(FromFile):
 
     @property
     def shapes(self) -> None:
-        """Shapes are fitted on charts alone."""
+        """None: shapes are fitted only on charts."""
         return None
 
 
@@ -75,7 +75,7 @@ def is_imported(data: Mapping[str, Any]) -> bool:
 
 
 def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problems) -> Solid | MeshShell | None:
-    """The structure of a mesh study, or None with the reasons collected."""
+    """The structure of a mesh study, or None with the collected reasons."""
     for name in data:
         if name in StudyFile.model_fields and name not in OWN:
             expected = f"no [{name}] beside an imported mesh"
@@ -112,7 +112,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
 def mesh_interface(
     table: ReduceTable | None, structure: Solid | MeshShell | None, problems: Problems
 ) -> Interface | None:
-    """Interface that [reduce] of an imported mesh names: nodes, a rim by harmonics, a tip in pieces or as a whole."""
+    """Interface in [reduce] of an imported mesh: nodes, a rim by harmonics, a tip in pieces or as a whole."""
     if table is None:
         return None
     rim = sorted({"n_max", "axial", "axis", "point"} & table.model_fields_set)
@@ -141,7 +141,7 @@ def mesh_interface(
 
 
 def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | None:
-    """The mesh a table names, or that of the sections it names, read relative to the study."""
+    """The mesh, or the mesh of the blade sections, that a table names, with paths relative to the study."""
     if isinstance(table, SolidTable) and table.sections is not None:
         with problems.at(f"{key}.sections"):
             sections = BladeSections.from_csv(problems.file.parent / table.sections)
@@ -157,7 +157,7 @@ def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | N
 
 
 def build_supports(tables: Mapping[str, SupportTable], problems: Problems) -> dict[str, MeshSupport]:
-    """Supports by group; kinds that need a chart are collected."""
+    """Supports by group; kinds that need a chart are reported."""
     supports: dict[str, MeshSupport] = {}
     for group, table in tables.items():
         key = f"support.{group}"

@@ -1,4 +1,4 @@
-"""study.toml -> Study: the objects a study describes, or every problem of the file at once."""
+"""Read study.toml: the objects that a study describes, or every problem of the file at once."""
 
 import hashlib
 from dataclasses import dataclass
@@ -43,17 +43,17 @@ class Study(FromFile):
     Attributes
     ----------
     path, file
-        Where it was read from, and its tables as written.
+        Path of the file, and its tables as written.
     shell
         The structure.
     table, shapes, parameters
-        Of [update]: the measured frequencies and mode shapes, None without; what may vary.
+        From [update]: the measured frequencies and mode shapes, None without; the parameters.
     start
-        The structure with the parameters' start values put in: where an update begins.
+        The structure with the start values of the parameters, where an update begins.
     interface
-        Of [reduce]: the rim or tip that contact sees; None without.
+        From [reduce]: the rim or tip for contact; None without.
     source
-        Name and hash of the input (the file and all it refers to), versions, seed: what a result has.
+        Name and hash of the input (the file and all it refers to), versions, seed, for results.
     """
 
     path: Path
@@ -68,7 +68,7 @@ class Study(FromFile):
 
     @property
     def structure(self) -> Shell:
-        """The structure, by the name it has in every study."""
+        """The structure, under the name that all studies use."""
         return self.shell
 
 
@@ -78,7 +78,7 @@ def load_shell_study(path: str | Path) -> Study:
     Raises
     ------
     StudyError
-        With all problems, one a line: file: key: found X, expected Y.
+        With all problems, one on each line: file: key: found X, expected Y.
     """
     study = load_study(path)
     if isinstance(study, MeshStudy):
@@ -101,12 +101,12 @@ def load_study(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
     Returns
     -------
     Study | MeshStudy
-        `structure` is the shell or the imported part; `start` has the start values of [update] put in.
+        `structure` is the shell or the imported part; `start` has the start values of [update].
 
     Raises
     ------
     StudyError
-        An `InputError` with all problems, one a line: file: key: found X, expected Y.
+        An `InputError` with all problems, one on each line: file: key: found X, expected Y.
 
     Examples
     --------
@@ -175,7 +175,7 @@ def tables_of(file: Path) -> tuple[bytes, dict[str, Any]]:
 
 
 def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
-    """The tables that are in order; the problems of the others are collected."""
+    """The valid tables; the problems of the others are collected."""
     for name in REQUIRED[:1] if is_imported(data) else REQUIRED:
         if name not in data:
             meaning = StudyFile.model_fields[name].description
@@ -213,7 +213,7 @@ def load_update(
 def load_shapes(
     tables: UpdateTable | None, shell: Shell | None, table: FrequencyTable | None, problems: Problems
 ) -> SensorShapes | None:
-    """The mode shapes of [update], put on the wall and matched to the rows of its table."""
+    """The mode shapes of [update], located on the wall and matched to the rows of its table."""
     if tables is None or tables.shapes is None:
         return None
     with problems.at("update.shapes"):
@@ -228,7 +228,7 @@ def load_shapes(
 
 
 def with_start_value(shell: Structure, entry: ParameterTable) -> Structure:
-    """The shell with a parameter at its start value, which must lie within the bounds."""
+    """The shell with a parameter at its start value, which must be within the bounds."""
     own = float(np.real(get_value(shell, entry.name)))
     value = own if entry.start is None else entry.start
     if not entry.lower <= value <= entry.upper:

@@ -1,8 +1,8 @@
-"""Many draws of a study's random fields on several cores, kept chunk by chunk: a run that was killed goes on.
+"""Many draws of a study's random fields on several cores, stored chunk by chunk, so that a killed run can continue.
 
-Each chunk of draws is one JSON file, written under a temporary name and moved into place. A draw depends on its
-number alone, each process has one BLAS thread, and floats are written with all their digits: whatever the number of
-processes, their order, or how often the run was broken off, the tables are the same to the last bit.
+Each chunk of draws is one JSON file, written under a temporary name and moved into place. A draw depends only on its
+number, each process has one BLAS thread, and floats are written with all digits. So the tables are identical for any
+number and order of processes, and after any number of interruptions.
 """
 
 import json
@@ -44,10 +44,10 @@ class MistuneRun:
     Attributes
     ----------
     found : the doublets
-    checked : draw -> its difference to the full solution, of the draws that were checked
+    checked : for each checked draw its difference from the full solution
     in_full : the draws that were solved in full
-    estimate : the largest estimate of a frequency's error among the others, relative; None where there is no other
-    resumed : number of draws that were there already
+    estimate : largest estimated relative frequency error among the others; None without others
+    resumed : number of draws that were stored before
     """
 
     found: Mistuning
@@ -72,9 +72,9 @@ def run_mistune(
     processes
         Worker processes; by default one for each core.
     folder
-        Where chunks are kept and searched for; without it nothing is kept.
+        Folder in which chunks are stored and sought; without it nothing is stored.
     progress
-        Called with the number of draws done.
+        Called with the number of finished draws.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def run_mistune(
 
 
 def pair_of(row: list[Any]) -> Pair:
-    """A row of a chunk's file; JSON has no word for nan."""
+    """A pair from a row of a chunk's file, where null means nan."""
     return Pair._make(math.nan if cell is None else cell for cell in row)
 
 
@@ -129,7 +129,7 @@ def difference_of(cells: list[Any]) -> Difference:
 
 
 def is_checked(draw: int) -> bool:
-    """Whether a draw is also solved in full: 0, then CHECKED times the powers of 2.
+    """Whether a draw is also solved in full: draw 0, and CHECKED times the powers of 2.
 
     >>> [draw for draw in range(1000) if is_checked(draw)]
     [0, 50, 100, 200, 400, 800]
@@ -142,7 +142,7 @@ def is_checked(draw: int) -> bool:
 
 
 def open_store(study: Study, folder: Path) -> Path:
-    """The folder of the chunks, marked with the study and the versions it belongs to.
+    """The folder of the chunks, marked with its study and versions.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def chunk_name(chunk: range) -> str:
 
 
 def read(store: Path, chunk: range) -> dict[str, Any] | None:
-    """A chunk's content, None where it is not there or not whole."""
+    """A chunk's content; None if it is missing or incomplete."""
     return cast("dict[str, Any] | None", read_checked(store / chunk_name(chunk), "draws", first=chunk.start))
 
 
@@ -209,7 +209,7 @@ def worker_of(path: str, digest: str) -> WorkerState:
     study = load_shell_study(path)
     if study.source["sha256"] != digest:
         found = "found another study in a worker process than in the command"
-        raise InputError(f"{path}: {found}, expected the same: leave the file unchanged until the command ends")
+        raise InputError(f"{path}: {found}, expected no change: do not edit the file before the command ends")
     return WorkerState(study, Family.of(study.shell, study.file.modes.count))
 
 

@@ -23,7 +23,7 @@ STOUT = 0.5  # wall over the longest length of the chart
 
 
 def add_implausible(tables: StudyFile, structure: Shell | Solid | MeshShell | None, problems: Problems) -> None:
-    """Note all numbers that cannot be and that the file does not allow."""
+    """Report all impossible numbers that the file does not allow."""
     found = [*implausible(tables), *of_chart(tables), *of_parameters(tables), *of_structure(structure)]
     if tables.rotation is not None and structure is not None and structure.rotation is not None:
         if text := speed_fault(tables.rotation.speed_hz, reach(structure), CHECKS["speed"]):
@@ -41,7 +41,7 @@ def unitless(tables: StudyFile) -> bool:
 
 
 def of_chart(tables: StudyFile) -> Iterator[Implausible]:
-    """A chart of which every length is too short, and a wall as thick as the structure is long."""
+    """Report a chart whose lengths are all too short, or a wall as thick as the structure is long."""
     if tables.chart is None:
         return
     size = CHECKS["size"]
@@ -59,7 +59,7 @@ def of_chart(tables: StudyFile) -> Iterator[Implausible]:
 
 
 def of_check(table: BaseModel, check: Check) -> Iterator[tuple[str, float]]:
-    """The numbers of a table and of the tables listed in it whose keys declare a check of this name."""
+    """The numbers of a table and of its nested tables whose keys declare a check of this name."""
     for field, info in type(table).model_fields.items():
         for part in value if isinstance(value := getattr(table, field), list) else ():
             if isinstance(part, BaseModel):
@@ -70,14 +70,14 @@ def of_check(table: BaseModel, check: Check) -> Iterator[tuple[str, float]]:
 
 
 def of_parameters(tables: StudyFile) -> Iterator[Implausible]:
-    """Parameters that start outside of the plausible range, or whose bounds exclude all of it."""
+    """Parameters that start outside the plausible range, or whose bounds exclude all of it."""
     for k, parameter in enumerate(() if tables.update is None else tables.update.parameter, 1):
         if name := ADDRESSES.get(parameter.name.rpartition(".")[2]):
             yield from of_parameter(parameter, CHECKS[name], f"update.parameter[{k}]")
 
 
 def of_parameter(parameter: ParameterTable, check: Check, key: str) -> Iterator[Implausible]:
-    """The same for one parameter."""
+    """Fault of one parameter's start value or bounds."""
     if parameter.start is not None and (text := check.fault(parameter.start)):
         yield Implausible(f"{key}.start", check.name, text)
     for bound, outside in (("lower", parameter.lower > check.upper), ("upper", parameter.upper < check.lower)):
@@ -86,7 +86,7 @@ def of_parameter(parameter: ParameterTable, check: Check, key: str) -> Iterator[
 
 
 def of_structure(structure: Shell | Solid | MeshShell | None) -> Iterator[Implausible]:
-    """An imported mesh that is too large or too small."""
+    """Report an imported mesh that is too large or too small."""
     if isinstance(structure, Solid | MeshShell) and (text := CHECKS["size"].fault(structure.mesh.size)):
         where = "solid.mesh" if isinstance(structure, Solid) else "shell.mesh"
         yield Implausible(where, "size", f'{text}; give scale or units of the file, as units = "mm-t-s"')

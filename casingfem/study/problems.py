@@ -54,22 +54,22 @@ class Problems(list[str]):
         self.file = file
 
     def add(self, key: str, found: str, expected: str, code: str = "study-value") -> None:
-        """Note one problem."""
+        """Record one problem."""
         self.append(with_code(code, f"{self.file}: {key}: found {found}, expected {expected}"))
 
     def at(self, key: str) -> "Attempt":
-        """Note a ValueError or OSError raised inside as a problem of this key, and go on."""
+        """Record a ValueError or OSError raised inside as a problem of this key, and continue."""
         return Attempt(self, key)
 
     def made(self, key: str, kind: Callable[..., T], table: BaseModel | None) -> T | None:
-        """The object that a table describes, None without a table; problems are collected."""
+        """The object of a table, None without a table; problems are collected."""
         if table is not None:
             with self.at(key):
                 return value_of(table, kind)
         return None
 
     def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:
-        """Note all problems of a validation; returns the top-level tables that have some."""
+        """Record all problems of a validation; returns the top-level tables that have some."""
         for detail in error.errors():
             self.append(with_code(code_at(detail, data), f"{self.file}: {sentence(detail, data)}"))
         return {str(detail["loc"][0]) for detail in error.errors()}
@@ -85,7 +85,7 @@ class Attempt:
         """Begin."""
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
-        """Note an error of the input; everything else passes through."""
+        """Record an error of the input; other errors are raised."""
         if isinstance(error, OSError):
             sentence = f"{self.problems.file}: {self.key}: {error.filename}: {error.strerror}"
             self.problems.append(with_code("study-file", sentence))
@@ -105,14 +105,14 @@ class FromFile:
     path: Path
 
     def error(self, key: str, found: str, expected: str) -> StudyError:
-        """An error that names this file and a key of it, to be raised."""
+        """An error that names this file and one of its keys, ready to be raised."""
         problems = Problems(self.path)
         problems.add(key, found, expected)
         return StudyError(problems)
 
 
 def table_of(error: ValueError, key: str) -> str:
-    """The key to name: another table's where the error's code states that it is at fault."""
+    """The key to name: another table's if the error's code states that it is at fault."""
     code = getattr(error, "code", "")
     head = "" if code.startswith(("mesh-no-group", "mesh-group", "mesh-support")) else code.partition("-")[0]
     return key if head not in ("material", "chart", "shell", "mesh") or key.startswith(head) else head
@@ -156,7 +156,7 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
 
 
 def code_at(detail: Any, data: Mapping[str, Any]) -> str:
-    """The code of a pydantic error, by its kind or by where it is."""
+    """The code of a pydantic error, from its kind or its place."""
     path = [str(part) for part in resolved(detail["loc"], detail["type"], data)]
     if detail["type"] in KINDS:
         return KINDS[detail["type"]]
@@ -166,6 +166,6 @@ def code_at(detail: Any, data: Mapping[str, Any]) -> str:
 
 
 def shown(value: object) -> str:
-    """A value as the file has it, cut short."""
+    """A value as in the file, shortened."""
     text = str(value).lower() if isinstance(value, bool) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -1,4 +1,4 @@
-"""The test that [rig] of a study describes: probes, frequency responses, a circle scan, and the truth behind them."""
+"""The test that [rig] of a study describes: probes, frequency responses, a circle scan, and the exact modes."""
 
 from dataclasses import dataclass
 
@@ -35,9 +35,11 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RigTest:
-    """Result of a simulated test: rig and layout, truth, responses, coherence, kept records, the scan and its waves.
+    """Result of a simulated test.
 
-    `troubles` is the truth behind those of a test in a hall.
+    Rig and layout, exact modes, responses, coherence, stored records, the scan and its waves.
+
+    `troubles` has the exact data of a test with imperfections.
     """
 
     rig: Rig
@@ -52,12 +54,12 @@ class RigTest:
 
 
 def run_rig(study: Study) -> RigTest:
-    """Put the study's structure on the rig and test it.
+    """Test the study's structure on the virtual rig.
 
     Raises
     ------
     StudyError
-        Without [rig], or where a part of it cannot be.
+        Without [rig], or if a part of it is impossible.
     """
     table = study.file.rig
     if table is None:
@@ -111,7 +113,7 @@ def laid_out(study: Study, table: RigTable) -> tuple[list[Place], Layout]:
     spots: list[Place] = []
     if table.scan is not None:
         if not closed:
-            raise study.error("rig.scan", "an open chart", "a closed casing: the spot runs round it")
+            raise study.error("rig.scan", "an open chart", "a closed casing: the spot moves around it")
         spots = circle(table.scan.height, table.scan.points or 2 * table.scan.orders + 3)
     first, second = len(drives), len(drives) + len(sensors)
     ranges = Layout(drives=range(first), sensors=range(first, second), circle=range(second, second + len(spots)))
@@ -140,7 +142,7 @@ def sensors_of(study: Study, key: str, table: SensorTable, closed: bool) -> list
 
 
 def circle_of(table: RigTable, layout: Layout) -> range:
-    """The probes of the only [[rig.sensor]] that is a radial circle, to label the truth by."""
+    """The probes of the only [[rig.sensor]] that is a radial circle, which label the exact modes."""
     whole = len(table.sensor) == 1 and table.sensor[0].count > 2 and table.sensor[0].direction == "radial"
     return layout.sensors if whole else range(0)
 
@@ -148,7 +150,7 @@ def circle_of(table: RigTable, layout: Layout) -> range:
 def troubled_test(
     rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]
 ) -> TroubledTest | None:
-    """Frequency responses of a test in a hall, None where the study has no troubles."""
+    """Frequency responses of a test with imperfections, None if the study has no troubles."""
     if test.troubles is None or test.snr_db is None:
         return None
     what = Troubles(snr_db=test.snr_db, **test.troubles.model_dump())
@@ -168,7 +170,7 @@ def lines_of(test: ResponsesTable) -> FloatArray:
 def responses(
     rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]
 ) -> tuple[FrfSet, FrfSet | None, tuple[FrfSet, ...]]:
-    """Frequency responses, and where they come from records their coherence, and the records if they are kept."""
+    """Frequency responses; their coherence if they come from records, and the records if they are stored."""
     low, high = test.band_hz
     if test.kind == "exact":
         frfs = rig.frfs(
@@ -202,7 +204,7 @@ def responses(
 
 
 def excitation(test: ResponsesTable) -> Excitation:
-    """The force of a test by records: its band reaches a tenth beyond that of the responses."""
+    """The force of a test by records: its band extends a tenth beyond that of the responses."""
     low, high = test.band_hz
     band = (round(0.9 * low, 6), round(1.1 * high, 6))
     if test.kind == "random":

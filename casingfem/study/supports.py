@@ -24,7 +24,7 @@ from contact.io.tables import value_of
 def build_supports(
     tables: dict[str, kinds.SupportTable], chart: Chart | None, problems: Problems
 ) -> dict[str, Support]:
-    """Supports by edge; edges the chart does not have are collected."""
+    """Supports by edge; unknown edges of the chart are reported."""
     supports: dict[str, Support] = {}
     for edge, table in tables.items():
         if chart is not None and edge not in chart.edges:
@@ -52,7 +52,7 @@ def build_support(table: kinds.SupportTable, edge: str, chart: Chart | None) -> 
 
 
 def build_bolts(table: kinds.BoltsTable, edge: str, chart: Chart | None) -> Bolts:
-    """Bolts of the file: degrees become radians, a width in metres an angle on the edge's mean radius."""
+    """Bolts of the file: degrees become radians, a width in metres an angle at the edge's mean radius."""
     require_angle(chart, edge, "bolts")
     width = {}
     if table.width_m is not None:
@@ -103,7 +103,7 @@ def build_stiffeners(
 
 
 def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[EdgeMass]]:
-    """Point masses by edge; edges the chart does not have are collected."""
+    """Point masses by edge; unknown edges of the chart are reported."""
     masses: dict[str, list[EdgeMass]] = {}
     for k, table in enumerate(tables):
         if chart is not None and table.edge not in chart.edges:
@@ -116,13 +116,13 @@ def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problem
 
 
 def require_angle(chart: Chart | None, edge: str, key: str) -> None:
-    """Refuse an angle on an edge that is measured in metres: of a plate or blade, or one that runs along the axis."""
+    """Refuse an angle on an edge that is measured in metres: of a plate or blade, or along the axis."""
     if chart is not None and (isinstance(chart, Plate | TwistedPlate | Blade) or chart.edges[edge][0] != 0):
         raise ValueError(f"{key}: found an edge without angles, {edge!r}, expected one that runs around an axis")
 
 
 def build_around(table: kinds.ElasticTable) -> Field | dict[str, Field] | None:
-    """Variation of the springs of an elastic edge: all alike, or each by its own harmonics; None if uniform."""
+    """Variation of the springs of an elastic edge: common, or separate harmonics for each; None if uniform."""
     if isinstance(table.around, list):
         return series(table.around, "around", least=1) if table.around else None
     lists = {name: getattr(table.around, name) for name in ElasticEdge.stiffness_names}

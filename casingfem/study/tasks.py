@@ -32,12 +32,12 @@ from contact.io.tables import value_of
 
 
 def run_update(study: Study | MeshStudy, progress: Progress | None = None) -> UpdateResult:
-    """The update a study describes.
+    """Run the update of a study.
 
     Raises
     ------
     StudyError
-        Without [update], or when its table and parameters do not make an update.
+        Without [update], or if its table and parameters do not define an update.
     """
     tables = study.file.update
     if tables is None or study.table is None:
@@ -64,12 +64,12 @@ def run_update(study: Study | MeshStudy, progress: Progress | None = None) -> Up
 def judge_update(
     study: Study | MeshStudy, fit: UpdateResult, *, left_out: bool, posterior: str | None, say: Callable[[str], None]
 ) -> dict[str, LeftOut | Laplace | PosteriorSamples]:
-    """Results requested beyond the fit, by their keys in the JSON document.
+    """Requested results beyond the fit, by their keys in the JSON document.
 
     Raises
     ------
     StudyError
-        If it cannot be had: too few rows, a fit that is no minimum, no emcee.
+        If it is impossible: too few rows, a fit that is not a minimum, or no emcee.
     """
     found: dict[str, LeftOut | Laplace | PosteriorSamples] = {}
     try:
@@ -88,7 +88,7 @@ Answer = tuple[EngineOrderResponse, Amplification | None]
 
 
 def run_response(study: Study | MeshStudy) -> tuple[BladedWheel, list[Answer]]:
-    """The wheel of a study, and of each [[response]] the amplitudes over speed and the draws of mistuned blades.
+    """The wheel of a study, and for each [[response]] the amplitudes over speed and the draws of mistuned blades.
 
     Raises
     ------
@@ -119,7 +119,10 @@ def run_response(study: Study | MeshStudy) -> tuple[BladedWheel, list[Answer]]:
 
 
 def answer(wheel: BladedWheel, deviations: FloatArray | None, load: OrderLoad, path: Path | None) -> Answer:
-    """Amplitudes over speed under one engine order, and the draws that it asks for; the air's forces are at `path`."""
+    """Amplitudes over speed under one engine order, and the requested draws.
+
+    `path` locates the aerodynamic coefficients.
+    """
     air = None if path is None else Influence.from_csv(path)
     found = engine_order_response(
         wheel, load.order, load.speeds, force=load.force, zeta=load.zeta, deviations=deviations, influence=air
@@ -134,12 +137,12 @@ def answer(wheel: BladedWheel, deviations: FloatArray | None, load: OrderLoad, p
 
 
 def run_reduce(study: Study | MeshStudy, shell: Shell | MeshStructure | None = None) -> ModalBasis:
-    """The reduction a study describes, of its own structure or of another one (an updated one).
+    """Run the reduction of a study, for its own structure or another one (such as an updated one).
 
     Raises
     ------
     StudyError
-        Without [reduce], or when the structure cannot be reduced so.
+        Without [reduce], or if this reduction is impossible.
     """
     tables = study.file.reduce
     if tables is None or study.interface is None:

@@ -25,7 +25,7 @@ TABLES = {"thickness": ("shell", "thickness"), "strips": ("strip",), "supports":
 
 
 def perfect(shell: Shell) -> Shell:
-    """The same shell without imperfections: no fields, springs equal all along their edges; its mesh is kept.
+    """The same shell without imperfections: no fields, uniform springs along edges; the mesh is kept.
 
     >>> from casingfem import Frustum, FourierField, Material
     >>> casing = Shell(chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3,
@@ -39,7 +39,7 @@ def perfect(shell: Shell) -> Shell:
 
 
 def even(support: Support) -> Support:
-    """The same support, equal all along its edge; bolts all as tight."""
+    """The same support, uniform along its edge, with equally tight bolts."""
     if isinstance(support, ElasticEdge):
         return replace(support, around=None)
     if isinstance(support, Ring) and support.support is not None:
@@ -48,9 +48,9 @@ def even(support: Support) -> Support:
 
 
 def updated_toml(study: Study | MeshStudy, values: Mapping[str, float], folder: Path) -> str:
-    """The study's text with parameters at new values, its file references seen from another folder.
+    """The study's text with new parameter values, and file references relative to another folder.
 
-    A harmonic that the study has from a survey is changed by an [[imperfection]] of its own that adds to it.
+    A harmonic from a survey is changed by a separate [[imperfection]] that is added to it.
     """
     tables = study.file.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
     for name, value in values.items():
@@ -96,7 +96,7 @@ def put(tables: dict[str, Any], shell: Shell | Solid | MeshShell, name: str, val
 
 
 def put_at(tables: Any, path: Sequence[str | int], value: float) -> None:
-    """Set the value at a path of keys and places."""
+    """Set the value at a path of keys and indices."""
     *way, last = path
     for step in way:
         tables = tables[step]
@@ -104,7 +104,7 @@ def put_at(tables: Any, path: Sequence[str | int], value: float) -> None:
 
 
 def holding(tables: dict[str, Any], edge: str) -> dict[str, Any]:
-    """The table of supports of an edge from outside: of the ring's own support under a ring."""
+    """The table of an edge's support from outside: for a ring, of the ring's own support."""
     support: dict[str, Any] = tables["support"][edge]
     return support["support"] if support["kind"] == "ring" else support
 
@@ -128,7 +128,7 @@ def tighten(support: dict[str, Any], value: float) -> None:
 
 
 def pattern_lists(support: dict[str, Any], spring: str) -> list[list[dict[str, Any]]]:
-    """The lists of harmonics that a pattern's parameter moves: of one spring or of "around", all together."""
+    """The lists of harmonics that a pattern's parameter changes: of one spring, or of "around" for all."""
     around = support.setdefault("around", [])
     if isinstance(around, list):
         if spring == "around" or not any(support.get(k) for k in ElasticEdge.stiffness_names if k != spring):
@@ -140,7 +140,7 @@ def pattern_lists(support: dict[str, Any], spring: str) -> list[list[dict[str, A
 
 
 def add_harmonic(imperfections: list[dict[str, Any]], of: str, p: int, part: str, change: float) -> None:
-    """Add to a harmonic where the study has it, else in an imperfection of its own."""
+    """Add to a harmonic of the study, or to a new imperfection if it has none."""
     same = [entry for entry in imperfections if entry["of"] == of and "harmonics" in entry]
     owner = next((entry for entry in same if any(h["p"] == p for h in entry["harmonics"])), None)
     owner = owner or (same[-1] if same else None)
@@ -152,7 +152,7 @@ def add_harmonic(imperfections: list[dict[str, Any]], of: str, p: int, part: str
 
 
 def entry_of(entries: list[dict[str, Any]], key: str, value: int) -> dict[str, Any]:
-    """The entry with this value of a key, a bolt or harmonic p, made if need be."""
+    """The entry with this value of a key (a bolt or harmonic p), created if needed."""
     found = next((entry for entry in entries if entry[key] == value), None)
     if found is None:
         found = {key: value}
@@ -186,20 +186,20 @@ def toml(tables: Mapping[str, Any], path: str = "") -> str:
 
 
 def nested(value: object) -> bool:
-    """Whether a value is written as a table or tables of its own."""
+    """Whether a value is written as one or several tables."""
     if isinstance(value, list) and value and isinstance(value[0], Mapping):
         return "p" not in value[0]
     return isinstance(value, Mapping)
 
 
 def bare(key: str) -> str:
-    """A key as TOML writes it."""
+    """A key in TOML syntax."""
     plain = key.replace("-", "").replace("_", "")
     return key if plain.isascii() and plain.isalnum() else json.dumps(key)
 
 
 def literal(value: object) -> str:
-    """A plain value as TOML writes it."""
+    """A plain value in TOML syntax."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{bare(key)} = {literal(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, list | tuple):

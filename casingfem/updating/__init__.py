@@ -1,4 +1,4 @@
-"""Least-squares updating of a model against measured frequencies."""
+"""Least-squares updating of a model from measured frequencies."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""The address of a number of a shell, such as `support.base.k_face.p8.cos`: interpreted here, once.
+"""The address of a number of a shell, such as `support.base.k_face.p8.cos`, and its interpretation.
 
 material.E | nu | rho, shell.thickness, chart.<field>; radius.p8.cos, thickness.p2.sin, modulus.p4.cos, density.p2.sin
 (relative harmonics); strip.2.thickness, strip.2.material.E (the second strip; one without a material of its own follows
@@ -36,7 +36,7 @@ def address_of(shell: ShellParts | MeshStructure, name: str) -> numbers.Address:
     Raises
     ------
     InputError
-        If the structure has no such number; the nearest that it has is named.
+        If the structure has no such number; the message names the most similar one.
     """
     try:
         return mesh_address(shell, name) if not isinstance(shell, ShellParts) else shell_address(shell, name)
@@ -124,7 +124,7 @@ def of_mass(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
 
 
 def of_part(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
-    """shell.thickness, and the numbers of material, chart and taper; a law's with the number of a station."""
+    """shell.thickness, and the numbers of material, chart and taper, with the number of a station for laws."""
     parts_of = {"material": shell.material, "chart": shell.chart, "taper": shell.taper, "shell": shell}
     owners = {word: owner for word, owner in parts_of.items() if owner is not None}
     owner = owners.get(parts[0])
@@ -147,7 +147,7 @@ def of_part(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
 
 
 def place_in(word: str, count: int) -> int:
-    """A place counted from 1 to `count`; 0 where the word is none."""
+    """An index counted from 1 to `count`; 0 if the word is none."""
     return int(word) if word.isdecimal() and 1 <= int(word) <= count else 0
 
 

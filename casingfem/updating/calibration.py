@@ -1,16 +1,16 @@
-"""A reduced casing matched to its own baseline: the pairs measured before anything was loosened or added.
+"""A reduced casing matched to its own baseline: the pairs measured before bolts were loosened or masses added.
 
-Manufacture splits every pair and shifts it. Measured before, that is known: in the plane of a pair the modal stiffness
-is made what the table states,
+Manufacturing splits and shifts every pair. If this was measured before, the modal stiffness in the plane of a pair is
+set to the values of the table,
 
     diag(omega_1^2, omega_2^2) + D,   D = T diag(omega_1m^2, omega_2m^2) T^T - diag(omega_1^2, omega_2^2),
 
-T the turn that gives the lower member its measured antinode. A later change then acts on the casing as it was, to
-all orders, except that the couplings which manufacture makes between different n stay unknown.
+where the rotation T gives the lower member its measured antinode. A later change then acts on the casing as it was, to
+all orders, except for the unknown couplings between different n.
 
-Faults mix shapes: a mode that is half n = 5 and half n = 8 has one name in the test and may have the other in the
-model. Then rows go to modes by the least total of |log(f/f_m)|/0.05 + 1 - share, share the part of a mode's
-circumferential energy at the row's n: a wrong n costs as much as 5 % in frequency, half a wrong n half of that.
+Faults mix shapes: a mode that is half n = 5 and half n = 8 may have different labels in test and model. So rows are
+assigned to modes by the least total of |log(f/f_m)|/0.05 + 1 - share, with the share of a mode's circumferential energy
+at the row's n: a wrong n costs as much as 5 % in frequency.
 """
 
 from dataclasses import replace
@@ -47,9 +47,9 @@ def paired_baseline(model: AffineModel, baseline: FrequencyTable, *, reach: floa
 
 
 def calibrated(model: AffineModel, baseline: FrequencyTable, *, reach: float = 0.2) -> AffineModel:
-    """The model with the modes of a baseline table that pair with its own put in their place.
+    """The model with the measured modes of a baseline table in place of the modes with which they pair.
 
-    A measured doublet without an orientation, and a single row of a computed pair, move the mean alone.
+    A measured doublet without an orientation, and a single row of a computed pair, change only the mean.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def calibrated(model: AffineModel, baseline: FrequencyTable, *, reach: float = 0
 
 
 def correction(found: AffineModes, baseline: FrequencyTable, match: Match) -> tuple[list[int], FloatArray]:
-    """The modes of a match, its partner included, and the correction of their modal stiffness."""
+    """The modes of a match, including a partner, and the correction of their modal stiffness."""
     own = found.doublet_of(match.modes[0])
     modes = list(match.modes) if own < 0 else list(found.doublets[own])
     computed = found.omega[modes] ** 2
@@ -97,7 +97,7 @@ def turned_to(found: AffineModes, modes: list[int], n: int, angle: float) -> Flo
 
 
 def paired_by_shares(found: ModeSet, table: FrequencyTable, reach: float) -> tuple[list[Match], list[int]]:
-    """Matches in ascending order, doublets where both sides have them, and the rows without a mode within reach."""
+    """Matches in ascending order, with doublets if both sides have them, and the rows without a mode within reach."""
     assert found.rings is not None
     shares = found.rings.shares()
     known = (table.n >= 0) & (table.n < len(shares))

@@ -11,7 +11,7 @@ LARGE = 1.0  # a relative change above which the table gives a factor
 
 
 class PairedRows(NamedTuple):
-    """Arrays (rows,) of the paired rows; nan where no computed mode was paired before the fit.
+    """Arrays (rows,) of the paired rows; nan if no computed mode was paired before the fit.
 
     mode of the table, n (-1 for none), measured, before, after, sigma [Hz], confidence of the pairing.
     """
@@ -35,7 +35,7 @@ def changed(change: float) -> str:
 
 
 def units(structure: Any, names: Sequence[str]) -> list[str]:
-    """Units of parameters; of a harmonic that the structure does not have, by its last word."""
+    """Units of parameters; for a harmonic that the structure does not have, from the last word of its address."""
     known = named_numbers(structure)
     return [known.get(name) or unit_of(name) for name in names]
 

@@ -1,12 +1,12 @@
 """Track each mode from one step of an update to the next by its shape, not by its number.
 
-Modes of neighbouring structures are the same where their shapes span the same space: the modes that go with a row of
-the table are those with the largest share in the plane of the modes that went with it before,
+Modes of similar structures correspond if their shapes span the same space: the modes for a row of the table are those
+with the largest share in the plane of its previous modes,
 
     share of mode j in the plane of (a, b) = (phi_a^T M phi_j)^2 + (phi_b^T M phi_j)^2,
 
-doublets as planes, assigned all at once. A mode of which less than a third is found again is lost: half is what is
-left where two modes meet and mix.
+doublets as planes, assigned all at once. A mode with a share below a third is lost; where two modes mix, the share is a
+half.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,7 @@ LOST = 1.0 / 3.0
 
 
 class LostModeError(ValueError):
-    """A step was so long that a mode of the table cannot be found again; `rows` are its rows in the table."""
+    """A step was so long that a mode of the table was lost; `rows` are its rows in the table."""
 
     def __init__(self, rows: tuple[int, ...], share: float) -> None:
         super().__init__(f"rows {rows}: only {share:.2f} of their mode is found again")
@@ -92,7 +92,7 @@ def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, t
 
 
 def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
-    """The modes of a match; of half a doublet both, if the other half has no row of its own."""
+    """The modes of a match; for one member of a doublet both, if the other has no row of its own."""
     if len(match.modes) == 2:
         return match.modes
     whole = next((pair for pair in modes.doublets if match.modes[0] in pair), match.modes)
@@ -100,7 +100,7 @@ def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
 
 
 def moved(match: Match, modes: list[int], whole: bool, new: ModeSet, table: FrequencyTable) -> Match:
-    """A match with other modes; of half a doublet the member that its row represents, as in pairing."""
+    """A match with other modes; for one member of a doublet, the member that its row represents."""
     if whole:
         pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))
         modes = [member_of(pair, new, table, match.rows[0]) if len(pair) == 2 else pair[0]]

@@ -3,9 +3,9 @@
 With J the derivatives of the weighted residuals and D the width of each parameter before the test (its prior's sigma,
 else that of a number anywhere between its bounds, their distance over sqrt 12),
 
-    J D = U S V^T:   a singular value s shrinks the direction V to 1/sqrt(1 + s^2) of what it was.
+    J D = U S V^T:   a singular value s reduces the width along V to 1/sqrt(1 + s^2) of its prior value.
 
-Directions with s < 1 are the prior's or the bounds', not the data's.
+Directions with s < 1 are determined by the prior or the bounds, not by the data.
 """
 
 from collections.abc import Sequence
@@ -70,7 +70,7 @@ class Identifiability(Reported):
 
     @property
     def unseen(self) -> tuple[str, ...]:
-        """Parameters that the table narrows by less than a tenth."""
+        """Parameters whose uncertainty the table reduces by less than a tenth."""
         return tuple(name for name, left in zip(self.names, self.left, strict=True) if left > 0.9)
 
     def words(self, k: int) -> str:

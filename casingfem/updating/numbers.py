@@ -1,4 +1,4 @@
-"""The numbers that an update may vary: their kinds, each read from a structure and replaced in it; which there are.
+"""The numbers that an update may vary: their kinds, with functions to read and replace them, and a list.
 
 Of an imported part: material.E | nu | rho; shell.thickness; solid.material.<group>.E, shell.material.<group>.rho
 (groups of cells with a material of their own); shell.thicknesses.<group>; support.<group>.k_face.
@@ -34,7 +34,7 @@ NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law h
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """A number by the names of fields, keys and places that lead to it from the shell."""
+    """A number given by the fields, keys and indices that lead to it from the shell."""
 
     path: tuple[str | int, ...]
 
@@ -46,13 +46,13 @@ class Plain:
         return found
 
     def renewed(self, shell: Any, value: Any) -> Any:
-        """The structure with another number there."""
+        """The structure with this number replaced."""
         return put_in(shell, self.path, value)
 
 
 @dataclass(frozen=True, slots=True)
 class FieldHarmonic:
-    """A coefficient of an imperfection field, such as the radius: its cos or sin p theta, 0 where it has none."""
+    """A coefficient of an imperfection field, such as the radius: its cos or sin p theta, 0 if absent."""
 
     of: str
     p: int
@@ -63,7 +63,7 @@ class FieldHarmonic:
         return series(shell.defects.get(self.of)).coefficients(self.p)[self.part == "sin"]
 
     def renewed(self, shell: Any, value: Any) -> Any:
-        """The shell with another coefficient; a survey's field becomes its Fourier series."""
+        """The shell with this coefficient replaced; a survey's field becomes its Fourier series."""
         field = series(shell.defects.get(self.of)).with_harmonic(self.p, **{self.part: value})
         return Plain((f"{self.of}_defect",)).renewed(shell, field)
 
@@ -79,12 +79,12 @@ class SpringHarmonic:
 
     @property
     def each(self) -> tuple["SpringHarmonic", ...]:
-        """The same of every single spring that it moves."""
+        """The same number for every single spring that it changes."""
         names = ElasticEdge.stiffness_names if self.spring == SHARED else (self.spring,)
         return tuple(replace(self, spring=name) for name in names)
 
     def values(self, shell: Any) -> list[Any]:
-        """The coefficient of every spring that it moves."""
+        """The coefficient of every spring that it changes."""
         held: Any = shell.supports[self.edge]
         return [series(held.pattern(one.spring)).coefficients(self.p)[self.part == "sin"] for one in self.each]
 
@@ -106,18 +106,18 @@ class SpringHarmonic:
 
 @dataclass(frozen=True, slots=True)
 class HeldNumber:
-    """A number that bolts or a ring know by a path of their own."""
+    """A number inside bolts or a ring, by its own path."""
 
     edge: str
     path: tuple[str, ...]
 
     def value(self, shell: Any) -> Any:
-        """The number; KeyError where the support has none of this name."""
+        """The number; KeyError if the support has none of this name."""
         held: Any = shell.supports[self.edge]
         return held.number(self.path)
 
     def renewed(self, shell: Any, value: Any) -> Any:
-        """The shell with another number; KeyError where it cannot be changed."""
+        """The shell with this number replaced; KeyError if it cannot be changed."""
         held: Any = shell.supports[self.edge]
         return Plain(("supports", self.edge)).renewed(shell, held.with_number(self.path, value))
 
@@ -126,7 +126,7 @@ Address: TypeAlias = Plain | FieldHarmonic | SpringHarmonic | HeldNumber
 
 
 def series(field: Field | None) -> Any:
-    """The Fourier series behind a field, an empty one without a field; other objects unchanged."""
+    """The Fourier series behind a field, empty without a field; other objects unchanged."""
     return FourierField.of({}) if field is None else getattr(field, "fit", field)
 
 
@@ -146,7 +146,7 @@ Numbers = Iterator[tuple[str, str]]  # address, unit
 
 
 def named_numbers(structure: ShellParts | MeshStructure) -> dict[str, str]:
-    """The unit of every number that a structure has, by its address; harmonics are those that are there."""
+    """The unit of every number of a structure, by its address; only existing harmonics are listed."""
     if isinstance(structure, ShellParts):
         return dict(_of_shell(structure))
     return {name: unit_of(name) for name in mesh_numbers(structure)}

@@ -1,13 +1,15 @@
 """Find rows of a table that contradict all others: the mean-shift outlier model on the linearised fit.
 
-A wrong row r shifts the residuals along u_r, their derivative by what was measured there: a frequency, the split of a
-pair, its orientation. For a set S of shifts delta (Cook & Weisberg, Residuals and Influence in Regression, 1982, 2.2.2)
+A wrong row r shifts the residuals along u_r, their derivative with respect to the measured value: a frequency, the
+split of a pair, its orientation. For a set S of shifts delta (Cook & Weisberg, Residuals and Influence in Regression,
+1982, 2.2.2)
 
     chi^2(S) = min |r + J d + U_S delta|^2 = |P r|^2 - b^T (U_S^T P U_S)^-1 b,   b = U_S^T P r,   P = 1 - J J^+,
 
 with J and r including the priors. Sets grow one by one, each member exchanged for any other that fits better, so that
-wrong rows do not mask each other. The largest set counts whose every member is significant given the rest: Student's t
-of its shift, at LEVEL over the number of shifts tried, with the scatter of what is left, or the stated sigma if larger.
+wrong rows do not mask each other. The result is the largest set whose members are all significant given the rest:
+Student's t of its shift, at LEVEL over the number of tried shifts, with the remaining scatter, or the stated sigma if
+larger.
 """
 
 from collections.abc import Sequence
@@ -32,7 +34,7 @@ Kind = Literal["frequency", "split", "orientation"]
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """A possible error of a table: rows, the number that is wrong in them, and the change of the residuals."""
+    """A possible error of a table: rows, their wrong number, and the change of the residuals."""
 
     kind: Kind
     rows: tuple[int, ...]
@@ -51,7 +53,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outlier:
-    """Outlier rows that the update excluded: mode numbers, the wrong number in them, and its error.
+    """Outlier rows that the update excluded: mode numbers, their wrong number, and its error.
 
     `shift` is relative for frequencies and splits (of the frequency), in degrees for orientations; `deviation` is in
     standard deviations.
@@ -88,7 +90,7 @@ def named(found: Sequence[Found], table: FrequencyTable) -> tuple[Outlier, ...]:
 
 
 def shifts_of(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -> list[Shift]:
-    """Every shift that a pairing allows: each frequency, each doublet's split and, where measured, its orientation."""
+    """Every shift that a pairing allows: each frequency, each doublet's split and, if measured, its orientation."""
     base = values(modes, table, matches)
 
     def changed(rows: Sequence[int], steps: Sequence[float], name: str = "freq_hz") -> FloatArray:
@@ -112,7 +114,7 @@ def shifts_of(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -
 def step_without(
     found: Sequence[Found], shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
 ) -> FloatArray:
-    """The step of the parameters that fits all data without the outliers, linearised."""
+    """The step of the parameters that fits all data except the outliers, linearised."""
     changes = {(shift.kind, shift.rows): shift.change for shift in shifts}
     columns = [np.pad(c, (0, len(residual) - len(c))) for c in (changes[one.kind, one.rows] for one in found)]
     whole = np.column_stack([jacobian, *columns])
@@ -123,9 +125,9 @@ def step_without(
 
 
 def strongest(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray) -> Found:
-    """The one shift that lowers chi^2 most, significant or not; its deviation is in stated sigma.
+    """The single shift that lowers chi^2 most, significant or not; its deviation is in stated sigma.
 
-    Where the parameters swallow every shift, as those of as many residuals do, they are taken to stay as they are.
+    If the parameters can fit every shift, as with equally many residuals, they are kept constant.
     """
     left, r, usable = projected(shifts, residual, jacobian)
     if not usable:
@@ -138,7 +140,7 @@ def strongest(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArra
 def projected(
     shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
 ) -> tuple[FloatArray, FloatArray, Sequence[int]]:
-    """P U, P r, and the shifts that the fit does not swallow whole."""
+    """P U, P r, and the shifts that the parameters cannot fit completely."""
     u = np.stack([np.pad(s.change, (0, len(residual) - len(s.change))) for s in shifts], axis=1)
     left, values, _ = np.linalg.svd(jacobian, full_matrices=False)
     span = left[:, values > 1e-12 * max(values[0], 1e-300)]
@@ -148,7 +150,7 @@ def projected(
 
 
 def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray, rows: int) -> list[Found]:
-    """The largest set of significant shifts; empty where none is.
+    """The largest set of significant shifts; empty if there is none.
 
     `residual` and `jacobian` are those of the fit with the rows of its priors last; `rows` the table's.
     """
@@ -172,7 +174,7 @@ def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
 
 
 def grown(chosen: list[int], left: FloatArray, r: FloatArray, usable: Sequence[int]) -> list[int]:
-    """A set with one shift more, its members exchanged for others as long as that lowers chi^2."""
+    """A set with one more shift, its members exchanged for others as long as that lowers chi^2."""
     members = [*chosen, *beside(chosen, left, r, usable)]
     for _ in range(10):
         before = solved(left[:, members], r)[2]
@@ -185,7 +187,7 @@ def grown(chosen: list[int], left: FloatArray, r: FloatArray, usable: Sequence[i
 
 
 def beside(rest: list[int], left: FloatArray, r: FloatArray, usable: Sequence[int]) -> list[int]:
-    """The shift that lowers chi^2 most beside `rest`, by (P u_k . r)^2/|P u_k|^2; none if all are alike."""
+    """The shift that lowers chi^2 most in addition to `rest`, by (P u_k . r)^2/|P u_k|^2; None if all are dependent."""
     others = [int(k) for k in usable if k not in rest]
     span = np.linalg.qr(left[:, rest])[0]
     columns = left[:, others] - span @ (span.T @ left[:, others])
@@ -196,7 +198,10 @@ def beside(rest: list[int], left: FloatArray, r: FloatArray, usable: Sequence[in
 
 
 def solved(columns: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Shifts that fit best, their standard deviations at unit sigma, and the chi^2 left; infinite if they are alike."""
+    """Best-fitting shifts, their standard deviations at unit sigma, and the remaining chi^2.
+
+    Infinite if they are dependent.
+    """
     normal = columns.T @ columns
     scale = np.sqrt(np.diag(normal))
     alike = normal / np.outer(scale, scale)

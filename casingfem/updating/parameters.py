@@ -17,7 +17,7 @@ from contact.io.reported import Reported
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """One number an update may vary.
+    """A number that an update may vary.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Parameter:
     sigma
         Prior standard deviation about the start value; in decades for a log parameter; None for no prior.
     log
-        Vary the decimal logarithm; bounds and values stay as they are.
+        Vary the decimal logarithm; bounds and values are not logarithmic.
 
     >>> Parameter(name="material.E", lower=150e9, upper=250e9, sigma=10e9).lower
     150000000000.0
@@ -52,31 +52,31 @@ class Parameter:
             raise InputError(f"{self.name}: sigma must be positive, found {self.sigma!r}")
 
     def to_internal(self, value: Any) -> Any:
-        """Value -> the number the solver sees (log10 for a log parameter)."""
+        """The solver's variable of a value (log10 for a log parameter)."""
         return np.log10(value) if self.log else value
 
     def from_internal(self, x: Any) -> Any:
-        """The solver's number -> value."""
+        """The value of a solver's variable."""
         return 10.0**x if self.log else x
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class NamedNumbers(Reported):
-    """The numbers of a structure that may be varied: addresses, values now, units."""
+    """The numbers of a structure that may be varied: addresses, current values, units."""
 
     name: tuple[str, ...]
     value: tuple[float, ...]
     unit: tuple[str, ...]
 
     def columns(self) -> dict[str, tuple[Any, ...]]:
-        """One row a number."""
+        """One row for each number."""
         return {"name": self.name, "value": self.value, "unit": self.unit}
 
 
 def parameters(structure: Shell | MeshStructure) -> NamedNumbers:
     """Every number of a structure that `update` may vary, by the address that `Parameter` takes.
 
-    Harmonics of fields and springs are those that are there; others may be named too, and are 0 at the start.
+    Only existing harmonics of fields and springs are listed; others may also be named, and start at 0.
 
     >>> import casingfem as cf
     >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=3e-3,
@@ -97,12 +97,12 @@ def parameters(structure: Shell | MeshStructure) -> NamedNumbers:
 
 
 def check_parameters(shell: Shell | MeshStructure, vary: Sequence[Parameter]) -> None:
-    """Refuse parameters that address one number twice, start outside their bounds, or may leave the possible.
+    """Refuse parameters that repeat an address, start outside their bounds, or have impossible bounds.
 
     Raises
     ------
     InputError
-        Naming the parameter.
+        With the name of the parameter.
     """
     seen: dict[Address, str] = {}
     for parameter in vary:

@@ -1,4 +1,4 @@
-"""The least-squares problem of an update: residuals and Jacobian at solver variables, modes followed between them."""
+"""The least-squares problem of an update: residuals and Jacobian at solver variables, with tracked modes."""
 
 import time
 from collections import defaultdict
@@ -41,7 +41,7 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Given:
-    """Inputs of a problem, frozen: a result keeps them, to set up the problem again after the fit.
+    """Inputs of a problem, frozen; a result keeps them to set up the problem again after the fit.
 
     `prior` and `exact` are those with which the fit ended, the others are as in `Problem`.
     """
@@ -65,7 +65,7 @@ class Given:
         return np.concatenate([values, away]), np.vstack([jacobian, np.diag(self.prior)[held]])
 
     def problem(self) -> "Problem":
-        """A problem that knows no point yet."""
+        """A problem without evaluated points."""
         made = Problem(self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact)
         made.prior = self.prior
         return made
@@ -73,12 +73,12 @@ class Given:
 
 @dataclass(eq=False)
 class Problem:
-    """Residuals and Jacobian as least_squares wants them.
+    """Residuals and Jacobian in the form for least_squares.
 
-    The last point evaluated is kept, for the Jacobian follows the residual. `anchor` is the last point whose Jacobian
-    was asked for, one that the solver has accepted: modes are followed and restarted from there. `prior` are one over
-    the standard deviations that regularise parameters towards the start, 0 for none. `exact` solves every point from
-    nothing.
+    The last evaluated point is kept, since the Jacobian is needed after the residual. `anchor` is the last point with a
+    Jacobian, which the solver has accepted; modes are tracked and restarted from there. `prior` is one over the
+    standard deviations of the regularisation towards the start, 0 for none. With `exact` every point is solved without
+    a restart.
     """
 
     shell: Shell | MeshStructure
@@ -115,7 +115,7 @@ class Problem:
         )  # fmt: skip
 
     def structure(self, x: FloatArray) -> Shell | MeshStructure:
-        """The shell at solver variables x, checked when all of it is there; as given at the start."""
+        """The shell at solver variables x, fully checked; unchanged at the start."""
         if np.array_equal(x, self.start):
             return self.shell
         bare = remade(ShellParts, self.shell) if isinstance(self.shell, Shell) else self.shell
@@ -129,7 +129,7 @@ class Problem:
         Raises
         ------
         LostModeError
-            If a mode that has a row cannot be followed there.
+            If a mode with a row cannot be tracked to that point.
         """
         key = np.asarray(x, dtype=float).tobytes()
         if self._state is None or key != self._key:
@@ -143,7 +143,7 @@ class Problem:
         return self._state
 
     def paired_anew(self, x: FloatArray) -> State:
-        """The point x with its rows paired anew, by label and frequency: where modes are followed from now on."""
+        """The point x with new pairing by label and frequency, from which modes are tracked from now on."""
         state = self.state(x)
         self.anchor = None
         fresh = self._make(state.modes, state.solution, self._pairing(state.modes))
@@ -152,7 +152,7 @@ class Problem:
         return fresh
 
     def solve_afresh(self) -> None:
-        """Solve every point from nothing from now on."""
+        """Solve every point without a restart from now on."""
         self.exact, self.anchor, self._state = True, None, None
 
     def counted(self, x: FloatArray) -> State | None:
@@ -173,7 +173,7 @@ class Problem:
         return np.vstack([self.data_jacobian(x), np.diag(self.prior)[self.prior > 0.0]])
 
     def data_jacobian(self, x: FloatArray) -> FloatArray:
-        """Derivatives of the data's residuals; x becomes the point that modes are followed from."""
+        """Derivatives of the data's residuals; modes are tracked from x from now on."""
         state = self.state(x)
         self.anchor = state
         if self._jacobian is None:
@@ -195,10 +195,9 @@ class Problem:
         return self._rates[2]
 
     def _evaluated(self, shell: Shell | MeshStructure) -> State:
-        """A structure's modes, followed from the anchor: among half as many again if one is not found at first.
+        """A structure's modes, tracked from the anchor; with half as many more modes if one is not found at first.
 
-        Where rows paired anew, in the same groups, fit better, these are taken: a label settles what two modes that
-        have met and mixed on the way would leave to chance.
+        If new pairing in the same groups fits better, it is used: labels decide if two modes have mixed.
         """
         found, solution = self._solve(shell, self.count)
         fresh = self._make(found, solution, self._pairing(found))
@@ -242,7 +241,7 @@ class Problem:
         return found, solution
 
     def _pairing(self, found: Modes | MeshModes) -> Pairing:
-        """The rows as they pair by label and frequency."""
+        """The pairing of the rows by label and frequency."""
         started = time.perf_counter()
         alike = self.shapes.mac(found) if self.shapes is not None and isinstance(found, Modes) else None
         pairing = pair(found, self.table, reach=self.reach, shape_mac=alike)
@@ -259,5 +258,5 @@ class Problem:
         return State(found.structure, found, solution, pairing, residual)
 
     def adopt(self, x: FloatArray, state: State) -> None:
-        """Take a point as evaluated."""
+        """Set a point as the evaluated one."""
         self._key, self._state, self._jacobian = np.asarray(x, dtype=float).tobytes(), state, None

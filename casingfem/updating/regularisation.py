@@ -2,10 +2,9 @@
 
     min |r(x)|^2 + w^2 |(x - x0)/D|^2 over the parameters that are regularised, D their widths
 
-- discrepancy (Morozov): the largest w at which the residuals still are as large as their own noise, |r|^2 = m; right
-  where the table's sigma are. Where the model misfits by more for any w, there is none, and the L-curve chooses.
-- l-curve (Hansen, SIAM Review 34, 1992, 561): the corner, the largest curvature of log |r| against log |(x - x0)/D|;
-  it does not need the sigma.
+- discrepancy (Morozov): the largest w at which the residuals are as large as their noise, |r|^2 = m; correct if the
+table's sigma are. If the misfit is larger for every w, the L-curve is used. - l-curve (Hansen, SIAM Review 34, 1992,
+561): the corner, the largest curvature of log |r| against log |(x - x0)/D|; it does not need the sigma.
 
 Both examine the problem linearised at the last solution; the update is solved again until w does not change.
 """
@@ -35,12 +34,12 @@ class Regularisation:
     rule
         "discrepancy" or "l-curve".
     names
-        The parameters; all harmonics of fields and springs if left out.
+        The parameters; by default all harmonics of fields and springs.
 
     Raises
     ------
     InputError
-        Another rule.
+        The rule is unknown.
 
     >>> Regularisation(rule="l-curve").names
     ()
@@ -59,7 +58,7 @@ class Regularisation:
         Raises
         ------
         InputError
-            A name that is not varied; nothing to regularise.
+            A name is not varied, or there is nothing to regularise.
         """
         known = [p.name for p in vary]
         for name in self.names:
@@ -78,7 +77,7 @@ def is_harmonic(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Regularised:
-    """The weight that was chosen and by which rule; `curve` has w, |r|, |(x - x0)/D| of the last linearisation."""
+    """The chosen weight and its rule; `curve` has w, |r|, |(x - x0)/D| of the last linearisation."""
 
     rule: Rule
     weight: float

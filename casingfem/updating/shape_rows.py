@@ -91,7 +91,9 @@ def refuse_doubtful(apart: FloatArray, rows: IntArray, measured: MeasuredShapes,
                 modes = f"{table.mode[first]} and {table.mode[last]} of {table.path}"
                 where = f"{table.freq_hz[first]:.6g} and {table.freq_hz[last]:.6g} Hz"
                 found = f"the shape at {measured.freq_hz[shape]:.6g} Hz near modes {modes}, {where}"
-                raise measured.error(found, "shapes that belong to one row: their n, or the table of the same test")
+                raise measured.error(
+                    found, "shapes that belong to one row: state their n, or use the table of the same test"
+                )
         for other in np.flatnonzero(np.isfinite(apart[:, row]) & (rows < 0)).tolist():
             if apart[other, row] < SURE * own + EXACT:
                 both = " and ".join(f"{measured.freq_hz[k]:.6g}" for k in sorted((shape, other))) + " Hz"

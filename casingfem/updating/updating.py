@@ -140,7 +140,7 @@ def update(
             require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None))
             require_few(table, count)
     if shapes is not None and (columns := shapes.shapes.shape[1]) != len(table):
-        raise InputError(f"shapes: found {columns} columns, expected {len(table)}, one a row of the table")
+        raise InputError(f"shapes: found {columns} columns, expected {len(table)}, one for each row of the table")
     if outliers not in ("set-aside", "keep"):
         raise InputError(f'outliers: found {outliers!r}, expected "set-aside" or "keep"')
     progress = progress or notebook_progress("update", "{} evaluations, rms {:.3g} sigma".format)

@@ -156,7 +156,8 @@ def orbit(
         if iterations > NEWTON:
             raise NumericsError(
                 f"{family.name} = {value:.8g}: no orbit of period {periods} after {NEWTON} Newton steps; the last is "
-                f"{size / np.linalg.norm(x):.2g} of the state: begin elsewhere, or with another number of periods"
+                f"{size / np.linalg.norm(x):.2g} of the state: start from "
+                "another state, or with another number of periods"
             )
         x, found = _nearer(map_, x, found, change)
 

@@ -269,7 +269,7 @@ class RotorFile(SceneFile):
             raise ValueError("rotor.limit found beside [casing], expected none: the casing's radius limits it")
         if not self.shaft and (self.disk or self.bearing or self.unbalance.at is not None):
             found = "[[disk]]" if self.disk else "[[bearing]]" if self.bearing else "unbalance.at"
-            raise ValueError(f"{found} found without [[shaft]], expected pieces of a shaft beside it")
+            raise ValueError(f"{found} found without [[shaft]], expected also [[shaft]]")
         return self
 
     @model_validator(mode="after")

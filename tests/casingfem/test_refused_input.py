@@ -88,7 +88,7 @@ REFUSED = {
     "no support": (lambda: replace(PLATE, supports={"root": 3.0}), "support.root: expected"),
     "a place off the surface": (
         lambda: cf.solve_static(PLATE, [cf.loads.Pressure(pressure=1e3)]).at(0.5, 0.0),
-        "at: found [0.5], off the surface; expected 0 to 0.2",
+        "at: found [0.5], outside the surface; expected 0 to 0.2",
     ),
     "a seed below 0": (
         lambda: cf.field.RandomField(spectrum=cf.field.Spectrum.between({2: 0.01}, {2: 0.02}), seed=-1),

@@ -70,7 +70,7 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
     better = clear_rate(tones, n, rate, seconds, fs, runout)
     help_ = f"turn at {better:.4g} turns/s" if better else "excite fewer tones at a time, or search for fewer orders"
     raise InputError(
-        f"lines fall together: {one} and {other} are {gap:.3g} Hz apart at {freq[low]:.3f} Hz, "
+        f"lines cannot be separated: {one} and {other} are {gap:.3g} Hz apart at {freq[low]:.3f} Hz, "
         f"a record of {seconds:g} s resolves {RESOLVED / seconds:.3g} Hz: {help_}"
     )
 

@@ -74,7 +74,7 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     ([99.5, 100.5], [0.0, 30.0])
     """
     if n < 1 or n not in scan.n:
-        raise InputError(f"order n = {n}: expected one of the orders fitted, 1 or more")
+        raise InputError(f"order n = {n}: expected one of the fitted orders, 1 or more")
     if len(scan.tones) < TONES:
         raise InputError(f"the pair n = {n}: found {len(scan.tones)} tones, expected {TONES} or more across it")
     up, down = (int(np.flatnonzero(scan.n == k)[0]) for k in (n, -n))

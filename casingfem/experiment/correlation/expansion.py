@@ -95,7 +95,9 @@ def expand(
     basis = at_sensors[:, chosen]
     U, sizes, turn = np.linalg.svd(basis, full_matrices=False)
     if sizes[-1] < 1e-8 * sizes[0]:
-        raise ModelError("expansion-modes", f"expand: {len(chosen)} modes are alike on {channels} channels")
+        raise ModelError(
+            "expansion-modes", f"expand: {len(chosen)} modes cannot be distinguished on {channels} channels"
+        )
     smoothed = U @ (U.T @ measured)
     lengths = np.linalg.norm(measured, axis=0)
     return Expansion(

@@ -80,7 +80,7 @@ class MeasuredShapes:
             raise self.error(found, f"a sigma above 0, or nan, and an n, or -1, for each of {modes} modes")
         if self.values.shape != (channels, modes) or not channels or not modes:
             found = f"values {self.values.shape} of {modes} modes and {channels} channels"
-            raise self.error(found, "values (channels, modes), one of each at least")
+            raise self.error(found, "values of shape (channels, modes), with at least one channel and one mode")
         if self.points.shape != (channels, 3) or self.directions.shape != (channels, 3):
             found = f"points {self.points.shape} and directions {self.directions.shape}"
             raise self.error(found, f"three numbers for each of {channels} channels")

@@ -89,7 +89,7 @@ class FrfSet:
             raise InputError(self.path, found=found, expected=expected)
         spoilt = np.isinf(self.responses) if self.kind != "time" else ~np.isfinite(self.responses)
         if not np.isfinite(self.x).all() or spoilt.any():
-            raise InputError(self.path, found=self._spoilt(spoilt), expected="finite numbers, or nan for a missing one")
+            raise InputError(self.path, found=self._spoilt(spoilt), expected="finite numbers, or nan for missing ones")
         if np.any(np.diff(self.x) <= 0.0):
             index = int(np.argmax(np.diff(self.x) <= 0.0))
             found = f"{self.x[index + 1]:g} after {self.x[index]:g}"

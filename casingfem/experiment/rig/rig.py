@@ -91,7 +91,9 @@ class Rig:
                 found = f"shape {array.shape}" if array.shape != shape else "nan or infinity"
                 raise InputError(f"{name}: found {found}, expected finite numbers of shape {shape}")
         if modes == 0 or self.omega.min() <= 0.0 or np.any(np.diff(self.omega) < 0.0):
-            raise InputError("omega: expected at least one frequency, all above 0 (a body that is fixed), ascending")
+            raise InputError(
+                "omega: expected at least one frequency, all above 0 (the body must be supported) and ascending"
+            )
         if self.zeta.min() < LEAST_ZETA or self.zeta.max() >= 1.0:
             found = self.zeta[(self.zeta < LEAST_ZETA) | (self.zeta >= 1.0)][0]
             expected = f"damping ratios from {LEAST_ZETA:g} to below 1, not per cent"
@@ -236,7 +238,7 @@ class Converter:
         if not BITS[0] <= self.bits <= BITS[1]:
             raise InputError(f"bits: found {self.bits!r}, expected {BITS[0]} to {BITS[1]}")
         if not (np.isfinite(self.full_scale) and self.full_scale > 0.0):
-            raise InputError(f"full_scale: found {self.full_scale!r}, expected the largest value the converter takes")
+            raise InputError(f"full_scale: found {self.full_scale!r}, expected the largest value of the converter")
 
     @property
     def lsb(self) -> float:

@@ -33,7 +33,7 @@ def check_chart(chart: Chart) -> None:
     area = np.linalg.norm(np.cross(surface.x1, surface.x2, axis=0), axis=0)
     if area.min() <= FLAT * max(float(area.max()), np.finfo(float).tiny):
         where = int(area.argmin())
-        raise ModelError("chart-fold", f"the chart's tangents span no plane at ({a[where]:.4g}, {b[where]:.4g})")
+        raise ModelError("chart-fold", f"the chart's tangents are parallel or zero at ({a[where]:.4g}, {b[where]:.4g})")
     check_derivatives(chart, surface, (a, b), np.array([a1 - a0, b1 - b0]))
     if chart.periodic:
         if abs(b1 - b0 - 2.0 * np.pi) > TURN * 2.0 * np.pi:
@@ -42,7 +42,7 @@ def check_chart(chart: Chart) -> None:
         ends = [real(chart.surface(a, 0.0 * a + b, None)).x for b in (b0, b1)]
         gap = float(np.linalg.norm(ends[1] - ends[0], axis=0).max())
         if gap > FLAT * float(np.linalg.norm(np.ptp(surface.x, axis=1))):
-            raise ModelError("chart-open-seam", f"the chart is declared periodic, its ends lie {gap:.3g} m apart")
+            raise ModelError("chart-open-seam", f"the chart is declared periodic, but its ends are {gap:.3g} m apart")
     if is_axisymmetric(chart):
         check_axisymmetry(chart, surface, (a, b))
 

@@ -160,7 +160,7 @@ def unjoined(start: Point, pieces: Sequence[Piece]) -> list[Bend]:
         chord = np.array(piece.to, dtype=float) - here
         size, phi = float(np.linalg.norm(chord)), float(np.arctan2(chord[1], chord[0]))
         if not (np.isfinite(size) and size > 0.0):
-            raise ModelError("meridian-pieces", f"chart.piece[{number}]: found no way on from {here.tolist()} m")
+            raise ModelError("meridian-pieces", f"chart.piece[{number}]: found no length from {here.tolist()} m")
         if piece.radius is None:
             bends.append(Bend(here, phi, 0.0, size))
         elif not abs(piece.radius) > 0.5 * size:

@@ -40,7 +40,7 @@ def place_jets(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, Floa
     for parameter, line in zip(place, lines, strict=True):
         slack = 1e-9 * (line[-1] - line[0])
         if parameter.min() < line[0] - slack or parameter.max() > line[-1] + slack:
-            raise ValueError(f"at: found {parameter}, off the surface; expected {line[0]:g} to {line[-1]:g}")
+            raise ValueError(f"at: found {parameter}, outside the surface; expected {line[0]:g} to {line[-1]:g}")
     cells = [
         np.clip(np.searchsorted(line, p, side="right") - 1, 0, len(line) - 2)
         for p, line in zip(place, lines, strict=True)

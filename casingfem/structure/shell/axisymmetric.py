@@ -1,9 +1,8 @@
-"""A perfect casing, one small problem per number of nodal diameters.
+"""Stiffness and mass of a perfect casing, one small problem for each number of nodal diameters.
 
-With u = u^(z) e^(i n theta) in cylindrical components, the same strain slots as the two-dimensional shell
-give, at theta = 0, strain = (L0 + L1 d_z + L2 (i n + e_z x)) u^. Multiplying the hoop displacement and the
-hoop rotation by i makes stiffness and mass real: the reference of the two-dimensional shell, and the fast
-path where nothing varies around.
+With u = u^(z) e^(i n theta) in cylindrical components, the same strain slots as the two-dimensional shell give, at
+theta = 0, strain = (L0 + L1 d_z + L2 (i n + e_z x)) u^. Multiplying the hoop displacement and the hoop rotation by i
+makes stiffness and mass real: a reference for the two-dimensional shell, and the fast method if nothing varies around.
 """
 
 from dataclasses import dataclass
@@ -30,7 +29,7 @@ SPIN[1, 0], SPIN[0, 1] = 1.0, -1.0
 
 
 class Wall(NamedTuple):
-    """Strains of each element's dofs at its points, (elements, points, 8, dofs), complex, with section and dofs.
+    """Strains of the dofs of each element at its points, (elements, points, 8, dofs), complex, with section and dofs.
 
     `section` is the section stiffness times the weight of a point, (8, 8, elements, points); `dofs` (elements, dofs).
     """
@@ -55,11 +54,12 @@ class Wall(NamedTuple):
 class Meridian:
     """Matrices of one harmonic on the free dofs of a meridian.
 
-    K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
-    5 * nodes and the rings' own after them; `z` contains the nodes; `frames` (nodes, 5, 5) the motions of each node by
-    its dofs, as of a `System`; the free dofs are change @ those of K and mass, (free, free), where rings or masses
-    couple M (else None); `own` counts the rings' turns about the normal, one a ring in the order of `Shell.rings`. K is
-    the sum of `wall` and `edges`, the stiffness of springs and rings on all dofs, in cylindrical axes.
+    K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among 5 * nodes
+    and the rings' own after them; `z` contains the nodes; `frames` (nodes, 5, 5) the motions of each node by its dofs,
+    as in `System`; the free dofs are change @ those of K and mass, (free, free), where rings or masses couple M (else
+    None); `own` is the number of the rings' rotations about the normal, one for each ring in the order of
+    `Shell.rings`. K is the sum of `wall` and `edges`, the stiffness of springs and rings on all dofs, in cylindrical
+    axes.
     """
 
     n: int
@@ -82,11 +82,14 @@ class Meridian:
         return np.asarray(np.matmul(self.frames, fields))
 
     def expand_own(self, vectors: FloatArray) -> FloatArray:
-        """Free dofs (free, modes) -> turns about the normal at the rings, (own, modes), in quadrature like u_theta."""
+        """Rotations about the normal at the rings, (own, modes), from free dofs (free, modes)."""
         return self._spread(vectors)[len(self.z) * DOFS :]
 
     def energies(self, vectors: FloatArray) -> FloatArray:
-        """Phi^T K Phi of free dofs (free, modes) from strains: to round-off of itself, not of the largest in K."""
+        """Phi^T K Phi for free dofs (free, modes) from strains.
+
+        Exact to round-off relative to itself, not to the largest in K.
+        """
         fields = self.expand(vectors)
         motions = np.vstack([fields.reshape(-1, fields.shape[2]), self.expand_own(vectors)])
         return np.asarray(self.wall.energies(motions) + motions.T @ self.edges @ motions)
@@ -99,7 +102,10 @@ class Meridian:
         return np.asarray(felt if self.change is None else self.change.T @ felt)
 
     def collect(self, fields: FloatArray, own: FloatArray) -> FloatArray:
-        """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
+        """Free dofs (free, columns) from motions (nodes, 5, columns) and (own, columns).
+
+        The inverse of `expand`, `expand_own`.
+        """
         turned = np.linalg.solve(self.frames, fields).reshape(len(self.z) * DOFS, -1)
         motions = np.vstack([turned, own])[self.free]
         return np.asarray(motions if self.change is None else splu(self.change).solve(motions))

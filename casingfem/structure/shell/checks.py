@@ -1,4 +1,4 @@
-"""Checks of the parts of a shell: parts that exclude each other, fields that its mesh cannot resolve."""
+"""Checks of the parts of a shell: incompatible parts, and fields that its mesh cannot resolve."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bo
 
 
 def check_parts(shell: ShellParts) -> None:
-    """Refuse parts that exclude each other; these checks need no mesh."""
+    """Refuse incompatible parts; these checks need no mesh."""
     require_positive("shell", "shell-thickness", thickness=shell.thickness)
     if shell.shear_correction is not None:
         require_positive("shell", "shear-correction", shear_correction=shell.shear_correction)
@@ -105,7 +105,7 @@ def check_on_mesh(shell: ShellParts) -> None:
 
 
 def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
-    """Warn where bolts on a mesh that does not follow them split pairs that equal bolts keep whole."""
+    """Warn if the mesh does not follow the bolts, so that it splits pairs that equal bolts do not split."""
     if shell.mesh.around == following(shell.mesh.around, bolts.count):
         return
     wall, steel = shell.thickness, shell.material
@@ -120,7 +120,7 @@ def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
 
 
 def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
-    """Refuse springs that their patterns make negative."""
+    """Refuse springs whose pattern makes them negative."""
     held, end = shell.chart.edges[edge]
     points = max(361, *(2 * field_samples(field) + 1 for field in support.patterns.values()))
     ends = [np.linspace(*span, points) for span in shell.chart.bounds]
@@ -133,7 +133,7 @@ def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
 
 
 def check_field(shell: ShellParts, name: str, defect: Field) -> None:
-    """Refuse a field that is not finite, is as large as the quantity it varies, or is finer than the mesh."""
+    """Refuse a field that is not finite, is as large as the varied quantity, or is finer than the mesh."""
     counts = (9, max(361, 2 * field_samples(defect) + 1))
     a, b = (np.linspace(*ends, count) for ends, count in zip(shell.chart.bounds, counts, strict=True))
     values = np.real(defect.derivatives(a[:, None], b[None, :]).value)

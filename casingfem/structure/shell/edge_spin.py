@@ -5,14 +5,15 @@ centre line x, tangent t, displacement u and rotation vector phi its strains to 
 
     Gamma = u' - phi x t - phi x u' + phi x (phi x t)/2,   kappa = phi' - phi x phi'/2,
 
-and a point of its section or the end of an arm r moves by u + phi x r + phi x (phi x r)/2. The shell's node has the
-tangential motion w of its director and the turn o about its normal: phi = n x w + o n + o w/2 to second order, which
-turns the normal exactly by w. As for the shell (`prestress`), of the static answer u1 to the centrifugal forces
+and a point of its section or the end of an arm r is displaced by u + phi x r + phi x (phi x r)/2. The shell's node has
+the tangential motion w of its director and the rotation o about its normal: phi = n x w + o n + o w/2 to second order,
+which changes the normal exactly by w. As for the shell (`prestress`), with the static response u1 to the centrifugal
+forces
 
     v K_sigma v = int (n, m).Q(v, v) - f.Y(v, v),   v K_u v = 2 int E(v).D.Q(u1, v),   v K2 v = int Q(u1, v).D.Q(u1, v),
 
-n, m the forces and moments of u1 in the beam, D its section stiffness, Q/2 and Y/2 the quadratic strains and motions, f
-what the centrifugal force leaves of the inner forces at the nodes of the centre line. Masses add softening and Coriolis
+with the forces n and moments m of u1 in the beam, its section stiffness D, the quadratic strains Q/2 and motions Y/2,
+and the difference f of centrifugal and inner forces at the nodes of the centre line. Masses add softening and Coriolis
 forces, those of sections by their second moments. Springs under a ring are linear.
 """
 
@@ -58,7 +59,7 @@ class EdgeSpin:
 
     @cached_property
     def masses(self) -> list[EdgeForm]:
-        """The masses, as forms of the displacements of their places."""
+        """The masses, as forms on the displacements at their positions."""
         return mass_forms(self.system.shell, self.system.grid)
 
     @property
@@ -124,7 +125,7 @@ def on_unknowns(system: System, A: csc_array) -> csc_array:
 
 
 class TurningRing:
-    """One ring with its nodes, its beam, and its terms of rotation. Motions of a node are (u, w_1, w_2, o)."""
+    """One ring with its nodes, its beam, and its terms of rotation; motions of a node are (u, w_1, w_2, o)."""
 
     def __init__(self, system: System, rotation: Rotation, name: str, ring: Ring, own: IntArray) -> None:
         shell, grid = system.shell, system.grid

@@ -1,6 +1,6 @@
 """Springs, masses and rings on the edges of a shell, as quadratic forms over its dofs.
 
-A ring has stiffness, mass and a support over the shell's dofs and one more a node.
+A ring has stiffness, mass and a support over the shell's dofs and one more dof at each node.
 """
 
 from typing import NamedTuple
@@ -42,7 +42,7 @@ def outward(shell: ShellParts, name: str) -> int:
 
 
 def ties(shell: ShellParts, a: Array, b: Array, place: Array) -> tuple[Array, Array, Array]:
-    """At an edge's nodes: motions at a (radial, axial) place from the edge (q, 6, 6), its points and radial axes."""
+    """At an edge's nodes: motions at a (radial, axial) position from the edge (q, 6, 6), its points and radial axes."""
     surface = shell.geometry(a, b).surface
     basis = frame(surface)
     radial, _, axial = shell.chart.directions(a, b)
@@ -56,7 +56,7 @@ def node_dofs(grid: Grid, name: str, own: IntArray) -> IntArray:
 
 
 def ring_forms(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArray) -> tuple[EdgeForm, EdgeForm]:
-    """Stiffness and mass of a ring; `own` numbers its turns about the normal, one a node."""
+    """Stiffness and mass of a ring; `own` numbers its rotations about the normal, one for each node."""
     edge = grid.edges[name]
     a, b = grid.nodes[:, edge.nodes]
     G, points, towards = ties(shell, a, b, ring.centre(outward(shell, name)))
@@ -84,14 +84,14 @@ def support_form(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntA
 
 
 def on_ring(line: EdgeLine, ring: Ring) -> EdgeLine:
-    """The edge as the ring's support sees it: as wide as the section."""
+    """The edge for the ring's support: as wide as the section."""
     return line._replace(nodal=line.nodal._replace(thickness=ring.section.width + 0.0 * line.nodal.thickness))
 
 
 def support_stiffness(springs: PointSprings, radial: Array) -> Array:
     """Springs on (u, phi) at a foot, (q, 6, 6): rotational ones about the hoop and axial directions.
 
-    A line of face does not oppose a turn about the radial axis except by its length, which u already feels.
+    A narrow face resists rotation about the radial axis only through its length, which u already includes.
     """
     D = np.zeros((len(radial), MOTIONS, MOTIONS), dtype=np.result_type(springs.blocks, springs.rotation))
     D[:, :3, :3] = springs.blocks
@@ -129,7 +129,7 @@ class EdgeForms(NamedTuple):
 
 
 def edge_line(shell: ShellParts, grid: Grid, name: str) -> EdgeLine:
-    """An edge of a shell, as its supports see it."""
+    """An edge of a shell in the form for its supports."""
     edge = grid.edges[name]
     nodes = edge.nodes[edge.parts]
     a, b = grid.nodes[:, nodes]
@@ -159,7 +159,7 @@ def line_frame(shell: ShellParts, along: int, a: Array, b: Array, inside: Array 
 
 
 def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
-    """Stiffness and mass of all that is on the edges, fixed dofs included."""
+    """Stiffness and mass of everything on the edges, including fixed dofs."""
     own = own_dofs(shell, grid)
     rings = [ring_forms(shell, grid, name, ring, own[name]) for name, ring in shell.rings.items()]
     stiffness = [beam for beam, _ in rings] + holding_forms(shell, grid)
@@ -168,7 +168,7 @@ def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
 
 
 def holding_forms(shell: ShellParts, grid: Grid) -> list[EdgeForm]:
-    """The springs that support the edges from outside, those under rings included."""
+    """The springs that support the edges from outside, including those under rings."""
     own = own_dofs(shell, grid)
     forms = []
     for name, support in shell.supports.items():

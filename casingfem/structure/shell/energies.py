@@ -1,9 +1,9 @@
 """Strain and kinetic energies of motions: Phi^T K Phi and Phi^T M Phi without assembling a matrix.
 
 They are sums of squares over quadrature points and nodes. A frequency from them, omega^2 = phi^T K phi/phi^T M phi, is
-right to round-off of itself, where one from assembled matrices is right to round-off of the largest: the doublets of
-a perfect casing agree to 2e-15 instead of 1e-11 (instead of 1e-8 at R/t 10,000). And they are analytic in every
-parameter of the shell: complex steps pass through.
+exact to round-off relative to itself, while one from assembled matrices is exact relative to the largest: the doublets
+of a perfect casing agree to 2e-15 instead of 1e-11 (instead of 1e-8 at R/t 10,000). They are analytic in every
+parameter of the shell, so complex steps work.
 """
 
 from dataclasses import dataclass
@@ -37,8 +37,8 @@ class PointFields:
     """Modes at the quadrature points and nodes, common to all parameters.
 
     `own` are the motions of the rings' own dofs, (own, modes). `jets` contains U, d_1 U, d_2 U: (elements, points, 3 *
-    5, modes); `strain`, `curvature`, `jacobian` belong to the shell the modes were computed on and serve every
-    parameter that leaves the surface alone.
+    5, modes); `strain`, `curvature`, `jacobian` belong to the shell of the modes and are valid for every parameter that
+    does not change the surface.
     """
 
     shell: ShellParts
@@ -88,10 +88,10 @@ def point_stiffness(shell: ShellParts, at: PointFields) -> Array:
 
 
 def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
-    """The imaginary parts of `modal_products` for a shell one tiny complex step away from that of `at`.
+    """The imaginary parts of `modal_products` for a shell that differs by one tiny complex step from that of `at`.
 
-    In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
-    out where only what is on its edges has changed.
+    In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is omitted
+    if only parts on its edges have changed.
     """
     moved = on_surface(shell, at)
     modes = at.fields.shape[2]
@@ -114,7 +114,10 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
 
 
 def on_surface(shell: ShellParts, at: PointFields) -> PointFields:
-    """The modes on another surface, near that of their shell; fixed directions of an edge's own frame turn with it."""
+    """The modes on another surface close to that of their shell.
+
+    Fixed directions of an edge's own frame change with it.
+    """
     if shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect:
         return at
     stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself

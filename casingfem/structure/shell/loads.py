@@ -1,7 +1,7 @@
 """Loads on a shell, as work-conjugate nodal forces (three forces, two moments of the normal).
 
-Each load is a value with `nodal(shell, grid) -> (nodes, 5)`; a load of a user's own only has to have that method.
-Forces are in Cartesian axes and keep their direction; a pressure acts along the surface normal a1 x a2.
+Each load is a value with `nodal(shell, grid) -> (nodes, 5)`; a load of your own only needs that method.
+Forces are in Cartesian axes with constant direction; a pressure acts along the surface normal a1 x a2.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Load(Protocol):
 
 
 def node_surface(shell: Shell, grid: Grid) -> FloatArray:
-    """Surface area that the Lobatto rule gives each node, (nodes,) [m^2].
+    """Surface area of each node by the Lobatto rule, (nodes,) [m^2].
 
     >>> from casingfem.structure.geometry.chart import Plate
     >>> from casingfem.structure.material import Material
@@ -103,7 +103,7 @@ class Gravity:
     Raises
     ------
     ModelError
-        `load-ring` where the shell has rings or point masses: their weight is not among the loads.
+        `load-ring` if the shell has rings or point masses, whose weight is not modelled.
 
     >>> Gravity().acceleration
     (0.0, 0.0, -9.80665)
@@ -146,9 +146,10 @@ class EdgeLoad:
 class PointLoad:
     """A force [N], Cartesian, at the parameters `at` = (a, b) of the chart.
 
-    On a shear shell the displacement under a point force has no limit: it grows as F/(2 pi kappa G t) ln(1/h) with the
-    node distance h, as every plate with transverse shear does. Published values under point forces belong to
-    thin-shell theory (a large `shear_correction` gives it) or to the mesh they name. Elsewhere it converges.
+    On a shear-deformable shell the displacement under a point force has no limit: it grows as F/(2 pi kappa G t)
+    ln(1/h) with the node distance h, as every plate with transverse shear does. Published values under point forces
+    belong to thin-shell theory (a large `shear_correction` gives it) or to a particular mesh. Elsewhere the
+    displacement converges.
 
     >>> PointLoad(at=(0.1, 0.0), force=(0.0, 0.0, 1.0)).at
     (0.1, 0.0)

@@ -4,9 +4,9 @@ With the moments (m0, m1, m2) of the wall (`wall.inertia`) and e_a the tangents 
 
     m(U, V) = sum over nodes [m0 u.v + m1 (u.e_a y_a + v.e_a w_a) + m2 w_a y_a],   U = (u, w), V = (v, y).
 
-m1 is not 0 where the mid-surface is not the middle of the wall's mass: outside of it on a bent wall. With the
-displacement of that middle, u + (m1/m0) w, in place of u, the block is diagonal: kinetic energy of a body is that of
-its centre of mass and that about it.
+m1 is not 0 where the wall's centre of mass is outside the mid-surface, as on a curved wall. With its displacement u +
+(m1/m0) w instead of u, the block is diagonal, since the kinetic energy of a body splits into that of its centre of mass
+and that about it.
 """
 
 from typing import NamedTuple
@@ -55,7 +55,7 @@ class NodalMass(NamedTuple):
 def nodal_mass(shell: ShellParts, grid: Grid) -> NodalMass:
     """Lobatto mass at the nodes.
 
-    Each element adds its own side of a node, so that M stays on the nodes where thickness or density jump.
+    Each element adds its own side of a node, so that M also stays nodal where thickness or density jump.
     """
     a, b = grid.nodes[:, grid.elements]
     geometry = shell.geometry(a, b, grid.middle)
@@ -80,8 +80,8 @@ def nodal_sums(grid: Grid, density: Array) -> Array:
 def diagonal_frames(mass: NodalMass, frames: FloatArray, free: IntArray) -> tuple[FloatArray, FloatArray]:
     """Dofs in which the nodes' masses are diagonal, as columns (nodes, 5, 5), and the diagonal (nodes, 5).
 
-    `frames` are orthogonal dofs of which `free` are free; fixed ones stay what they are. A free rotation takes the free
-    displacements with it that leave the middle of the mass where it is.
+    `frames` are orthogonal dofs of which `free` are free; fixed ones do not change. A free rotation includes free
+    displacements that keep the centre of mass at rest.
     """
     moving = np.isin(np.arange(len(frames) * DOFS), free).reshape(-1, DOFS)
     A = frames.swapaxes(1, 2) @ mass.blocks @ frames

@@ -34,7 +34,7 @@ class ShellGeometry(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ShellParts:
-    """The fields of a `Shell`, which documents them: nothing is checked, no mesh is chosen."""
+    """The fields of a `Shell`, which documents them, without checks and without a mesh."""
 
     chart: Chart
     thickness: float
@@ -56,7 +56,7 @@ class ShellParts:
 
     @property
     def defects(self) -> dict[str, Field]:
-        """The imperfection fields there are, by quantity: radius, thickness, modulus, density."""
+        """The existing imperfection fields by quantity: radius, thickness, modulus, density."""
         fields = {quantity: getattr(self, f"{quantity}_defect") for quantity in DEFECTS}
         return {quantity: field for quantity, field in fields.items() if field is not None}
 
@@ -67,20 +67,20 @@ class ShellParts:
 
     @property
     def rings(self) -> dict[str, Ring]:
-        """Rings by the line that has them: those on edges, then stiffeners."""
+        """Rings by their lines: those on edges, then stiffeners."""
         on_edges = {edge: support for edge, support in self.supports.items() if isinstance(support, Ring)}
         between = zip(self.stations, (stiffener.ring for stiffener in self.stiffeners), strict=True)
         return on_edges | dict(between)
 
     def line_at(self, name: str) -> float:
-        """The first parameter of a line that has a ring: an edge or a station."""
+        """The first parameter of the line of a ring: an edge or a station."""
         if name in self.stations:
             return self.stations[name]
         return self.chart.bounds[0][self.chart.edges[name][1]]
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether nothing varies around: an axisymmetric chart at rest, no fields, even springs, plies in balance."""
+        """Whether nothing varies around: an axisymmetric chart at rest, no fields, uniform springs, balanced plies."""
         even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
         even = even and (self.taper is None or self.taper.even) and (not self.plies or mirrored(self.plies))
         return is_axisymmetric(self.chart) and even and not self.defects and not self.masses and self.rotation is None
@@ -97,12 +97,12 @@ class ShellParts:
 
     @property
     def thinnest(self) -> float:
-        """The least thickness of wall and strips [m], taper included, imperfections not."""
+        """The smallest design thickness of wall and strips [m], with taper and without imperfections."""
         taper = 1.0 if self.taper is None else self.taper.lowest
         return taper * float(np.real([self.thickness, *(strip.thickness for strip in self.strips)]).min())
 
     def shear_factor(self, nu: Array) -> Array:
-        """Factor of the transverse shear stiffness where Poisson's ratio is nu."""
+        """Factor of the transverse shear stiffness for a Poisson's ratio nu."""
         if self.shear_correction is not None:
             return np.asarray(self.shear_correction) + 0.0 * nu
         return 5.0 / (6.0 - nu) if self.wall == "curved" else np.full_like(nu, 5.0 / 6.0)
@@ -110,8 +110,8 @@ class ShellParts:
     def geometry(self, a: Array, b: Array, inside: Array | None = None) -> ShellGeometry:
         """Mid-surface, thickness and material at parameters (a, b).
 
-        `inside` is a value of the first parameter that shows whose side of a strip's end a point belongs to: the
-        middle of its element. Without it a point on such a line is the strip's.
+        `inside` is a value of the first parameter that shows the side of a strip's end to which a point belongs, such
+        as the middle of its element. Without it a point on such a line belongs to the strip.
         """
         defect = None if self.radius_defect is None else self.radius_defect.derivatives(a, b)
         where = np.broadcast_arrays(a if inside is None else inside, a, b)[0]
@@ -129,7 +129,7 @@ class ShellParts:
 
 
 def sampled_geometry(shell: ShellParts, around: int) -> ShellGeometry:
-    """The shell at five places along each row of its mesh and `around` places across: every strip has its share."""
+    """The shell at five points along each row of its mesh and `around` points across, for every strip."""
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     lines = a0 + (a1 - a0) * shell.mesh.breaks
     along = lines[:-1, None] + np.diff(lines)[:, None] * np.linspace(0.0, 1.0, 5)

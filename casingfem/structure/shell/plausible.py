@@ -1,7 +1,7 @@
-"""Plausibility of a shell's size, curvature and thickness: impossible walls, and models probably not intended.
+"""Plausibility of a shell's size, curvature and thickness: impossible walls, and probably unintended models.
 
-The first are refused; of the others, units mixed up, walls too thick or too thin, a warning is given. Each has its code
-in `casingfem.faults` and a threshold with its reason beside it.
+Impossible walls are refused; the others, such as mixed-up units or walls too thick or too thin, give a warning. Each
+has a code in `casingfem.faults`, and a threshold with its reason.
 """
 
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ class Extent(NamedTuple):
 
 
 def stretches(shell: ShellParts) -> FloatArray:
-    """The middle of every stretch between places where the meridian's curvature or the wall jumps: short ones too."""
+    """The middle of every interval between jumps of the meridian's curvature or of the wall, also of short ones."""
     ends = [end for strip in shell.strips for end in (strip.start, strip.end)]
     breaks = np.unique(np.real([*shell.chart.bounds[0], *chart_lines(shell.chart), *ends]))
     return np.asarray(0.5 * (breaks[1:] + breaks[:-1]))
@@ -72,7 +72,7 @@ def extent(shell: ShellParts) -> Extent:
 
 
 def check_wall(shell: ShellParts) -> None:
-    """Refuse a wall as thick as its radius of curvature, or as the structure is long and wide."""
+    """Refuse a wall as thick as its radius of curvature, or as thick as the structure is long and wide."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
     if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness represents a corner
@@ -80,7 +80,9 @@ def check_wall(shell: ShellParts) -> None:
     short = sampled(shell, stretches(shell))
     bent = float((short.thickness * short.curvature).max())
     if bent > FOLDED + 1e-9:
-        raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, and folds there")
+        raise ModelError(
+            "shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, so it overlaps itself"
+        )
     thickest = float(size.thickness.max())
     if thickest >= (longest := size.sides.max()):
         found = f"the wall is {thickest:.3g} m thick on a surface {longest:.3g} m long"
@@ -105,13 +107,13 @@ Concern = tuple[str, str]  # code, message
 
 
 def warn_of(shell: ShellParts) -> None:
-    """Warn of all that is doubtful about a shell."""
+    """Warn of everything implausible about a shell."""
     for code, message in chain.from_iterable(look(shell) for look in LOOKS):
         warn(code, message, stacklevel=4)
 
 
 def material_warnings(shell: ShellParts) -> Iterator[Concern]:
-    """Materials no part is made of."""
+    """Warnings about implausible materials."""
     others = [strip.material for strip in shell.strips if strip.material is not None]
     for material in dict.fromkeys([shell.material, *others]):
         yield from warnings_of(material)
@@ -132,7 +134,7 @@ def warnings_of(material: Material) -> Iterator[Concern]:
 
 
 def chart_warnings(shell: ShellParts) -> Iterator[Concern]:
-    """Sizes and shapes that hint at other units, and fields that are no imperfections."""
+    """Warnings about sizes and shapes that suggest other units, and fields too large for imperfections."""
     size = extent(shell)
     unitless = shell.material.E == shell.material.rho == 1.0
     if not unitless and not SIZE[0] <= size.diagonal <= SIZE[1]:
@@ -155,7 +157,7 @@ def chart_warnings(shell: ShellParts) -> Iterator[Concern]:
 
 
 def wall_warnings(shell: ShellParts) -> Iterator[Concern]:
-    """Walls that are not those of a shell."""
+    """Warnings about walls that are not those of a shell."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
     stout = float(size.thickness.max() / size.sides.min())
@@ -172,7 +174,7 @@ def wall_warnings(shell: ShellParts) -> Iterator[Concern]:
 
 
 def spring_warnings(shell: ShellParts) -> Iterator[Concern]:
-    """Springs without effect beside such a wall."""
+    """Warnings about springs without effect on such a wall."""
     E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
     for edge, support in shell.supports.items():
         if isinstance(support, ElasticEdge):
@@ -183,7 +185,7 @@ def spring_warnings(shell: ShellParts) -> Iterator[Concern]:
 
 
 def mass_warnings(shell: ShellParts) -> Iterator[Concern]:
-    """Masses on an edge that does not move."""
+    """Warnings about masses on an edge that does not move."""
     for edge, masses in shell.masses.items():
         if masses and isinstance(shell.supports.get(edge), Clamped):
             yield "mass-held", f"masses.{edge}: found {len(masses)} on a clamped edge"

@@ -4,7 +4,7 @@ With z from -t/2 to t/2 along the normal, the resultants of first-order shear de
 
     A, B, D = int (1, z, z^2) C(z) dz,   H = k int G(z) dz
 
-C a ply's plane-stress stiffness and G its transverse shear moduli, turned by its angle (J. N. Reddy, Mechanics of
+with a ply's plane-stress stiffness C and its transverse shear moduli G, rotated by its angle (J. N. Reddy, Mechanics of
 Laminated Composite Plates and Shells, 2004, ch. 3). Plies fill the wall in proportion to their thicknesses.
 """
 
@@ -63,16 +63,11 @@ class Lamina:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ply:
-    """A layer of a wall; plies follow each other from the inside of a casing out, on plates and blades along z or flap.
+    """A layer of a wall; plies are ordered from the inside of a casing outwards, on plates and blades along z or flap.
 
-    Parameters
-    ----------
-    thickness
-        Its share of the wall: plies fill the shell's thickness in proportion.
-    angle_deg
-        Of its fibres, from the chart's first direction (along axis or span) to the second (around, along the chord).
-    lamina
-        Its material; the shell's own, isotropic, if left out.
+    Parameters ---------- thickness Its relative thickness: plies fill the shell's thickness in proportion. angle_deg
+    Angle of its fibres, from the chart's first direction (along axis or span) to the second (around, along the chord).
+    lamina Its material; by default the shell's own, isotropic.
 
     Raises
     ------
@@ -123,7 +118,7 @@ def moments(z: FloatArray) -> FloatArray:
 def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: Array, factor: Array) -> Array:
     """Resultants of a layered wall on the eight strains at points, (8, 8, ...).
 
-    Laminae are as stiff as E is over the modulus of the shell's own material.
+    Laminae are scaled with the ratio of E to the modulus of the shell's own material.
     """
     share = moments(faces(plies))
     field = E / own.E
@@ -152,7 +147,7 @@ def layered_inertia(plies: tuple[Ply, ...], own: Material, rho: Array, t: Array)
 
 
 def mirrored(plies: tuple[Ply, ...]) -> bool:
-    """Whether a wall is the same in a mirror along its first direction: cosine and sine waves do not mix.
+    """Whether a wall is symmetric under reflection along its first direction, so that cosine and sine waves do not mix.
 
     >>> carbon = Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
     >>> cross = tuple(Ply(thickness=1.0, angle_deg=angle, lamina=carbon) for angle in (0.0, 90.0))

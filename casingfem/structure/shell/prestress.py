@@ -1,7 +1,7 @@
 """Rotation of a shell: stiffness K(Omega) = K + Omega^2 K1 + Omega^4 K2, and the gyroscopic matrix Omega G.
 
 In the rotating frame, with strains quadratic in the displacements and the director a3 + w - |w|^2 a3/2 (it keeps its
-length to second order), small motions v about the steady shape u0 = Omega^2 u1 see
+length to second order), small motions v about the steady shape u0 = Omega^2 u1 have the stiffness
 
     K(Omega) = K + Omega^2 K1 + Omega^4 K2,   K1 = K_sigma + K_u - S,
     v K_sigma v = int [N_ij D_i v.D_j v + 2 M_ij D_i v.D_j w - M_ij (e_i.D_j a3) w.w + 2 Q_i D_i v.w] J
@@ -11,16 +11,15 @@ length to second order), small motions v about the steady shape u0 = Omega^2 u1 
     v' G v = 2 int [m0 v'.(a x v) + m1 (v'.(a x w) + w'.(a x v)) + m2 w'.(a x w)] J
 
 N, M, Q: resultants of u1 = K^-1 f, f the centrifugal force m0 P(x - c) + m1 P a3 with its moment m1 P(x - c) + m2 P a3
-on the normal at 1 rad/s, m0, m1, m2 the moments of the wall's mass (`wall.inertia`);
-E the linear strains of the shell, E2 their bilinear part, the same form with E in place of N, M, Q; P the projection
-onto the plane of rotation, a the axis. K_sigma stiffens, S is the spin softening; K + Omega^2 K_u + Omega^4 K2 is the
-stiffness of the shape x + u0: of the order of the strain for casings and radial blades, more where the centrifugal
-force bends or untwists. K1 is exact: it comes from one energy that rigid rotations leave unchanged, moments included,
-so that a spinning shell has its exact rigid motions; terms t^2/12 N of the curvatures squared are left out, as Naghdi's
-strains leave them out. Of Omega^4 the stress that follows u0 to second order is left out; `Spin.nonlinear` measures it.
-Rings and masses on edges: `edge_spin`.
-(Membrane part: Washizu, Variational Methods in Elasticity and Plasticity, 1982; softening and Coriolis terms: Genta,
-Dynamics of Rotating Systems, 2005.)
+on the normal at 1 rad/s, m0, m1, m2 the moments of the wall's mass (`wall.inertia`); E the linear strains of the shell,
+E2 their bilinear part, the same form with E in place of N, M, Q; P the projection onto the plane of rotation, a the
+axis. K_sigma is the stress stiffening, S the spin softening; K + Omega^2 K_u + Omega^4 K2 is the stiffness of the shape
+x + u0: of the order of the strain for casings and radial blades, more where the centrifugal force bends or untwists. K1
+is exact: it comes from one energy that rigid rotations leave unchanged, moments included, so that a rotating shell has
+its exact rigid motions. Terms t^2/12 N of the squared curvatures are omitted, as in Naghdi's strains. At Omega^4 the
+second-order stress of u0 is omitted; `Spin.nonlinear` measures it. Rings and masses on edges: `edge_spin`. (Membrane
+part: Washizu, Variational Methods in Elasticity and Plasticity, 1982; softening and Coriolis terms: Genta, Dynamics of
+Rotating Systems, 2005.)
 """
 
 from collections.abc import Callable
@@ -49,7 +48,7 @@ LINEAR = 0.3  # quadratic strains of the steady state above this part of the lin
 
 
 class Products(NamedTuple):
-    """What rotation adds to motions, and the lowest and highest speed [rad/s] at which it is known; none: at each."""
+    """Effect of rotation on motions, and the lowest and highest speed [rad/s] of its validity; None: every speed."""
 
     times: Times
     speeds: tuple[float, ...] = ()
@@ -62,7 +61,7 @@ class Spin:
     Attributes
     ----------
     K1, K2
-        What omega^2 and omega^4 multiply, (free, free), symmetric [kg, kg s^2].
+        Factors of omega^2 and omega^4, (free, free), symmetric [kg, kg s^2].
     G
         Gyroscopic matrix, (free, free), skew [kg]: times omega and the velocities.
     fields
@@ -80,7 +79,7 @@ class Spin:
     def stiffness(self, omega: float) -> csc_array:
         """omega^2 K1 + omega^4 K2.
 
-        Warns (`rotation-large`) where linear statics no longer describe the steady state.
+        Warns (`rotation-large`) if linear statics no longer describe the steady state.
         """
         part = omega**2 * self.nonlinear
         if part > LINEAR:
@@ -91,7 +90,7 @@ class Spin:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Turning:
-    """A shell at rest and an axis: its centrifugal load, and the terms of rotation once the static response is known.
+    """A shell at rest and an axis: its centrifugal load, and the terms of rotation from the static response.
 
     Attributes
     ----------
@@ -135,7 +134,7 @@ class Turning:
         return softening(self.rotation, self.mass, *self.nodes), gyroscopic(self.rotation, self.mass)
 
     def spin(self, u: FloatArray) -> Spin:
-        """K1, K2, G and the static state, of the static answer u (free,) to the load."""
+        """K1, K2, G and the static state, from the static response u (free,) to the load."""
         system, fields = self.system, self.system.expand(u[:, None])
         at_points, nonlinear = point_stiffness(system.shell, system.grid, fields)
         first, second = (self.added_up(jet_elements(system.grid, H)) for H in at_points)
@@ -150,7 +149,7 @@ class Turning:
         )  # fmt: skip
 
     def added_up(self, matrices: FloatArray) -> csc_array:
-        """Matrices of the elements on the free dofs."""
+        """Matrices of the elements, summed on the free dofs."""
         total = element_sum(matrices, self.system.grid, self.system.frames, self.system.free)
         return (total if self.system.change is None else total.changed(self.system.change)).tocsc()
 
@@ -161,9 +160,9 @@ class Turning:
         return on_unknowns(self.system, block_diag([*blocks, csc_array((self.system.own,) * 2)], format="csc"))
 
     def products(self, u: FloatArray) -> Products:
-        """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load.
+        """G, K1 and K2 times motions (free, k), from the static response u (free,) to the load.
 
-        Without rings and masses nothing is added up.
+        Without rings and masses no matrix is assembled.
         """
         if self.edges is not None:
             return products_of(self.spin(u))
@@ -188,12 +187,12 @@ def products_of(spin: Spin, speeds: tuple[float, ...] = ()) -> Products:
 
 
 def carries_more(system: System) -> bool:
-    """Whether rings or masses hang on the edges."""
+    """Whether there are rings or masses on the edges."""
     return bool(system.own) or system.change is not None
 
 
 def spun(turning: Turning) -> Spin:
-    """K1, K2, G and the static state of a shell that turns about an axis.
+    """K1, K2, G and the static state of a shell that rotates about an axis.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Rigid motions of a shell, and which of them its supports leave free.
+"""Rigid motions of a shell, and those that its supports allow.
 
-A body is not supported where a rigid motion moves no fixed dof and strains no spring. This is a statement about the
-supports alone: no frequency has to be called small, and a body on soft springs is a supported one.
+A body is unsupported if a rigid motion moves no fixed dof and strains no spring. This depends only on the supports: no
+limit for small frequencies is needed, and a body on soft springs is supported.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ def rigid_fields(shell: Shell, grid: Grid) -> FloatArray:
 
 
 def free_motions(shell: Shell, grid: Grid) -> FloatArray:
-    """The rigid motions that the supports leave free, (nodes, 5, k), k from 0 to 6.
+    """The rigid motions that the supports allow, (nodes, 5, k), k from 0 to 6.
 
     >>> from casingfem.structure.geometry.chart import Plate
     >>> from casingfem.structure.material import Material
@@ -50,7 +50,7 @@ def free_motions(shell: Shell, grid: Grid) -> FloatArray:
 
 
 def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
-    """The rings' own dofs in rigid motions (nodes, 5, columns): turns about the normal, (own, columns)."""
+    """The rings' own dofs in rigid motions (nodes, 5, columns): rotations about the normal, (own, columns)."""
     edges = [grid.edges[name].nodes for name in own_dofs(shell, grid)]
     if not edges:
         return np.zeros((0, fields.shape[2]))
@@ -62,11 +62,10 @@ def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
 
 
 def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -> int:
-    """Number of the first modes (nodes, 5, modes) that are rigid motions which the supports leave free.
+    """Number of the first modes (nodes, 5, modes) that are rigid motions which the supports allow.
 
     `own` are the motions of the rings' own dofs, (own, modes). Translations are exact on every mesh, rotations are
-    interpolated: on a mesh too coarse for a thin wall a body does not turn as a whole before it bends, and a warning
-    states it.
+    interpolated: on a mesh too coarse for a thin wall a rotation is not rigid, and a warning states it.
     """
     motions = free_motions(shell, grid)
     expected: int = min(motions.shape[2], fields.shape[2])

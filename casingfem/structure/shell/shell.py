@@ -1,4 +1,4 @@
-"""A shell: chart, thickness, material, supports and imperfection fields. A value that is checked when it is made."""
+"""A shell: chart, thickness, material, supports and imperfection fields; a value that is checked when it is made."""
 
 from dataclasses import dataclass, fields
 from typing import TypeVar, cast
@@ -18,46 +18,24 @@ Parts = TypeVar("Parts", bound=ShellParts)
 class Shell(ShellParts):
     """A shear-deformable shell on a chart.
 
-    Parameters
-    ----------
-    chart
-        Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, Blade, or anything that satisfies `Chart`.
-    thickness
-        Nominal thickness t [m].
-    material
-        Isotropic material.
-    supports
-        Edge name -> support; edges not named are free.
-    radius_defect
-        Relative radius field f: r = r0 (1 + f).
-    thickness_defect, modulus_defect, density_defect
-        Relative fields of the thickness t (1 + f), of Young's modulus E (1 + f), of the density rho (1 + f).
-    shear_correction
-        Factor of the transverse shear stiffness: 5/(6 - nu), or 5/6 on a linear wall, if left out; a large one gives
-        the thin-shell (Kirchhoff-Love) limit.
-    wall
-        "curved": strains and inertia with the metric at every depth of the wall, and the stretch of its normals;
-        "linear": strains linear through the wall, as published shell theory has them (`structure.shell.wall`).
-    plies
-        Layers from the inside out that fill the wall in proportion to their thicknesses; the wall must be linear. Of
-        the shell's material are those without a lamina.
-    strips
-        Bands along the first parameter with a thickness, or a material, of their own.
-    stiffeners
-        Rings on a closed casing's wall, between its edges.
-    taper
-        How the thickness is meant to vary: factors of it from root to tip and across.
-    rotation
-        Steady rotation: speed and axis; at rest if left out.
-    masses
-        Edge -> point masses on it, or on the centre line of its ring.
-    mesh
-        Order and element counts; a default for the kind of chart if left out.
+    Parameters ---------- chart Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, Blade, or anything that
+    satisfies `Chart`. thickness Nominal thickness t [m]. material Isotropic material. supports Edge name -> support;
+    edges not named are free. radius_defect Relative radius field f: r = r0 (1 + f). thickness_defect, modulus_defect,
+    density_defect Relative fields of the thickness t (1 + f), of Young's modulus E (1 + f), of the density rho (1 + f).
+    shear_correction Factor of the transverse shear stiffness, by default 5/(6 - nu), or 5/6 on a linear wall; a large
+    one gives the thin-shell (Kirchhoff-Love) limit. wall "curved": strains and inertia with the metric at every depth
+    of the wall, and the stretch of its normals; "linear": strains linear through the wall, as published shell theory
+    has them (`structure.shell.wall`). plies Layers from the inside out that fill the wall in proportion to their
+    thicknesses; the wall must be linear. Layers without a lamina have the shell's material. strips Bands along the
+    first parameter with their own thickness or material. stiffeners Rings on a closed casing's wall, between its edges.
+    taper Designed variation of the thickness: factors from root to tip and across. rotation Steady rotation: speed and
+    axis; by default at rest. masses Edge -> point masses on it, or on the centre line of its ring. mesh Order and
+    element counts; by default chosen for the shell.
 
     Raises
     ------
     ModelError
-        Not positive thickness, an unknown edge or wall, or a field as large as what it varies.
+        The thickness is not positive, an edge or wall is unknown, or a field is as large as the varied quantity.
     ModelError
         Springs that a pattern makes negative (`springs-negative`); strips that overlap or leave the shell
         (`strip-overlap`, `strip-outside`), or end where a given mesh has no element line (`strip-off-line`);
@@ -89,7 +67,7 @@ class Shell(ShellParts):
 
 
 def remade(kind: type[Parts], shell: ShellParts) -> Parts:
-    """The same fields as bare `ShellParts`, which many small steps change without a check of each, or as a `Shell`."""
+    """The same fields as unchecked `ShellParts`, for many small steps, or as a `Shell`."""
     return kind(**{each.name: getattr(shell, each.name) for each in fields(ShellParts)})
 
 
@@ -99,7 +77,7 @@ def require_shell(structure: object, what: str) -> None:
     Raises
     ------
     ModelError
-        `structure-chart`, naming what was found.
+        `structure-chart`, with the finding.
     """
     if not isinstance(structure, Shell):
         raise ModelError("structure-chart", f"{what}: found {type(structure).__name__}, which has no chart")

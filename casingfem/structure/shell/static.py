@@ -57,7 +57,7 @@ class Deflection(Reported):
     energy: float
 
     def columns(self) -> dict[str, FloatArray]:
-        """One row a node: place and displacement [m], turns [rad]."""
+        """One row for each node: position and displacement [m], rotations [rad]."""
         x = np.real(self.shell.geometry(*self.grid.nodes).surface.x).reshape(3, -1)
         return dict(zip(("x_m", "y_m", "z_m", *NODAL), (*x, *self.fields.T), strict=False))
 
@@ -71,7 +71,7 @@ class Deflection(Reported):
 
 
 def solve_static(shell: Shell, loads: Sequence[Load], *, system: System | None = None) -> Deflection:
-    """Displacements of a supported shell under loads that act together.
+    """Displacements of a supported shell under simultaneous loads.
 
     K u = f, linear, about the unloaded shape.
 
@@ -82,7 +82,7 @@ def solve_static(shell: Shell, loads: Sequence[Load], *, system: System | None =
     loads
         `SurfaceLoad`, `Pressure`, `Gravity`, `EdgeLoad`, `PointLoad`, or a load of your own.
     system
-        The assembled shell, if there is one already.
+        The assembled shell, if it exists already.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The assembled shell: its matrices on the free dofs, and the way from free dofs to nodal fields and back."""
+"""The assembled shell: its matrices on the free dofs, and conversion between free dofs and nodal fields."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,24 +20,13 @@ from contact.io.brief import brief
 class System:
     """Matrices of a supported shell on its free dofs.
 
-    Attributes
-    ----------
-    shell, grid
-        What was assembled, and on which mesh.
-    stiffness
-        Symmetric, (free, free) [SI]: element by element, or a sparse matrix; `K` is the sparse one in any case.
-    mass
-        The diagonal of M, (free,).
-    free
-        Numbers of the free dofs among 5 * nodes and those that rings bring after them.
-    frames
-        Motions of each node by its dofs, as columns, (nodes, 5, 5): turned at nodes fixed in an edge's frame; where the
-        wall's mass is off the mid-surface rotations take displacements with them (`nodal_mass.diagonal_frames`).
-    change
-        What makes M diagonal where rings or masses couple it: the free dofs are change @ those of the stiffness
-        and `mass`, (free, free); None where nothing is coupled.
-    own
-        Number of dofs that rings bring: turns about the normal at the nodes of their edges.
+    Attributes ---------- shell, grid The shell and its mesh. stiffness Symmetric, (free, free) [SI]: element by
+    element, or a sparse matrix; `K` is always sparse. mass The diagonal of M, (free,). free Numbers of the free dofs
+    among 5 * nodes and the additional dofs of rings after them. frames Motions of each node by its dofs, as columns,
+    (nodes, 5, 5): rotated at nodes fixed in an edge's frame; where the wall's centre of mass is off the mid-surface,
+    rotations include displacements (`nodal_mass.diagonal_frames`). change Transformation that makes M diagonal if rings
+    or masses couple it: the free dofs are change @ those of the stiffness and `mass`, (free, free); None where nothing
+    is coupled. own Number of additional dofs of rings: rotations about the normal at the nodes of their edges.
 
     Examples
     --------
@@ -68,7 +57,7 @@ class System:
 
     @property
     def cells(self) -> IntArray:
-        """Cells to draw: VTK's number of a quadrilateral and its nodes, (cells, 5)."""
+        """Cells for pictures: VTK's quadrilateral type and the nodes, (cells, 5)."""
         return np.insert(quads(self.grid), 0, QUAD, axis=1)
 
     @property
@@ -103,7 +92,7 @@ class System:
     def restrict(self, forces: Array, own: Array | None = None) -> Array:
         """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns).
 
-        `own` (own, columns) are those on the rings' own dofs, zero if left out.
+        `own` (own, columns) are those on the rings' own dofs, by default zero.
         """
         turned = np.einsum("nji,njk->nik", self.frames, forces).reshape(len(self.frames) * DOFS, -1)
         felt = np.vstack([turned, np.zeros((self.own, turned.shape[1])) if own is None else own])[self.free]
@@ -116,7 +105,10 @@ class System:
         return np.asarray(self.collect(shift, np.zeros((self.own, len(axes)))))
 
     def collect(self, fields: Array, own: Array) -> Array:
-        """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
+        """Free dofs (free, columns) from motions (nodes, 5, columns) and (own, columns).
+
+        The inverse of `expand`, `expand_own`.
+        """
         turned = np.linalg.solve(self.frames, fields).reshape(len(self.frames) * DOFS, -1)
         motions = np.vstack([turned, own])[self.free]
         return np.asarray(motions if self.change is None else splu(self.change).solve(motions))

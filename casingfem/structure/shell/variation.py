@@ -1,8 +1,7 @@
 """Circumferential variation of a shell, its default mesh, and the effect of a mesh on bolts.
 
-Elements around that do not follow bolts see some stiffer than others. Equal bolts at N places split n nodal diameters
-only if N divides 2n. On another number of elements each bolt lies elsewhere in its element and is resolved differently
-well, and pairs split that symmetry keeps whole.
+Equal bolts at N angles split n nodal diameters only if N divides 2n. If the elements around do not follow the bolts,
+each bolt has another position in its element and another numerical stiffness. Then the mesh also splits other pairs.
 """
 
 from itertools import chain, pairwise
@@ -29,12 +28,12 @@ PERIODIC, RESOLVED = 1e-3, 0.02  # of the largest harmonic: what breaks a period
 
 
 def outer_supports(shell: ShellParts) -> dict[str, object]:
-    """Edge -> its support from outside, a ring's own support under a ring."""
+    """For each edge, its support from outside, which for a ring is the ring's own support."""
     return {edge: outer_support(support) for edge, support in shell.supports.items()}
 
 
 def field_samples(defect: Field) -> int:
-    """Points around that show a field whole: four a wave of its highest harmonic, if the field states it."""
+    """Number of points around that resolve a field: four per wave of its highest harmonic, if the field states it."""
     return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
 
 
@@ -48,7 +47,7 @@ def harmonic_amplitudes(shell: ShellParts, defect: Field) -> Array:
 
 
 def around_period(shell: ShellParts) -> int:
-    """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
+    """The greatest common divisor of all variations around; a mesh of as many elements has the same symmetry."""
     period = 0
     springs = [s.patterns.values() for s in outer_supports(shell).values() if isinstance(s, ElasticEdge)]
     for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
@@ -73,18 +72,17 @@ MANY = 30  # stretches between the ends of strips: more of them are too short fo
 def default_mesh(shell: ShellParts) -> ShellMesh:
     """The mesh used when none is given; `python -m reports.verification.modes.frustum` measures the choice.
 
-    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
-    17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
-    forbids to split stays whole (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves,
-    harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
-    where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
-    the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide, takes a row of
-    its own; the rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an
-    element line at each of their ends or places, and each stretch between them is divided on its own; where there are
-    many, the order falls. Lengths are those of the surface in metres, whatever the chart's parameters are; where its
-    second one runs unevenly, elements are more by as much as the longest of them is longer than their mean. Bolts are
-    followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a wave where
-    nothing else varies.
+    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h); 17 if
+    something varies around, so that rotating it changes no frequency by more than about 1e-10 and symmetric pairs are
+    not split (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves, without harmonics below
+    2 % of their largest. The number is odd, since even ones are less accurate for rotated fields; if springs vary, it
+    is a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear layer
+    of an edge without support (free, on springs, bolts or a ring), about 2 t wide, gets a separate row; the rest is
+    divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an element line at each
+    of their ends or places, and each interval between them is divided separately; if there are many, the order is
+    reduced. Lengths are those of the surface in metres, whatever the chart's parameters are; if the second one is not
+    proportional to length, the number of elements increases by the ratio of the longest to the mean element. With bolts
+    the number is a multiple of theirs, which preserves symmetric pairs, at 8 nodes per wave if nothing else varies.
     """
     (a0, a1), _ = np.real(shell.chart.bounds)
     t, lengths = shell.thinnest, chart_lengths(shell.chart)
@@ -122,7 +120,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
 
 
 def lines_of(shell: ShellParts) -> list[float]:
-    """Required element lines, from 0 to 1: ends of strips and of a meridian's stretches, stiffeners."""
+    """Required element lines, from 0 to 1: ends of strips and of a meridian's pieces, stiffeners."""
     return breaks_between(shell.strips, shell.chart.bounds[0], [*chart_lines(shell.chart), *shell.stations.values()])
 
 
@@ -131,8 +129,8 @@ def divided(
 ) -> tuple[float, ...]:
     """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
 
-    All are parts of the chart's length in metres; breaks are parts of its first parameter. A layer wider than half of
-    its stretch is left out.
+    All are fractions of the chart's length in metres; breaks are fractions of its first parameter. A layer wider than
+    half of its interval is omitted.
     """
     breaks = lines_of(shell)
     rows: set[float] = set()
@@ -154,7 +152,7 @@ MOST = 96  # elements around up to which the default mesh follows every bolt
 
 
 def following(least: int, count: int) -> int:
-    """Number of elements around, not below a minimum, that follows `count` bolts: a multiple, or an equal share of it.
+    """Number of elements around, at least a minimum, that follows `count` bolts: a multiple, or a divisor, of it.
 
     >>> following(21, 24), following(21, 16), following(21, 4), following(21, 200)
     (24, 32, 24, 50)
@@ -165,16 +163,16 @@ def following(least: int, count: int) -> int:
 
 
 def springs_per_wave(bolts: Bolts, E: float, nu: float, thickness: float) -> float:
-    """Stiffness of a bolt relative to that of the shell's edge for a short wave, the larger of pull and tilt."""
+    """Stiffness of a bolt relative to that of the shell's edge for a short wave, the larger of translation and tilt."""
     rigidity = E * thickness**3 / (12.0 * (1.0 - nu**2))
     pull = np.max(np.real(bolts.stiffness)) / (PULL * E * thickness)
     return float(max(pull, np.real(bolts.k_rot) / (TILT * rigidity)))
 
 
 def spurious_split(bolts: Bolts, mesh: ShellMesh, ratio: float, n_max: int = 12) -> float:
-    """Order of magnitude of the largest relative split that the mesh alone gives pairs which equal bolts keep whole.
+    """Order of magnitude of the largest relative split by the mesh alone in pairs that equal bolts keep whole.
 
-    A model of the edge alone: waves e^(i m theta) oppose with |m| (the shell's answer to short waves), bolts add
+    A model of the edge alone: waves e^(i m theta) have the stiffness |m| (that of the shell for short waves), bolts add
     `ratio` times their patches, both on the edge's own spectral elements; half the relative distance of its pairs.
 
     >>> follows, misses = (spurious_split(Bolts(count=24, k=1e8), ShellMesh(around=n, order=7), 3.0) for n in (24, 21))

@@ -10,11 +10,11 @@ the strains along the frame are, eps and chi those of the mid-surface (`mesh.kin
     e(z) = sym[P (2 eps + z chi)] - eps - b P (z s1 + (z^2 - t^2/12) s2/2),   e_33 = s1 + z s2,   g(z) = P gamma
 
 in volumes det(1 - z b) dz, with three-dimensional Hooke's law; s1 and s2 are those of least energy, point by point, so
-that eight strains remain. On a flat wall that is plane stress. Left out are what no rigid motion and no thin shell has:
-z^2 times the director's turn about the normal, and the slopes of s1, s2. Of these the shear factor 5/(6 - nu) makes
-up in bending waves: with it they are exact to second order in wave number times thickness (N.G. Stephen, J. Sound
-Vib. 202, 1997, 539). That u be the mean displacement of the wall, not that of its middle, is what t^2/12 is for: the
-inertia then has no term in s2. Metric: Chapelle & Bathe, The Finite Element Analysis of Shells, 2011, ch. 4.
+that eight strains remain. On a flat wall that is plane stress. Terms that vanish in rigid motions and thin shells are
+omitted: z^2 times the director's rotation about the normal, and the slopes of s1, s2. In bending waves the shear factor
+5/(6 - nu) compensates for them: with it the waves are exact to second order in wave number times thickness (N.G.
+Stephen, J. Sound Vib. 202, 1997, 539). The term t^2/12 makes u the mean displacement of the wall, not that of its
+middle, so the inertia has no term in s2. Metric: Chapelle & Bathe, The Finite Element Analysis of Shells, 2011, ch. 4.
 
 The linear wall has Naghdi's resultants, strains linear in z in volumes dz: published shell theory. So has a wall of
 layers (`plies`).
@@ -61,7 +61,7 @@ def constitutive(shell: ShellParts, geometry: ShellGeometry, b: Array) -> Array:
 
 
 def linear_wall(C: Array, shear: Array, t: Array) -> Array:
-    """Naghdi's: t C on eps, t^3/12 C on chi, t times `shear` on gamma."""
+    """Naghdi's section stiffness: t C on eps, t^3/12 C on chi, t times `shear` on gamma."""
     D = np.zeros((STRAINS, STRAINS, *t.shape), dtype=np.result_type(C, shear, t))
     D[:3, :3] = C * t
     D[3:6, 3:6] = C * t**3 / 12.0
@@ -140,8 +140,8 @@ def inertia(shell: ShellParts, geometry: ShellGeometry) -> Array:
     """Moments of the wall's mass per area of mid-surface, (3, ...) [kg/m^2, kg/m, kg]: m0, m1, m2.
 
     rho int (1, z, z^2) det(1 - z b) dz = rho (t + K t^3/12, -H t^3/6, t^3/12 + K t^5/80), K the Gaussian curvature, H
-    the mean one. On a bent wall more mass is on the outer side: m1 couples u and w. Without it torsion of a tube is
-    (t/R)^2/12 high. Of layers m1 is what their densities give.
+    the mean one. On a curved wall more mass is on the outer side, so m1 couples u and w. Without it the torsional
+    frequency of a tube would be too high by (t/R)^2/12. For layers m1 follows from their densities.
     """
     t, rho = geometry.thickness, geometry.rho
     if shell.plies:
@@ -159,7 +159,7 @@ def curved_inertia(rho: Array, t: Array, H: Array, K: Array) -> Array:
 
 
 class Section(NamedTuple):
-    """A wall seen as a beam per width: twelve times its bending stiffness, E t^3 [N m], shear [N/m], mass [kg/m^2]."""
+    """A wall as a beam, per width: twelve times its bending stiffness, E t^3 [N m], shear [N/m], mass [kg/m^2]."""
 
     bending: Array
     shear: Array
@@ -167,7 +167,7 @@ class Section(NamedTuple):
 
 
 def section(shell: ShellParts, geometry: ShellGeometry, way: int) -> Section:
-    """The wall as a beam along its direction 0 or 1, free to deform otherwise: no stiffer than within the shell."""
+    """The wall as a beam along its direction 0 or 1, otherwise free to deform, so not stiffer than within the shell."""
     at = ShellGeometry(geometry.surface, *(np.real(part) for part in geometry[1:]))
     if not shell.plies:
         shear = np.real(shell.shear_factor(at.nu)) * at.E / (2.0 * (1.0 + at.nu)) * at.thickness

@@ -1,4 +1,4 @@
-"""Tables of fields on a structure: harmonics, surveys, random fields; deviations from sector to sector of a wheel."""
+"""Tables of fields on a structure: harmonics, surveys, random fields; deviations between sectors of a wheel."""
 
 from typing import Annotated, Literal
 
@@ -45,7 +45,7 @@ Random = Annotated[
 
 
 class ImperfectionTable(Table):
-    """[[imperfection]]: harmonics, the fit of a survey, or a random field; several of them add up."""
+    """[[imperfection]]: harmonics, the fit of a survey, or a random field; several of them are added."""
 
     of: Literal["radius", "thickness", "modulus", "density"] = Field(description="what it varies")
     harmonics: list[Harmonic] | None = Field(default=None, description="[{p, cos, sin}], relative")
@@ -101,7 +101,7 @@ class ImperfectionTable(Table):
 
 
 class CyclicTable(Table):
-    """[cyclic]: the imported mesh is one sector of a wheel; [modes] count and [reduce] modes are of each diameter."""
+    """[cyclic]: the imported mesh is one sector of a wheel; [modes] count and [reduce] modes are per diameter."""
 
     sectors: int = Field(ge=2, le=1000, description="how many sectors make the wheel")
     axis: Axis | None = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
@@ -124,5 +124,5 @@ class CyclicTable(Table):
     @model_validator(mode="after")
     def _blade_deviates(self) -> "CyclicTable":
         if self.blade is not None and self.mistuning is None:
-            raise ValueError("found blade without mistuning, expected the deviations of the blades with it")
+            raise ValueError("found blade without mistuning, expected also mistuning, the deviations of the blades")
         return self

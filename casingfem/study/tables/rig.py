@@ -44,7 +44,7 @@ class SensorTable(PlaceTable):
 
 @table_of(Troubles)
 class TroublesTable(Table):
-    """[rig.test.troubles]: troubles of a hammer test; a trouble that is left out is absent."""
+    """[rig.test.troubles]: imperfections of a hammer test, by default none."""
 
 
 class ResponsesTable(Table):
@@ -81,7 +81,7 @@ class ResponsesTable(Table):
 
 
 class ScanTable(Table):
-    """[rig.scan]: a laser spot that runs round while tones excite the casing."""
+    """[rig.scan]: a laser spot that moves around while tones excite the casing."""
 
     height: Annotated[NotNegative, REACH] = Field(description="of the spot's circle [m]")
     tones_hz: Annotated[list[Positive], Field(min_length=1, max_length=100)] = Field(

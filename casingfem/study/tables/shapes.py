@@ -65,7 +65,7 @@ class PlateTable(Table):
 
 @table_of(Arc)
 class DomeTable(Table):
-    """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, turned about z."""
+    """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, rotated about z."""
 
     kind: Literal["dome"] = Field(description="which surface it is")
 
@@ -79,7 +79,7 @@ class DomeTable(Table):
 
 
 class PieceTable(Table):
-    """[[chart.piece]]: a straight piece or an arc of a meridian, with a wall of its own if it has one."""
+    """[[chart.piece]]: a straight piece or an arc of a meridian, optionally with its own thickness or material."""
 
     to: Annotated[Pair, REACH] = Field(description="[r, z] where it ends [m]")
     radius: Annotated[float, Field(ge=-1e3, le=1e3)] | None = Field(
@@ -91,7 +91,7 @@ class PieceTable(Table):
 
 
 class MeridianTable(Table):
-    """[chart] of kind "meridian": pieces from base to top, turned about z."""
+    """[chart] of kind "meridian": pieces from base to top, rotated about z."""
 
     kind: Literal["meridian"] = Field(description="which surface it is")
     start: Annotated[Pair, REACH] = Field(description="[r, z] of the base [m]")
@@ -100,7 +100,7 @@ class MeridianTable(Table):
 
 
 class PointsTable(Table):
-    """[chart] of kind "points": a smooth meridian through points, turned about z."""
+    """[chart] of kind "points": a smooth meridian through points, rotated about z."""
 
     kind: Literal["points"] = Field(description="which surface it is")
     points: Annotated[str, Field(min_length=1)] | Annotated[list[Annotated[Pair, REACH]], Field(min_length=2)] = Field(
@@ -124,7 +124,7 @@ Factors = Factor | Annotated[list[Factor], Field(min_length=1, max_length=8)]
 
 @table_of(Blade)
 class BladeTable(Table):
-    """[chart] of kind "blade"; a list contains values at equally spaced stations, the root's first."""
+    """[chart] of kind "blade"; a list has values at equally spaced stations from the root."""
 
     kind: Literal["blade"] = Field(description="which surface it is")
 
@@ -154,7 +154,7 @@ class TieTable(Table):
 
 
 class ImportTable(Table):
-    """A mesh file and how it is read: keys that [solid] and [shell] share."""
+    """A mesh file and options for reading it: keys that [solid] and [shell] share."""
 
     mesh: str | None = Field(default=None, min_length=1, description="mesh file, relative to this file")
     scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres [-]: 1e-3 for mm")
@@ -236,7 +236,7 @@ class ShellTable(ImportTable):
 
 @table_of(Strip)
 class StripTable(Table):
-    """[[strip]]: a band along the axis or span with a wall of its own."""
+    """[[strip]]: a band along the axis or span with its own thickness or material."""
 
     start: float
     end: float
@@ -258,7 +258,7 @@ class MassTable(Table):
 
 @table_of(ShellMesh, optional=("order", "around"))
 class MeshTable(Table):
-    """[mesh]: keys that are left out are chosen for the shell."""
+    """[mesh]: by default keys are chosen for the shell."""
 
     order: int | None = None
     around: int | None = None

@@ -15,7 +15,7 @@ from contact.io.tables import NotNegative, table_of
 
 
 class SpringsAround(Table):
-    """[support.EDGE.around]: how each spring varies along the edge."""
+    """[support.EDGE.around]: variation of each spring along the edge."""
 
     k_r: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the radial springs, relative")
     k_theta: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the tangential springs, relative")
@@ -57,7 +57,7 @@ class SymmetryTable(Table):
 
 @table_of(ElasticEdge)
 class ElasticTable(Table):
-    """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
+    """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each separately, by 1 + harmonics."""
 
     k_face: float
     kind: Literal["elastic"] = Field(description="how the edge is fixed")

@@ -1,7 +1,7 @@
-"""Tables of tasks, modes, an update, a reduction; and the whole of study.toml.
+"""Tables of tasks: modes, an update, a reduction; and the whole of study.toml.
 
-Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED`
-names those that the study of a shell on a chart cannot do without; one of an imported mesh needs the first.
+Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED` names those
+that the study of a shell on a chart needs; one of an imported mesh needs the first.
 """
 
 from typing import Annotated, Any, Literal, Self, TypedDict
@@ -24,7 +24,7 @@ REQUIRED = ("material", "chart", "shell")
 
 
 class Wanted(TypedDict, total=False):
-    """Count or band [Hz], as `modes` takes them."""
+    """Count or band [Hz], the arguments of `modes`."""
 
     count: int
     band: tuple[float, float]
@@ -134,7 +134,7 @@ class OutputTable(Table):
         return self
 
     def output(self) -> Output:
-        """The output as `reduce` takes it."""
+        """The output in the form for `reduce`."""
         if self.node is not None:
             if self.direction is not None:
                 return NodeDisplacement(name=self.name, node=self.node, direction=self.direction)
@@ -189,7 +189,7 @@ class ReduceTable(Table):
 
 @table_of(OrderLoad)
 class ResponseTable(Table):
-    """[[response]]: how a wheel answers an engine order over speed; beside [cyclic] and [reduce]."""
+    """[[response]]: response of a wheel to an engine order over speed; needs [cyclic] and [reduce]."""
 
     influence: str | None = Field(
         default=None, min_length=1, description="CSV offset,stiffness,damping: forces of the air [N/m, N s/m]"
@@ -197,7 +197,7 @@ class ResponseTable(Table):
 
 
 class ChecksTable(Table):
-    """[checks]: implausible values that are meant."""
+    """[checks]: implausible values that are intended."""
 
     allow: list[CheckName] = Field(default=[], description="names of checks that this file need not pass")
 

@@ -67,7 +67,7 @@ class BodyForce:
         -0.001
         """
         if on not in ("casing", "blades"):
-            raise InputError(f"on: found {on!r}, expected casing or blades, whichever whirls")
+            raise InputError(f"on: found {on!r}, expected casing or blades, the side that whirls")
         return BodyForce(
             on=on, radius=whirl.amplitude if on == "casing" else -whirl.amplitude, per_rev=whirl.per_rev, hz=whirl.hz,
             phase_deg=whirl.phase_deg, casing_turns=casing_turns(turning),

@@ -85,7 +85,7 @@ class ClosedContact:
         require_not_negative(mu=self.mu)
         lowest = float(np.linalg.eigvalsh(0.5 * (self.S_nn + self.S_nn.T))[0])
         if not lowest > 0.0:
-            raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")
+            raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs a compliance")
 
     def parts(self) -> tuple[Array, Array]:
         """Coefficients of 1, Omega, Omega^3, ... in C and of 1, Omega^2, Omega^4, ... in K, (powers, m, m) each."""

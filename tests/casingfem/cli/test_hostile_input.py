@@ -173,7 +173,7 @@ def test_runs_of_a_sweep_that_are_not_done_are_counted_on_stderr(tmp_path):
     file.write_text(RODS + f'[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [{speeds}]\n')
     found = CliRunner().invoke(main, ["sweep", str(file), "--jobs", "1", "--out", str(out)])
     assert found.exit_code == 0
-    assert f"sweep {file}: 8 of 9 runs are not done, the first: " in found.stderr
+    assert f"sweep {file}: 8 of 9 runs did not finish; the first: " in found.stderr
     assert len([line for line in (out / "sweep.csv").read_text().splitlines() if not line.startswith("#")]) == 10
 
 

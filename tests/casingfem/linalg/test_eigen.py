@@ -246,7 +246,7 @@ def test_a_mass_in_few_places_moves_as_many_ways(ways):
     pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 31.0))), csc_array(np.diag(1.0 * (np.arange(30) < ways))))
     solve = factorise(pencil.shifted(-1.0)).solve
     np.testing.assert_allclose(nearest(pencil, solve, -1.0, ways).values, np.arange(1.0, ways + 1.0))
-    with pytest.raises(cf.errors.NumericsError, match=f"the mass moves {ways} ways, {ways + 1} modes were asked for"):
+    with pytest.raises(cf.errors.NumericsError, match=f"the mass moves {ways} ways, {ways + 1} modes were requested"):
         nearest(pencil, solve, -1.0, ways + 1)
 
 

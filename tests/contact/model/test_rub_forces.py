@@ -151,7 +151,7 @@ def test_forces_that_make_no_sense_are_refused():
         ct.gaps.BodyForce(on="rotor")
     with pytest.raises(ct.InputError, match="turning: found 'rim', expected casing or blades"):
         ct.gaps.BodyForce.gravity(turning="rim")
-    with pytest.raises(ct.InputError, match="on: found 'both', expected casing or blades, whichever whirls"):
+    with pytest.raises(ct.InputError, match="on: found 'both', expected casing or blades, the side that whirls"):
         ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=1e-3), "both")
     bare = ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("span", "flap"), rows=[[0.1], [1.0]], S=np.zeros((2, 2)))
     with pytest.raises(ct.InputError, match="blade: found a basis without participation"):

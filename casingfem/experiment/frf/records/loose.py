@@ -103,7 +103,7 @@ def _rate(arrays: Mapping[str, Array], samples: int, path: str) -> float:
         steps = np.diff(time)
         if len(time) != samples or len(time) < 2 or np.ptp(steps) > 0.1 * abs(float(steps.mean())):
             found = f"{len(time)} times for {samples} samples" if len(time) != samples else "uneven times"
-            raise InputError(path, found=found, expected="one time for each sample, in even steps")
+            raise InputError(path, found=found, expected="one time for each sample, evenly spaced")
         fs = float((samples - 1) / (time[-1] - time[0]))
     if not (np.isfinite(fs) and fs > 0.0):
         raise InputError(path, found=f"{fs:g} samples a second", expected="a number above 0")

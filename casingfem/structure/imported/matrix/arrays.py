@@ -86,7 +86,7 @@ def fitting(what: str, given: Any, **options: Any) -> csc_array:
         A = csc_array(given, **options)
         A.check_format(full_check=True)
         if np.any(A.indptr[1:] < A.indptr[:-1]):  # scipy asks their differences, which overflow
-            raise ValueError("found starts of columns that do not rise")
+            raise ValueError("found starts of columns that do not ascend")
     except (ValueError, TypeError) as error:
         raise ModelError("matrix-file", f"{what}: {error}") from None
     return A

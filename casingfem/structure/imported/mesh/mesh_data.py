@@ -100,9 +100,9 @@ class MeshData:
         if cells.ndim != 2 or cells.shape[1] != wanted or not len(cells):
             raise ValueError(f"{self.source}: cells have shape {cells.shape}, expected (at least 1, {wanted})")
         if cells.min() < 0 or cells.max() >= len(points):
-            raise ValueError(f"{self.source}: cells name nodes outside 0 to {len(points) - 1}")
+            raise ValueError(f"{self.source}: cells refer to nodes outside 0 to {len(points) - 1}")
         if self.attachments and not 0 <= self.attachments.nodes[0] <= self.attachments.nodes[-1] < len(points):
-            raise ValueError(f"{self.source}: attachments name nodes outside 0 to {len(points) - 1}")
+            raise ValueError(f"{self.source}: attachments refer to nodes outside 0 to {len(points) - 1}")
         for name, values, count in (("cell_numbers", self.cell_numbers, len(cells)),
                                     ("node_numbers", self.node_numbers, len(points))):  # fmt: skip
             object.__setattr__(self, name, frozen(values if len(values) == count else np.arange(1, count + 1)))

@@ -74,7 +74,7 @@ class Lookup:
         place = np.minimum(np.searchsorted(self.sorted, wanted), len(self.sorted) - 1)
         missing = np.asarray(wanted)[self.sorted[place] != wanted]
         if len(missing):
-            raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is named but not given")
+            raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is used but not defined")
         return np.asarray(self.order[place])
 
     def some(self, wanted: IntArray, given: BoolArray) -> IntArray:

@@ -26,5 +26,5 @@ def test_six_tones_show_a_pair_and_five_do_not():
     with pytest.raises(cf.errors.InputError, match="the pair n = 8: found 5 tones, expected 6 or more across it"):
         cf.circle.split_pair(fewer, 8)
     for n in (0, 7, -8):
-        with pytest.raises(cf.errors.InputError, match=f"order n = {n}: expected one of the orders fitted, 1 or more"):
+        with pytest.raises(cf.errors.InputError, match=f"order n = {n}: expected one of the fitted orders, 1 or more"):
             cf.circle.split_pair(seen, n)

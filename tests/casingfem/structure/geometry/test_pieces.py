@@ -94,11 +94,11 @@ def test_an_arc_passes_through_its_ends_at_its_radius():
     [
         (CONE, {"fillet": None}, r"piece\[2\].fillet: found none at a corner of 26.6 degrees"),
         (CONE, {"fillet": 1.0}, r"piece\[2\].fillet: found 1 m, which does not fit"),
-        ((cf.geometry.Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no way on from \[0.3, 0.0\] m"),
+        ((cf.geometry.Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no length from \[0.3, 0.0\] m"),
         (
             (cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.3, 0.1))),
             {},
-            r"piece\[2\]: found no way on from \[0.3, 0.1\] m",
+            r"piece\[2\]: found no length from \[0.3, 0.1\] m",
         ),
         ((cf.geometry.Piece(to=(0.2, 0.0), radius=0.04),), {}, r"piece\[1\].radius: found 0.04 m for a way of 0.1 m"),
         ((cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.3, 0.0))), {}, "at a corner of 180 degrees"),

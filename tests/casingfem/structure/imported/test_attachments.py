@@ -435,7 +435,7 @@ def test_bushes_of_coincident_grids_are_springs_along_the_basic_axes(tmp_path):
         ("CELAS2,9,1.,4,1,5,4", "displacement against a turn"),
         ("CONM2,9,5,3,1.,.1", "CONM2: coordinate system 3: no system 3"),
         ("CONM2,9,5,,-1.", "CONM2: found the mass -1"),
-        ("CONM2,9,8,,1.", "grid 8 is named but not given"),
+        ("CONM2,9,8,,1.", "grid 8 is used but not defined"),
         ("RBE2,9,5,1237,4", "components '1237'"),
         ("RBE2,9,5,123", "no grid that follows"),
         ("RBE2,9,5,123,2,THRU,4", "found THRU, expected grids one by one"),

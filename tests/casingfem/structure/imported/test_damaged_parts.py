@@ -28,7 +28,7 @@ PARTS = {f"{name}_{part}": getattr(A, part) for name, A in (("K", SET.K), ("M", 
                     np.isin(np.arange(7), (3, 4)), (0, 0, 0, 2**30 + 2**29, -(2**30) - 2**29, 0, 0), SET.K.indptr
                 ).astype(np.int32)
             },
-            "K: found starts of columns that do not rise",
+            "K: found starts of columns that do not ascend",
         ),
         ({"K_data": SET.K.data + 1j}, "K of complex numbers"),
         ({"dofs": SET.dofs + 0.5}, "dofs: found float64, not all"),

@@ -211,7 +211,7 @@ BROKEN = {
     "version.msh": (GMSH_TWICE.replace("2.2 0 8", "9.9 0 8"), "mesh-file"),
     "type.inp": (INP.replace("C3D4", "XYZ9"), "line 10: .ELEMENT of type 'XYZ9'"),
     "twice.inp": (INP.replace(" 40, 0.", " 30, 0."), "node 30 is given twice"),
-    "missing.inp": (INP.replace("20, 30, 40\n", "20, 30, 41\n"), "node 41 is named but not given"),
+    "missing.inp": (INP.replace("20, 30, 40\n", "20, 30, 41\n"), "node 41 is used but not defined"),
     "short.inp": (INP.replace("20, 30, 40\n", "20, 30\n"), "4 numbers, expected 5 an element"),
     "word.inp": (INP.replace("2., 0., 0.", "2., 0., x"), "line 6: found '20, 2., 0., x'"),
     "plane.inp": (INP.replace("2., 0., 0.", "2., 0."), "expected a node number and x, y, z"),

@@ -30,15 +30,15 @@ def test_groups_keep_each_number_once_in_order():
         ({"cells": [[0, 1, 2]]}, r"cells have shape \(1, 3\), expected \(at least 1, 4\)"),
         ({"cells": [0, 1, 2, 3]}, r"cells have shape \(4,\)"),
         ({"cells": np.zeros((0, 4))}, r"cells have shape \(0, 4\)"),
-        ({"cells": [[0, 1, 2, -1]]}, "cells name nodes outside 0 to 5"),
-        ({"cells": [[0, 1, 2, 6]]}, "cells name nodes outside 0 to 5"),
+        ({"cells": [[0, 1, 2, -1]]}, "cells refer to nodes outside 0 to 5"),
+        ({"cells": [[0, 1, 2, 6]]}, "cells refer to nodes outside 0 to 5"),
         (
             {"attachments": cf.imported.Attachments(masses=(cf.imported.PointMass(node=-1, mass=1.0),))},
-            "attachments name nodes outside 0 to 5",
+            "attachments refer to nodes outside 0 to 5",
         ),
         (
             {"attachments": cf.imported.Attachments(masses=(cf.imported.PointMass(node=6, mass=1.0),))},
-            "attachments name nodes outside 0 to 5",
+            "attachments refer to nodes outside 0 to 5",
         ),
     ],
 )

@@ -47,7 +47,7 @@ def test_a_number_of_zero_in_a_component_is_none(tmp_path):
 def test_a_range_has_no_more_numbers_than_the_file_has_characters(tmp_path):
     lines = [*PART, "CMBLOCK,a,NODE,1", "(8i10)"]
     size = sum(map(len, lines)) + 10
-    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then searched for
+    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is used but not defined"):  # read, and then searched for
         read(tmp_path, [*lines, f"{-size:10d}"])
     with pytest.raises(
         cf.errors.ModelError, match=f"line 18: found a range up to {size + 1}, more numbers than the file has"

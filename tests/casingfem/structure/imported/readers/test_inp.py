@@ -168,7 +168,7 @@ def test_a_range_has_no_more_numbers_than_the_text_has_characters(tmp_path):
     size = len(text) + len("10,999\n")
     whole = f"{text}10,{10 + size - 1}\n"
     assert len(whole) == size
-    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then searched for
+    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is used but not defined"):  # read, and then searched for
         read(tmp_path, whole)
     with pytest.raises(
         cf.errors.ModelError, match=f"line 16: found '10,{10 + size}', {size + 1} numbers, more than the file has"

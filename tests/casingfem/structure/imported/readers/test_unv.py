@@ -182,11 +182,11 @@ def test_nodes_in_the_global_system_by_another_number_pass_and_others_are_refuse
     (data_set(2411, "1 0 0"), r"line 4: set 2411 ends within a node"),
     (data_set(2411, "1 0 a 11", "0 0 0"), r"line 3: found '1 0 a 11', expected 4 whole numbers"),
     (nodes(SQUARE) + elements(44, [[1, 2, 3]]), r"line 16: element 1 has 3 nodes, expected 4 with descriptor 44"),
-    (nodes(SQUARE) + elements(44, [[1, 2, 3, 9]]), r"node 9 is named but not given"),
+    (nodes(SQUARE) + elements(44, [[1, 2, 3, 9]]), r"node 9 is used but not defined"),
     (nodes(SQUARE) + elements(84, [[1, 2, 3, 4]]), r"element 1 with descriptor 84.*mesh-unsupported-cell"),
     (nodes([*SQUARE, SQUARE[0]], [1, 2, 3, 4, 5, 1]) + elements(44, [[1, 2, 3, 4]]), r"node 1 is given twice"),
     (PLATE + elements(44, [[1, 2, 3, 4]]), r"element 1 is given twice"),
-    (PLATE + group("g", [77], 8), r"element 77 is named but not given"),
+    (PLATE + group("g", [77], 8), r"element 77 is used but not defined"),
     (PLATE + data_set(2467, "1 0 0 0 0 0 0 9", "g", "7 1 0 0"), r"set 2467 ends within group 'g'"),
     (PLATE + data_set(164, "5 mm", "0.0 1.0 1.0"), r"found the factor 0 of lengths, expected one above 0"),
 ])  # fmt: skip
