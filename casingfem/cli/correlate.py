@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.read_study import any_study, chart_study
 from casingfem.cli.running import collected, deliver, options
-from casingfem.cli.study import STUDY, any_study, chart_study
+from casingfem.cli.study import STUDY
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.read_study import chart_study
 from casingfem.cli.running import deliver, options, source_of
-from casingfem.cli.study import STUDY, chart_study
+from casingfem.cli.study import STUDY
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from casingfem.cli.contact import is_scene, ran, require_solved
 from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.read_study import any_study
 from casingfem.cli.running import STORES, deliver
-from casingfem.cli.study import any_study
 
 if TYPE_CHECKING:
     from casingfem.plot.page import Page

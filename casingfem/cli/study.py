@@ -2,41 +2,22 @@
 
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from casingfem.cli.mode_files import mode_pictures, modes_tables, print_wheel, shape_files
 from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.read_study import any_study
 from casingfem.cli.rotor import rotor_campbell
 from casingfem.cli.running import collected, deliver, options
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
-
-if TYPE_CHECKING:
-    from casingfem.study import MeshStudy, Study
 
 CROSSINGS = (
     "A crossing is a possible resonance. `casingfem interactions SCENE` runs the contact with the casing and lists the "
     "dangerous speeds."
 )
 STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
-
-
-def any_study(file: Path, *, wheel: bool = False) -> "Study | MeshStudy":
-    """Read a study, of a shell on a chart or of an imported mesh."""
-    from casingfem.study import load_study
-
-    with ProgressMessage(f"reading {file.name}"):
-        return load_study(file, wheel=wheel)
-
-
-def chart_study(file: Path) -> "Study":
-    """Read the study of a shell on a chart."""
-    from casingfem.study import load_shell_study
-
-    with ProgressMessage(f"reading {file.name}"):
-        return load_shell_study(file)
 
 
 def numbers(context: click.Context, option: click.Parameter, value: str | None) -> tuple[int, ...] | None:

@@ -8,8 +8,9 @@ import click
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.read_study import chart_study
 from casingfem.cli.running import NUMERICS_FAILED, deliver, fail, options
-from casingfem.cli.study import STUDY, chart_study
+from casingfem.cli.study import STUDY
 from casingfem.cli.tables import csv_text
 from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text

@@ -220,11 +220,3 @@ def test_workers_of_a_cluster_give_the_same_table(made, first, tmp_path):
     assert result.exit_code == 0, result.output
     for name in ("chance.csv", "chance_pairs.csv", "chance_speeds.csv"):
         assert (tmp_path / "out" / name).read_bytes() == (made / "out" / name).read_bytes()
-
-
-def test_without_a_scheduler_that_answers_the_address_is_reported(made, monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr("contact.sweep.dask_cluster.PATIENCE", "0.1s")
-    result = run(made, "--scheduler", "tcp://127.0.0.1:1")
-    assert result.exit_code == 2
-    assert "scheduler: found nobody at 'tcp://127.0.0.1:1'" in " ".join(result.output.split())

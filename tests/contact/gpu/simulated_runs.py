@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.gpu.rubs import device_runs
+from contact.gpu import device_runs
 from tests.contact.test_run_many import different, scene
 
 FEW = 8_000  # bytes that make two groups

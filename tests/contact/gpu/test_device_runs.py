@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.gpu.rubs import device_runs
+from contact.gpu import device_runs
 from tests.contact.gpu.simulated_runs import scenes
 from tests.contact.test_run_many import scene
 

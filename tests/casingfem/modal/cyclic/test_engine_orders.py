@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.cyclic.bladed import excited
 from reports.verification.modes.cyclic import bladed_disk, mistuned_wheel, tip_loads
 
 MASS, HZ, COUPLING, ZETA = 0.2, 100.0, 0.04, 1e-3
@@ -30,7 +29,7 @@ def exact(order, blades, freq_hz, air=None):
 def test_orders_beyond_half_of_the_blades_are_aliased_and_answer_as_their_wave(order, air):
     speeds = np.linspace(95.0, 112.0, 60) / order
     found = cf.modal.engine_order_response(chain(), order, speeds, zeta=ZETA, influence=air)
-    assert found.diameter == excited(order, 12) == abs((order + 6) % 12 - 6)
+    assert found.diameter == abs((order + 6) % 12 - 6)
     np.testing.assert_allclose(found.amplitude, np.outer(exact(order, 12, speeds * order, air), np.ones(12)), rtol=1e-9)
     fine = exact(order, 12, np.linspace(95.0, 112.0, 200_001), air)
     assert found.peak == pytest.approx(fine.max(), rel=1e-4)  # the air is that of the tuned resonance
