@@ -8,7 +8,7 @@ from packaging.version import Version
 
 ROOT = Path(__file__).parents[1]
 TRANSITIVE = {"pyparsing"}  # newer ones warn of what matplotlib 3.9 calls
-EXTRA = {"pypardiso", "sphinx", "furo", "sphinx-gallery", "myst-parser"}  # in no environment of the suite
+EXTRA = {"pypardiso", "numba-cuda", "sphinx", "furo", "sphinx-gallery", "myst-parser"}  # in no environment of the suite
 
 
 def bounds() -> dict[str, Version]:

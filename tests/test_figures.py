@@ -176,6 +176,7 @@ def test_every_report_is_a_campaign_or_states_why_not():
         "studies.rig.synthetic",
         "tools.structure",
         "benchmarks.runs_of_tips",
+        "benchmarks.device",  # a CUDA device
     }
     assert COMMANDS - {one.name for one in CAMPAIGNS} == parts | tools
 

@@ -180,5 +180,6 @@ CAMPAIGNS = (
         "chances under kill -9 give the same tables",
         ("casingfem/chance", "contact/sweep"),
     ),
+    Campaign("benchmarks.chance_rubs", "time of rubs of random casings", ("casingfem/chance", "contact")),
     Campaign("studies.rig", "the chain of `make study`", ("casingfem", "contact")),
 )  # fmt: skip

@@ -113,7 +113,7 @@ def test_bad_outputs_are_refused(strip):
         (cf.modal.Displacement(name="a", at=(0.0, 0.0), direction="up"), "found direction 'up'"),
         (cf.modal.Strain(name="a", at=(0.0, 0.0), component="33"), "component '33'"),
         (cf.modal.Strain(name="a", at=(0.0, 0.0), side=2.0), r"side 2\.0"),
-        (cf.modal.Displacement(name="a", at=(0.2, 0.0)), "off the surface"),
+        (cf.modal.Displacement(name="a", at=(0.2, 0.0)), "outside the surface"),
     ):
         with pytest.raises(ValueError, match=match):
             cf.reduce(strip, cf.Tip(), modes=2, outputs=[output])

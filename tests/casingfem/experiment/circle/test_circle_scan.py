@@ -273,7 +273,7 @@ def test_a_force_fixed_in_space_excites_a_perfect_casing_at_rest_in_space():
         seed=SEED,
         highest=8,
     )
-    with pytest.raises(cf.errors.InputError, match="fall together"):
+    with pytest.raises(cf.errors.InputError, match="cannot be separated"):
         cf.circle.demodulate(still.record, 8)
 
 
