@@ -80,7 +80,7 @@ class MeshSystem:
     """Matrices of an imported structure on its free dofs.
 
     Attributes ---------- structure The structure. K, M Stiffness and consistent mass, (free, free), symmetric [SI].
-    free Numbers of the free dofs among dofs * nodes; with `lift` those of the unknowns, with rotations of nodes
+    free Numbers of the free dofs among dofs * nodes; with `lift`, those of the unknowns; rotations of nodes are
     numbered after them. dofs Dofs of a node: 3 in solids, 5 in shells, 6 if walls of a shell meet. rigid Number of
     rigid motions that the supports allow, 0 to 6. wall Wall thickness t [m]; for solids twice the volume over the
     surface. frequency_scale Bending frequency c t/size^2 [rad/s] of the body as a flat plate: a lower bound for its

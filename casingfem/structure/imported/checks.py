@@ -248,9 +248,9 @@ def thin_and_curved(mesh: MeshData) -> list[Finding]:
 
     They lock.
 
-    On the frustum of reports/verification/modes/imported.py (27 nodes) a bow of .06 of the thickness costs 0.5 % of the
-    lowest frequency, .2 costs 5 %, .6 costs 23 %. Cells that fill at most a hundredth of the part are ignored: those in
-    a blade's edges are thin in two directions and change no frequency.
+    On the frustum of reports/verification/modes/imported.py (27 nodes) a bow of 0.06 thicknesses raises the lowest
+    frequency by 0.5 %, of 0.2 by 5 %, and of 0.6 by 23 %. Cells that fill at most a hundredth of the part are ignored:
+    those in a blade's edges are thin in two directions and change no frequency.
     """
     kind = mesh.cell_kind
     if kind.dim < 3 or not kind.middles:

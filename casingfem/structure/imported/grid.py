@@ -1,7 +1,7 @@
 """Structured meshes of blocks, tubes and surfaces without a mesher, for comparisons and tests.
 
-A grid with nodes at half steps contains all kinds: 27-node bricks take every node, 20-node bricks all but the inner
-ones, and the six tetrahedra of a cube (Kuhn) find their middle nodes on it too.
+A grid with nodes at half steps contains the nodes of all kinds. Bricks of 27 nodes use every node. Bricks of 20 nodes
+use all but the inner ones. The middle nodes of the six tetrahedra of a cube (Kuhn) are nodes of the grid too.
 """
 
 from collections.abc import Callable, Mapping

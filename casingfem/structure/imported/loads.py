@@ -141,7 +141,7 @@ def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
 
 
 def spread(mesh: MeshData, on: Mapped, nodes: IntArray, density: FloatArray) -> FloatArray:
-    """Nodal forces of a force per volume, area or length, (cells, q, 3) or uniform."""
+    """Nodal forces of a force per volume, area or length, given at the points (cells, q, 3) or uniform."""
     loads, density = np.zeros_like(mesh.points), np.broadcast_to(density, on.x.shape)
     np.add.at(loads, nodes, np.einsum("kq,eq,eqc->ekc", on.values, np.abs(on.measure), density, optimize=True))
     return loads

@@ -1,8 +1,8 @@
 """Read a mesh from a file: Gmsh (msh 2.2, 4.1), VTU, Abaqus (inp), Nastran (bdf, nas, dat), Ansys (cdb), unv, MED.
 
 Physical groups, sets and constraints become groups by name, for supports and materials. Gmsh and VTU files are read
-with meshio, whose silence is made good here: what it passes over or cuts short is counted against the file and refused.
-meshio is loaded when a mesh of these formats is read, not before.
+with meshio, which skips or truncates some content without an error. The counts are therefore compared with the file,
+and a difference is refused. meshio is loaded only when such a file is read.
 """
 
 import re
@@ -31,22 +31,15 @@ WORDS = ("point", "curve", "surface", "volume")
 def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units: str | None = None) -> MeshData:
     r"""Read a mesh; the ending of its name states the format.
 
-    Parameters
-    ----------
-    path
-        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat, .cdb, .unv or .med file.
-    scale
-        What coordinates are multiplied by to be metres: 1e-3 for millimetres.
-    join
-        Nodes of cells closer than this [m] become one; 0 leaves them.
-    units
-        Length, mass and time of the file, such as "mm-t-s", instead of `scale`: a file with masses or springs needs
-        them where its lengths are not metres.
+    Parameters ---------- path A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat, .cdb, .unv or
+    .med file. scale Factor of the coordinates to metres: 1e-3 for millimetres. join Nodes of cells closer than this [m]
+    are merged; 0 merges none. units Length, mass and time of the file, such as "mm-t-s", instead of `scale`. A file
+    with masses or springs needs units if its lengths are not metres.
 
     Raises
     ------
     ModelError
-        For a file that is malformed, cut short, or has cells that are not supported.
+        For a file that is malformed, truncated, or has unsupported cells.
     OSError
         If there is no such file.
 
@@ -153,7 +146,7 @@ def read_gmsh(file: Path) -> Draft:
 
 
 def require_modest(content: bytes, file: Path) -> None:
-    """Refuse a file for which meshio would fill the memory: it allocates for the largest node number."""
+    """Refuse a file for which meshio would fill the memory; meshio allocates for the largest node number."""
     title = content.partition(b"$PhysicalNames")[2].partition(b"$EndPhysicalNames")[0]
     if len(max(title.split(b"\n"), key=len)) > LONGEST:
         raise ModelError("mesh-file", f"{file.name}: $PhysicalNames: a line of more than {LONGEST} characters")
@@ -169,7 +162,10 @@ def require_modest(content: bytes, file: Path) -> None:
 
 
 def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Block], dict[str, Any]]:
-    """Format 2.2 writes a cell once for each of its groups: only the first of each stays, with all its groups."""
+    """Remove copies of cells: format 2.2 writes a cell once for each of its groups.
+
+    The first copy stays, with all its groups.
+    """
     kept, places = [], []
     for block in blocks:
         _, first, place = np.unique(block.cells, axis=0, return_index=True, return_inverse=True)

@@ -1,4 +1,4 @@
-"""Is an imported mesh a body of revolution about z? Asked of its surface: the normals must have no hoop component."""
+"""Whether an imported mesh is a body of revolution about z: the normals of its surface must have no hoop component."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from casingfem.structure.imported.cells.mapped import mapped, mapped_parts
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 LEAN = 0.1  # rms hoop component of the normals of a round body: waves of the radius are small slopes
-FLAT = 0.3  # facets that lean more are corners, cuts or holes, and may cover half a meridional section
+FLAT = 0.3  # facets above this are corners, cuts or holes; they may have half the area of a meridional section
 
 
 def hoop_component(x: FloatArray, normals: FloatArray) -> FloatArray:
@@ -34,8 +34,8 @@ def facet_normals(mesh: MeshData) -> tuple[FloatArray, FloatArray, FloatArray]:
 def round_about_z(mesh: MeshData) -> bool:
     """Whether a mesh is a closed body of revolution about z, up to small waves and holes.
 
-    The surface may lean by `LEAN` on average; what leans more than `FLAT` may cover half a meridional section, which
-    the two cuts of a sector would exceed fourfold.
+    The mean hoop component may be up to `LEAN`. Facets with more than `FLAT` may have the area of half a meridional
+    section; the two cuts of a sector would have four times that.
 
     >>> from casingfem.structure.imported.grid import grid_mesh, revolved
     >>> ring = revolved((0.5, 0.45), (0.0, 0.25), 0.01)
@@ -62,7 +62,7 @@ def round_about_z(mesh: MeshData) -> bool:
 
 
 def elements_around(mesh: MeshData) -> int:
-    """Number of its widest cells that fit around the axis."""
+    """Number of cells around the axis, from the width of the widest ones."""
     theta = np.arctan2(mesh.points[mesh.cells, 1], mesh.points[mesh.cells, 0])
     span = np.ptp((theta - theta[:, :1] + np.pi) % (2.0 * np.pi), axis=1)
     off_axis = np.linalg.norm(mesh.points[mesh.cells, :2], axis=2).min(axis=1) > 1e-6 * mesh.size

@@ -1,9 +1,9 @@
 """Bricks of 20 nodes between the surfaces of blade sections, and wedges at edges where the surfaces meet.
 
 A structured grid along thickness, chord and span. Each surface of a section is a cubic spline over its arc length.
-Nodes divide both surfaces alike, at s = (1 - cos pi w)/2 for equal steps of w, so that cells are small at the edges.
-Splines from section to section give the nodes along the span. The root and tip sections are the mesh's ends: a fillet
-at the root is not part of it.
+Nodes are at the same fractions of both surfaces, s = (1 - cos pi w)/2 for equal steps of w, so cells are small at the
+edges. Splines from section to section give the nodes along the span. The root and tip sections are the ends of the
+mesh, so a fillet at the root is not part of it.
 """
 
 from collections.abc import Sequence
@@ -53,7 +53,7 @@ def section_mesh(sections: Sections, cells: Sequence[int]) -> MeshData:
 
 
 def checked(cells: Sequence[int]) -> tuple[int, int, int]:
-    """Numbers of cells along chord, span and thickness; ModelError where they are out of range."""
+    """Numbers of cells along chord, span and thickness; ModelError if they are out of range."""
     numbers = list(cells)
     whole = len(numbers) == 3 and all(isinstance(n, int | np.integer) and 1 <= n <= MOST for n in numbers)
     if not whole or numbers[0] < 2:
@@ -91,7 +91,7 @@ def along(curve: FloatArray, at: FloatArray) -> FloatArray:
 
 
 def nose_to_nose(surfaces: FloatArray, closed: tuple[bool, bool]) -> tuple[FloatArray, FloatArray]:
-    """Both surfaces of a section; where both edges are closed, between the two points that are farthest apart."""
+    """Both surfaces of a section; if both edges are closed, each between the two points with the largest distance."""
     first, second = surfaces
     if not all(closed):
         return first, second
@@ -105,7 +105,7 @@ def nose_to_nose(surfaces: FloatArray, closed: tuple[bool, bool]) -> tuple[Float
 
 
 def with_wedges(unit: MeshData, closed: tuple[bool, bool], chord: int) -> MeshData:
-    """The unit grid with one node through the thickness at closed edges, where its bricks collapse to wedges."""
+    """The unit grid with one node through the thickness at closed edges; its bricks collapse to wedges there."""
     through, along, up = unit.points.T
     edge = (closed[0] & (along == 0.0)) | (closed[1] & (along == 1.0))
     _, new = np.unique(np.stack([np.where(edge, 0.0, through), along, up]), axis=1, return_inverse=True)
@@ -121,6 +121,6 @@ def with_wedges(unit: MeshData, closed: tuple[bool, bool], chord: int) -> MeshDa
 
 
 def half_turn() -> list[int]:
-    """Nodes of a brick after half a turn about its third axis; its lower and upper facet stay where they are."""
+    """Nodes of a brick after half a turn about its third axis; its lower and upper facets keep their positions."""
     places = KINDS[KIND].places
     return [int(np.abs(places - place).sum(axis=1).argmin()) for place in places * [-1, -1, 1] + [1, 1, 0]]

@@ -1,12 +1,13 @@
 """Sections of a blade: tables of points on both surfaces, and the curves along the chord that go through them.
 
-A section is what makers and test cases publish: at stations along the chord the axial place z, the radius r and the
-angles theta_1 and theta_2 of the two surfaces about the axis z,
+A section is a table as manufacturers and test cases publish it. At stations along the chord it gives the axial position
+z, the radius r and the angles theta_1 and theta_2 of the two surfaces about the axis z,
 
     x = r cos theta,   y = r sin theta.
 
-A sharp or round edge is closed: both surfaces end there in one point. Tables often begin where z is least, which is
-beside the nose of a staggered blade; the mesher divides a closed section at its two points that are farthest apart.
+A sharp or round edge is closed: both surfaces end there in one point. Tables often begin at the smallest z, which is
+not the nose of a staggered blade. The mesher therefore divides a closed section at the two points with the largest
+distance.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ class BladeSections:
     Attributes
     ----------
     surfaces
-        Of each section the points of both surfaces [m], (2, stations, 3), from one edge to the other.
+        Points of both surfaces of each section [m], (2, stations, 3), from one edge to the other.
     closed
         Whether both surfaces meet at the first and at the last station.
     card
@@ -53,11 +54,8 @@ class BladeSections:
     source
         Name of the file, for messages.
 
-    Raises
-    ------
-    InputError
-        Fewer than two sections or five stations; stations that repeat; surfaces that cross; an edge that is closed in
-        some sections only.
+    Raises ------ InputError For fewer than two sections or five stations, repeated stations, surfaces that cross, or an
+    edge that is closed in some sections only.
 
     Examples
     --------
@@ -148,7 +146,7 @@ class BladeSections:
 
 
 def numbers(table: StrictCsv) -> dict[str, FloatArray]:
-    """Columns by quantity, in metres and radians; every problem in one error."""
+    """Columns by quantity, in metres and radians; one error lists every problem."""
     found, wrong = dict[str, FloatArray](), list[InputError]()
     for quantity, names in COLUMNS.items():
         here = [name for name in table.header if name in names]
@@ -168,7 +166,7 @@ def numbers(table: StrictCsv) -> dict[str, FloatArray]:
 
 
 def sections_of(table: StrictCsv) -> list[IntArray]:
-    """Rows of each section, in the order of the file, which is from root to tip."""
+    """Rows of each section in the order of the file, from root to tip."""
     number = table.integers("section")
     if not len(number):
         raise table.refuse_header(found="no rows", expected=f"at least {LEAST_SECTIONS} sections")
@@ -182,7 +180,7 @@ def sections_of(table: StrictCsv) -> list[IntArray]:
 
 
 def check_units(table: StrictCsv, columns: dict[str, FloatArray]) -> None:
-    """Refuse radii and angles that look like those of another unit."""
+    """Refuse radii and angles whose size suggests another unit."""
     written = {quantity: next(name for name in table.header if name in names) for quantity, names in COLUMNS.items()}
     wrong = []
     mean = float(np.abs(columns["r"]).mean())
@@ -205,7 +203,7 @@ def check_units(table: StrictCsv, columns: dict[str, FloatArray]) -> None:
 def built(
     parts: Sequence[Sequence[FloatArray]], lines: Sequence[IntArray], card: tuple[str, ...], source: str
 ) -> BladeSections:
-    """Sections from their columns z, r, theta_1, theta_2, checked; `lines` of the file, 0 where there is none."""
+    """Sections from their columns z, r, theta_1, theta_2, after checks; `lines` of the file, or 0."""
     wrong = list[InputError]()
     if len(parts) < LEAST_SECTIONS:
         found = f"{len(parts)} section{'s'[: len(parts) != 1]}"
@@ -264,7 +262,7 @@ def closed_ends(part: Sequence[FloatArray]) -> tuple[bool, bool]:
 
 
 def placed(part: Sequence[FloatArray], closed: tuple[bool, bool]) -> FloatArray:
-    """Points of both surfaces, (2, stations, 3); those of a closed edge made one."""
+    """Points of both surfaces, (2, stations, 3); at a closed edge both surfaces get the same point."""
     z, r = part[:2]
     surfaces = np.array([np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1) for theta in part[2:]])
     for end, meets in ((0, closed[0]), (-1, closed[1])):

@@ -1,16 +1,16 @@
 """Shells on imported meshes: the degenerated shell (Ahmad) with tied strains (MITC).
 
-The geometry is x + z n, with shape functions for the mid-surface x and the director n alike; displacements u + z w with
-w in the tangent plane of each node: five dofs a node. With covariant components along r and s,
+The geometry is x + z n, with shape functions for the mid-surface x and the director n alike; displacements are u + z w,
+with w in the tangent plane of each node, so a node has five dofs. With covariant components along r and s,
 
     eps_ab = sym(x,a . u,b),   chi_ab = sym(x,a . w,b + n,a . u,b),   gamma_a = x,a . w + n . u,a
 
 are those of the shell on a chart. Quadratic cells take them from tying points instead of the quadrature points (MITC9:
 Bucalem & Bathe, Int. J. Numer. Meth. Eng. 36, 1993, 3729), which frees thin shells from locking and, unlike reduced
-integration, leaves no hourglass modes. Cells of eight nodes get a ninth in their middle: same geometry, no locking.
-Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput. 1, 1984, 77). Triangles of six nodes
-are among them as collapsed quadrilaterals and are integrated as what they are (MITC6). Where walls meet at an angle,
-nodes have six dofs and every wall a director of its own (`mesh/joints.py`).
+integration, leaves no hourglass modes. Cells of eight nodes get a ninth in their middle, which leaves the geometry
+unchanged and avoids locking. Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput. 1, 1984,
+77). Triangles of six nodes are stored as collapsed quadrilaterals and integrated as triangles (MITC6). Where walls meet
+at an angle, nodes have six dofs, and every wall has a director of its own (`mesh/joints.py`).
 """
 
 from dataclasses import dataclass, replace
@@ -61,36 +61,21 @@ ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see 
 class MeshShell(ShellCells):
     """An elastic shell on an imported mesh of quadrilaterals and triangles.
 
-    Parameters
-    ----------
-    mesh
-        Cells of kind quad, quad8 or quad9 (`read_mesh`), triangles collapsed ones; quad8 is kept as quad9, the new
-        nodes behind the others.
-    thickness
-        Wall thickness t [m], half of it on each side of the mesh.
-    material
-        Isotropic material.
-    thicknesses, materials
-        Group of cells -> thickness [m], material of its own.
-    supports
-        Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t k_face per
-        length on displacements, t^3/12 k_face on rotations.
-    shear_correction
-        Factor of the transverse shear stiffness; 5/(6 - nu), or 5/6 on a linear wall, if left out.
-    wall
-        "curved" or "linear", as of a `Shell`, in stiffness and inertia; its curvature is that of the nodes' normals.
-    plies
-        Layers along the normals of the cells that fill the wall in proportion to their thicknesses; the wall must be
-        linear, and groups have no materials of their own. Of the shell's material are those without a lamina.
-    angle_from
-        Direction from which the angles of plies count, as the wall sees it, turning right-handed about the normals.
-    rotation
-        Steady rotation: speed and axis; at rest if left out.
+    Parameters ---------- mesh Cells of kind quad, quad8 or quad9 (`read_mesh`); triangles are collapsed quadrilaterals.
+    quad8 is stored as quad9, with the new nodes after the others. thickness Wall thickness t [m], half of it on each
+    side of the mesh. material Isotropic material. thicknesses, materials Group of cells -> its thickness [m], its
+    material. supports Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t
+    k_face per length on displacements, t^3/12 k_face on rotations. shear_correction Factor of the transverse shear
+    stiffness; 5/(6 - nu), or 5/6 on a linear wall, if left out. wall "curved" or "linear", as in `Shell`, for stiffness
+    and inertia. The curvature is that of the nodes' normals. plies Layers along the normals of the cells. They fill the
+    wall in proportion to their thicknesses. The wall must be linear, and groups may not have materials. A layer without
+    a lamina has the shell's material. angle_from Reference direction of the plies' angles, projected on the wall;
+    angles are right-handed about the normals. rotation Steady rotation: speed and axis; at rest if left out.
 
     Raises
     ------
     ModelError
-        For a mesh that is not in order, a group it does not have, a support it cannot have.
+        For a faulty mesh, an unknown group, or an impossible support.
 
     Examples
     --------
@@ -132,7 +117,10 @@ class MeshShell(ShellCells):
         return np.asarray(mass_moments(self, directors(self.apart.mesh))[0].sum(axis=(1, 2)) / size)
 
     def weight(self, acceleration: Vector) -> FloatArray:
-        """Forces of gravity and their moments on all dofs of nodes: mass times the fall of all nodes, (nodes, dofs)."""
+        """Nodal forces and moments of gravity on all dofs, (nodes, dofs).
+
+        The mass matrix times a unit-acceleration field of all nodes.
+        """
         mesh = self.apart.mesh
         normals = directors(mesh)
         frames = tangent_frames(normals)
@@ -142,16 +130,16 @@ class MeshShell(ShellCells):
         return joints_of(self.apart, normals, frames).onto_nodes(loads.ravel()).reshape(len(self.mesh.points), -1)
 
     def assembled(self) -> MeshSystem:
-        """Its matrices on the free dofs, at its speed if it rotates."""
+        """The matrices on its free dofs, at its speed of rotation if it has one."""
         system = assemble_mesh_shell(self)
         return system if self.rotation is None else spun(system, self.spin(system, self.rotation), self.rotation.omega)
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
-        """Terms that rotation about an axis adds to its matrices at rest."""
+        """Terms that rotation about an axis adds to the matrices at rest."""
         return mesh_spin(self.turning(at_rest, rotation))
 
     def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:
-        """Its centrifugal load about an axis, and the terms that rotation adds to modes."""
+        """Centrifugal load about an axis, and the terms that rotation adds to modes."""
         from casingfem.structure.imported.shell_spin import shell_inertia, shell_stiffening
 
         inertia, stiffening = shell_inertia(self, rotation), partial(shell_stiffening, self)
@@ -178,7 +166,7 @@ def check_layers(shell: MeshShell) -> None:
 
 
 def with_centres(mesh: MeshData) -> MeshData:
-    """Eight-noded cells with a ninth node at the middle by their shape functions; others unchanged."""
+    """Add the ninth node to eight-noded cells, at the middle given by their shape functions; others are unchanged."""
     if mesh.kind != "quad8":
         return mesh
     weights, _ = shape_functions("quad8", np.array([[0.5], [0.5]]))
@@ -192,7 +180,7 @@ def with_centres(mesh: MeshData) -> MeshData:
 
 
 def check_folds(shell: MeshShell) -> None:
-    """Warn of kinks that may be meant as smooth; refuse walls back to back at a node, which no director can follow."""
+    """Warn of kinks that may be meant as smooth; refuse walls folded back at a node, where no director can exist."""
     mesh = shell.apart.mesh
     own = cell_normals(mesh)
     cosine = np.where(own.any(axis=2), np.einsum("ekc,ekc->ek", own, directors(mesh)[mesh.cells]), 1.0).min(axis=1)

@@ -1,12 +1,12 @@
 """Rotation of imported shells: prestress and spin terms in the stiffness of the degenerated shell with tied strains.
 
-With directors n + w - |w|^2 n/2, which keep their length to second order, the covariant strains are those of `tying.py`
-and, to second order in the motion,
+With directors n + w - |w|^2 n/2, whose length is constant to second order, the covariant strains are those of
+`tying.py` plus, to second order in the motion,
 
     e_ab: u,a.u,b/2    chi_ab: sym(u,a.w,b) - |w|^2 (x,a.n,b)/2    gamma_a: u,a.w - |w|^2 (x,a.n)/2
 
-each taken where the linear one is tied. Their bilinear parts about u1 are the linear table with u1 in the place of x
-and w1 in that of n.
+Each is sampled at the tying points of the linear strain. Their bilinear parts about u1 are the linear table with u1
+instead of x and w1 instead of n.
 """
 
 import numpy as np
@@ -32,10 +32,10 @@ PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
 
 
 def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
-    """Inertia of the cells about an axis, that of the directors included.
+    """Inertia of the cells about an axis, including the inertia of the directors.
 
-    The motion u + z d with directors d = w - |w|^2 n/2 and the moments m_p of the wall's mass: the centrifugal force at
-    1 rad/s on d is g = m1 P(x - c) + m2 P n, and the softening has -(n.g) |w|^2 of each node.
+    The motion u + z d with directors d = w - |w|^2 n/2 and the moments m_p of the wall's mass: at 1 rad/s the
+    centrifugal force on d is g = m1 P(x - c) + m2 P n, and each node adds -(n.g) |w|^2 to the softening.
     """
     mesh = shell.apart.mesh
     normals = directors(mesh)
@@ -83,12 +83,12 @@ def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
 
 
 def flat(table: FloatArray) -> FloatArray:
-    """Points and strains as one axis, (cells, q 8, m)."""
+    """Reshape an array so that points and strains are one axis, (cells, q 8, m)."""
     return table.reshape(len(table), -1, table.shape[-1])
 
 
 def geometric(kind: str, pull: FloatArray, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:
-    """Second derivatives of the covariant strains times their stresses `pull` (cells, q, 8), (cells, 5 k, 5 k)."""
+    """Second derivatives of the covariant strains times the stresses `pull` (cells, q, 8), (cells, 5 k, 5 k)."""
     cells, k = x.shape[:2]
     uu, uw = np.zeros((2, cells, k, k))
     ww = np.zeros((cells, k))
@@ -117,13 +117,13 @@ def geometric(kind: str, pull: FloatArray, x: FloatArray, n: FloatArray, e: Floa
 
 
 def sym(one: FloatArray, other: FloatArray, *, twice: bool) -> FloatArray:
-    """N,a N,b of each place, (places, k, k), and its transpose with it where a and b differ."""
+    """Products N,a N,b at each point, (places, k, k); if a and b differ, plus the transpose."""
     outer = np.einsum("it,jt->tij", one, other)
     return np.asarray(outer + outer.transpose(0, 2, 1) if twice else outer)
 
 
 def placed(uu: FloatArray, uw: FloatArray, ww: FloatArray, e: FloatArray) -> FloatArray:
-    """Scalar matrices on u.u, u.w (cells, k, k) and w.w of a node (cells, k) as matrices on the dofs."""
+    """Scalar matrices of u.u, u.w (cells, k, k) and of a node's w.w (cells, k), expanded to the dofs."""
     cells, k = ww.shape
     matrices = np.zeros((cells, k, DOFS, k, DOFS))
     for i in range(3):

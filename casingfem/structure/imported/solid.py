@@ -29,24 +29,15 @@ from contact.io.brief import brief
 class Solid(SolidCells):
     """An elastic solid on an imported mesh.
 
-    Parameters
-    ----------
-    mesh
-        Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27, bricks with others that collapse
-        among them (`read_mesh`).
-    material
-        Of all cells that `materials` does not name.
-    materials
-        Group of cells -> material.
-    supports
-        Group -> `Clamped`, `Fixed`, or `ElasticEdge(k_face=...)`, a foundation [N/m^3] on the group's facets.
-    rotation
-        Steady rotation: speed and axis; at rest if left out.
+    Parameters ---------- mesh Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27. Bricks may
+    include collapsed ones (`read_mesh`). material Material of all cells that `materials` does not name. materials Group
+    of cells -> material. supports Group -> `Clamped`, `Fixed`, or `ElasticEdge(k_face=...)`, a foundation [N/m^3] on
+    the group's facets. rotation Steady rotation: speed and axis; at rest if left out.
 
     Raises
     ------
     ModelError
-        For a mesh that is not in order, a group it does not have, or a support that solids cannot have.
+        For a faulty mesh, an unknown group, or a support that solids cannot have.
 
     Examples
     --------
@@ -76,18 +67,18 @@ class Solid(SolidCells):
         return np.asarray(self.constants()[2])
 
     def assembled(self) -> MeshSystem:
-        """Its matrices on the free dofs, at its speed if it rotates."""
+        """The matrices on its free dofs, at its speed of rotation if it has one."""
         system = assemble_solid(self)
         return system if self.rotation is None else spun(system, self.spin(system, self.rotation), self.rotation.omega)
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
-        """Terms that rotation about an axis adds to its matrices at rest."""
+        """Terms that rotation about an axis adds to the matrices at rest."""
         from casingfem.structure.imported.solid_spin import solid_spin
 
         return solid_spin(at_rest, self, rotation)
 
     def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:
-        """Its centrifugal load about an axis, and the terms that rotation adds to modes."""
+        """Centrifugal load about an axis, and the terms that rotation adds to modes."""
         from casingfem.structure.imported.solid_spin import solid_turning
 
         return solid_turning(at_rest, self, rotation)
@@ -100,7 +91,7 @@ class Solid(SolidCells):
         ModelError
             `rotation-none` without a rotation; `static-loose` if the centrifugal force drives a free rigid motion.
         NumericsError
-            If Newton's method does not settle: the part leaves its shape at this speed.
+            If Newton's method does not converge: the part has no steady shape at this speed.
 
         Examples
         --------
@@ -140,7 +131,7 @@ def assemble_solid(solid: Solid) -> MeshSystem:
 
 
 def foundations(solid: Solid) -> list[csc_array]:
-    """Springs of each elastic foundation: int k u.v over the facets of its group."""
+    """Springs of each elastic foundation: integral of k u.v over the facets of its group."""
     size = 3 * len(solid.mesh.points)
     springs = []
     for name, support in solid.supports.items():

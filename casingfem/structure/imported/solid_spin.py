@@ -56,7 +56,7 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
 
 
 def solid_turning(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> MeshTurning:
-    """A solid assembled at rest and an axis."""
+    """The turning of a solid: its system at rest, and an axis."""
 
     def steady(fields: FloatArray) -> Callable[[float], csc_array]:
         return lambda omega: steady_state(system, solid, rotation.at(omega), omega**2 * fields).stiffness
@@ -83,7 +83,9 @@ def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:
 
 
 class Batch(NamedTuple):
-    """Cells of one kind at their quadrature points: rows of the mesh, nodes (cells, k), which of the cell's they are.
+    """Cells of one kind at their quadrature points.
+
+    Rows of the mesh, their nodes (cells, k), and positions of these in the cell.
 
     dN/dx `slopes` (cells, q, 3, nodes), du_k/dx_i `gradient` (cells, q, 3 k, 3 i), weights (cells, q, 1), elasticity
     (cells, 1, 6, 6).
@@ -98,7 +100,7 @@ class Batch(NamedTuple):
     D: FloatArray
 
     def add(self, total: FloatArray, matrices: FloatArray) -> None:
-        """Put matrices of the cells into those of all, (cells, m, m)."""
+        """Add matrices of the cells to the matrices of all cells, (cells, m, m)."""
         put(total, self.rows, self.slots, matrices, 3)
 
 
@@ -117,9 +119,9 @@ def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
 
 
 def geometric(slopes: FloatArray, stress: FloatArray) -> FloatArray:
-    """Int stress_ij dN_a/dx_i dN_b/dx_j of cells, the same in each direction, (cells, 3 nodes, 3 nodes).
+    """Integral of stress_ij dN_a/dx_i dN_b/dx_j over cells, the same in each direction, (cells, 3 nodes, 3 nodes).
 
-    Stress by `VOIGT` with the weights of the quadrature, (cells, q, 6).
+    `stress`, in the order of `VOIGT`, is multiplied by the quadrature weights, (cells, q, 6).
     """
     tensor = np.zeros((*stress.shape[:2], 3, 3))
     for k, (i, j) in enumerate(VOIGT):
@@ -130,7 +132,7 @@ def geometric(slopes: FloatArray, stress: FloatArray) -> FloatArray:
 
 
 def products(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Sum over points and strains of left^T right: tables (cells, q, 6, m) -> (cells, m, m)."""
+    """Sum of left^T right over points and strains: tables (cells, q, 6, m) -> (cells, m, m)."""
     cells, _, _, m = left.shape
     return np.asarray(left.reshape(cells, -1, m).transpose(0, 2, 1) @ right.reshape(cells, -1, m))
 
@@ -155,7 +157,7 @@ def solid_stiffening(solid: SolidCells, fields: FloatArray) -> Stiffening:
 
 
 class SteadyState(NamedTuple):
-    """Displacements [m], (nodes, 3), and the tangent stiffness less that at rest, spin softening included."""
+    """Displacements [m], (nodes, 3), and the tangent stiffness minus that at rest; spin softening is included."""
 
     fields: FloatArray
     stiffness: csc_array
@@ -164,12 +166,12 @@ class SteadyState(NamedTuple):
 def steady_state(system: MeshSystem, solid: SolidCells, rotation: Rotation, start: FloatArray) -> SteadyState:
     """The steady state at a speed, by Newton's method on the deformed shape.
 
-    `start`: displacements to begin with, (nodes, 3).
+    `start` are initial displacements, (nodes, 3).
 
     Raises
     ------
     NumericsError
-        If Newton's method does not settle: the part leaves its shape at this speed.
+        If Newton's method does not converge: the part has no steady shape at this speed.
     """
     mesh, omega = solid.mesh, rotation.omega
     rows, size = cell_dofs(mesh.cells, 3), 3 * len(mesh.points)

@@ -5,9 +5,9 @@ In the rotating frame, with Green's strain E(u) = e(u) + e2(u, u)/2, e2(u, v) = 
     v K1 v = int [sigma1 : grad v^T grad v + 2 e(v) : C : e2(u1, v)] - v S v,   v K2 v = int e2(u1, v) : C : e2(u1, v)
     v S v = int rho |P v|^2,   v' G v = 2 int rho v'.(a x v),   K u1 = f,   f(v) = int rho P(x - c).v
 
-as for the shells on charts (`shell/prestress.py`); those of an imported shell are in `shell_spin.py`. Where the
-quadratic strains of Omega^2 u1 pass `LARGE` of the linear ones, the steady state of a solid is found on the deformed
-shape instead (`solid_spin.py`), and K(Omega) is its tangent. What hangs on a part turns with it
+as for shells on charts (`shell/prestress.py`). The terms of an imported shell are in `shell_spin.py`. If the quadratic
+strains of Omega^2 u1 exceed the part `LARGE` of the linear ones, the steady state of a solid is computed on the
+deformed shape (`solid_spin.py`), and K(Omega) is its tangent. Attached masses rotate with the part
 (`attachments/turning.py`).
 """
 
@@ -39,7 +39,7 @@ FARTHEST = 0.75  # of the squared speed
 
 
 class Inertia(NamedTuple):
-    """Spin softening and centrifugal force at 1 rad/s, and the gyroscopic matrix, of each cell."""
+    """Spin softening and centrifugal force of each cell at 1 rad/s, and its gyroscopic matrix."""
 
     softening: FloatArray  # (cells, m, m)
     gyroscopic: FloatArray  # (cells, m, m)
@@ -47,7 +47,7 @@ class Inertia(NamedTuple):
 
 
 class Stiffening(NamedTuple):
-    """Stiffness that a static state adds to the cells (cells, m, m): to first order, to second, and the strains' ratio.
+    """Stiffness (cells, m, m) that a static state adds, to first and to second order, and the ratio of strains.
 
     `ratio`: root of the energy of the quadratic strains over that of the linear ones.
     """
@@ -70,7 +70,7 @@ class MeshSpin(Spin):
     steady: Callable[[float], csc_array] | None = None
 
     def stiffness(self, omega: float) -> csc_array:
-        """Addition to K at rest at a speed [rad/s]; for a solid in fast rotation, that of its steady state."""
+        """Addition to K at rest at a speed [rad/s]; for a solid in fast rotation, the addition of its steady state."""
         if self.steady is not None and omega**2 * self.nonlinear > LARGE:
             return self.steady(omega)
         return super().stiffness(omega)
@@ -78,20 +78,20 @@ class MeshSpin(Spin):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshTurning:
-    """A part at rest and an axis: its centrifugal load, and the terms of rotation once the static response is known.
+    """A part at rest and an axis: its centrifugal load, and the terms of rotation computed from the static response.
 
     Attributes
     ----------
     system
         The part assembled at rest.
     rotation
-        Axis, and the speed of the modes that a basis keeps.
+        Axis, and the speed at which a basis computes its modes.
     inertia
-        Of the cells about the axis.
+        Inertia of the cells about the axis.
     stiffening
-        Nodal fields (nodes, dofs) -> what their stress and strain add to the stiffness of the cells.
+        Nodal fields (nodes, dofs) -> stiffness that their stress and strain add to the cells.
     steady
-        Fields at 1 rad/s -> what the steady state on the deformed shape adds at a speed; None for shells.
+        Fields at 1 rad/s -> stiffness that the steady state on the deformed shape adds at a speed; None for shells.
     """
 
     system: MeshSystem
@@ -107,13 +107,13 @@ class MeshTurning:
 
     @cached_property
     def extra(self) -> AttachedSpin | None:
-        """Terms of attachments on the part."""
+        """Terms that attachments add to the part."""
         connected = self.system.connected
         return None if connected is None else attached_spin(connected.rows.motions, self.rotation)
 
     @cached_property
     def on_cells(self) -> FloatArray:
-        """Centrifugal force of the cells at 1 rad/s, on the dofs of nodes, or of walls' nodes where walls meet."""
+        """Centrifugal force of the cells at 1 rad/s on the dofs of nodes, or of walls' nodes if walls meet."""
         return summed(self.system, self.inertia.force)
 
     @cached_property
@@ -130,7 +130,7 @@ class MeshTurning:
         return np.asarray(self.force[self.system.free] if connected is None else connected.whole.T @ self.force)
 
     def spin(self, u: FloatArray) -> MeshSpin:
-        """K1, K2, G and the static state, of the static answer u (free,) to the load."""
+        """K1, K2, G and the static state, from the static response u (free,) to the load."""
         system, of, extra, walls = self.system, self.inertia, self.extra, self.system.walls
         fields = system.expand(u[:, None])[:, :, 0]
         of_cells = fields if walls is None else walls.joints.of_walls(fields)
@@ -151,15 +151,15 @@ class MeshTurning:
         )  # fmt: skip
 
     def products(self, u: FloatArray) -> Products:
-        """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load.
+        """Products of G, K1 and K2 with motions (free, k), from the static response u (free,) to the load.
 
-        Where the steady shape matters at the speed of the rotation, K1 and K2 are those of the parabola in Omega^2
-        through its stiffness there and at squares `aside` lower and higher.
+        If the steady shape matters at the speed of the rotation, K1 and K2 are the coefficients of a parabola in
+        Omega^2. It passes through the stiffness at the speed and at squares `aside` lower and higher.
 
         Warns
         -----
         ModelWarning
-            `reduce-steady`: the speeds between which this holds.
+            `reduce-steady`, with the range of speeds in which this is valid.
         """
         added, square = self.spin(u), self.rotation.omega**2
         if added.steady is None or square * added.nonlinear <= LARGE:
@@ -175,7 +175,7 @@ class MeshTurning:
 
 
 def aside(ratio: float) -> float:
-    """Part of the squared speed within which a parabola gives the frequencies to `WITHIN`, of quadratic strains.
+    """Part of the squared speed in which a parabola gives frequencies to `WITHIN`, from the quadratic strains.
 
     >>> [round(aside(ratio), 2) for ratio in (0.01, 0.076, 0.955)]
     [0.75, 0.71, 0.31]
@@ -195,17 +195,17 @@ def mesh_spin(turning: MeshTurning) -> MeshSpin:
 
 
 def sums(system: MeshSystem, matrices: FloatArray) -> csc_array:
-    """Matrices of the cells on the dofs of nodes, or of walls' nodes where walls meet."""
+    """Matrices of the cells, summed on the dofs of nodes, or of walls' nodes if walls meet."""
     return scatter(matrices, *numbered(system))
 
 
 def summed(system: MeshSystem, forces: FloatArray) -> FloatArray:
-    """Forces of the cells on the dofs of nodes, or of walls' nodes where walls meet."""
+    """Forces of the cells, summed on the dofs of nodes, or of walls' nodes if walls meet."""
     return scatter_forces(forces, *numbered(system))
 
 
 def numbered(system: MeshSystem) -> tuple[IntArray, int]:
-    """Dofs of the cells, of nodes or of walls' nodes where walls meet, (cells, m), and how many there are."""
+    """Dofs of the cells, of nodes or of walls' nodes if walls meet, (cells, m), and the number of dofs."""
     cells, dofs, count = system.structure.mesh.cells, system.dofs, len(system.points)
     if system.walls is not None:
         cells, dofs, count = system.walls.joints.cells, WALL, len(system.walls.joints.nodes)
@@ -213,7 +213,7 @@ def numbered(system: MeshSystem) -> tuple[IntArray, int]:
 
 
 def reduced(system: MeshSystem, A: csc_array) -> csc_array:
-    """A matrix on all motions on the unknowns."""
+    """A matrix on all motions, reduced to the unknowns."""
     if system.connected is None:
         return csc_array(A[:, system.free][system.free])
     T = system.connected.whole
@@ -223,7 +223,7 @@ def reduced(system: MeshSystem, A: csc_array) -> csc_array:
 def tied_solution(
     system: MeshSystem, K: csc_array, force: FloatArray, solve: Callable[[csc_array, FloatArray], FloatArray]
 ) -> FloatArray:
-    """K u = f on the free dofs, among the motions that the system admits."""
+    """Solution of K u = f on the free dofs, restricted to the motions that the system allows."""
     if system.tie is None:
         return solve(K, force)
     T = system.tie
@@ -231,5 +231,5 @@ def tied_solution(
 
 
 def spun(system: MeshSystem, added: MeshSpin, omega: float) -> MeshSystem:
-    """A system at rest with the stiffness of a speed."""
+    """A system at rest with the stiffness at a speed added."""
     return replace(system, K=csc_array(system.K + added.stiffness(omega)))

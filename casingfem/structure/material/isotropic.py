@@ -19,7 +19,7 @@ class Material:
     Raises
     ------
     ModelError
-        If E or rho is not positive, or beyond what floats can represent, or nu lies outside (-1, 0.5).
+        If E or rho is not positive or too large for a float, or nu is outside (-1, 0.5).
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Material:
         return self.E / (2.0 * (1.0 + self.nu))
 
     def plane_stress(self) -> Array:
-        """Plane-stress stiffness on (eps_11, eps_22, 2 eps_12) [Pa], shape (3, 3).
+        """Plane-stress stiffness from (eps_11, eps_22, 2 eps_12) to stress [Pa], shape (3, 3).
 
         C = E / (1 - nu^2) [[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu)/2]]
         """

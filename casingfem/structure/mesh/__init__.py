@@ -1,1 +1,1 @@
-"""Division of a surface: p-elements, their numbering, strains and places on it."""
+"""Mesh of a surface: p-elements, their numbering, strains, and interpolation at any point."""

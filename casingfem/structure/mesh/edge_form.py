@@ -1,9 +1,9 @@
-"""Springs, beams and masses on an edge, as one kind of quadratic form.
+"""Springs, beams and masses on an edge, all as quadratic forms of one kind.
 
     2 energy = sum_q (B_q x_q)^T D_q (B_q x_q),   x_q the dofs numbered dofs[q]
 
-Assembly takes its matrices, sensitivities its products with modes; both are analytic in B and D, so complex steps
-pass. Supports see an edge as an `EdgeLine` and answer with `PointSprings`.
+Assembly uses its matrix; sensitivities use its products with modes. Both are analytic in B and D, so complex steps can
+be used. A support gets an edge as an `EdgeLine` and returns `PointSprings`.
 """
 
 from collections.abc import Callable
@@ -36,17 +36,17 @@ class EdgeForm(NamedTuple):
         return np.asarray(strain.reshape(-1, columns).T @ stress.reshape(-1, columns))
 
     def matrix(self, size: int) -> csc_array:
-        """The symmetric matrix A over `size` dofs."""
+        """The symmetric matrix A on `size` dofs."""
         local = np.matmul(self.B.transpose(0, 2, 1), np.matmul(self.D, self.B))
         i, j = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None, :])
         return coo_array((local.ravel(), (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
 
 
 class LineFrame(NamedTuple):
-    """An edge at places (q,): chart parameters, unit vectors (3, 3, q), thickness, length per parameter.
+    """An edge at points (q,): chart parameters, unit vectors (3, 3, q), thickness, length per parameter.
 
-    `tangents` are those of the rotations (3, 2, q); `bend` is the curvature along the edge (q,) [1/m], counted as the
-    wall's kind counts it: 0 for a linear one.
+    `tangents` (3, 2, q) are the axes of the rotations. `bend` is the curvature along the edge (q,) [1/m], 0 for a
+    linear wall.
     """
 
     a: Array
@@ -59,10 +59,10 @@ class LineFrame(NamedTuple):
 
 
 class EdgeLine(NamedTuple):
-    """An edge as its supports see it, along its own parameter (an angle on a casing).
+    """An edge as its supports need it, along its own parameter (an angle on a casing).
 
     `nodes`, `weights` and `nodal` belong to the Lobatto points of its elements (q,): a node between two elements
-    is there twice, once for each side. `breaks` are the elements' ends; `frame(x)` is the `LineFrame` at places x,
+    appears twice, once for each. `breaks` are the elements' ends. `frame(x)` is the `LineFrame` at points x.
     `interpolate(x)` gives node numbers and values, each (q, order + 1).
     """
 
@@ -77,10 +77,10 @@ class EdgeLine(NamedTuple):
 
 
 class PointSprings(NamedTuple):
-    """Springs at points of an edge, weights of integration included.
+    """Springs at points of an edge, multiplied by the integration weights.
 
-    They act on what `values` (q, m) interpolate from `nodes` (q, m): blocks (q, 3, 3) [N/m] on the displacement,
-    rotation (q,) [N m] on the rotations of the normal, coupling (q, 3, 2) [N] between the two.
+    They act on motions that `values` (q, m) interpolate from `nodes` (q, m). `blocks` (q, 3, 3) [N/m] act on the
+    displacement, `rotation` (q,) [N m] on the rotations of the normal. `coupling` (q, 3, 2) [N] is between the two.
     """
 
     nodes: IntArray
@@ -92,11 +92,11 @@ class PointSprings(NamedTuple):
 
 @runtime_checkable
 class Sprung(Protocol):
-    """A support that adds springs; any object with these two will do."""
+    """Interface of a support that adds springs; any object with these two members can be used."""
 
     @property
     def uniform(self) -> bool:
-        """Whether the springs are the same all along the edge."""
+        """Whether the springs are the same along the whole edge."""
 
     def springs(self, line: EdgeLine) -> PointSprings:
         """The springs on an edge."""
@@ -104,13 +104,13 @@ class Sprung(Protocol):
 
 @runtime_checkable
 class Numbered(Sprung, Protocol):
-    """A sprung support that knows its own numbers by path, for updating; KeyError where it has none."""
+    """Interface of a support whose numbers an update can vary by path; KeyError for an unknown path."""
 
     def number(self, path: tuple[str, ...]) -> Any:
         """The number at a path."""
 
     def with_number(self, path: tuple[str, ...], value: Any) -> Self:
-        """The same support with that number replaced."""
+        """The same support with the number at a path replaced."""
 
 
 def spring_form(springs: PointSprings) -> EdgeForm:
@@ -137,12 +137,12 @@ def places_of(nodes: IntArray, numbers: IntArray) -> IntArray:
 
 
 def single_place(at: LineFrame) -> EdgeLine:
-    """An edge at theta = 0 only, per unit angle, for one harmonic of a perfect casing."""
+    """An edge with the single point theta = 0, per unit angle, for one harmonic of a perfect casing."""
     node, whole = np.zeros(1, dtype=np.int64), np.ones(1)
     alone = node[:, None], whole[:, None]
     return EdgeLine(node, whole, at, np.zeros(1), order=0, closed=True, frame=lambda x: at, interpolate=lambda x: alone)
 
 
 def along_springs(stiffness: Array, directions: Array) -> Array:
-    """Blocks (..., 3, 3) of springs (k_r, k_theta, k_z) (3, ...) along directions (3, 3, ...)."""
+    """Blocks (..., 3, 3) of springs (k_r, k_theta, k_z) (3, ...) along the directions (3, 3, ...)."""
     return np.asarray(np.einsum("k...,ki...,kj...->...ij", stiffness, directions, directions))

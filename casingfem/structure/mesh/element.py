@@ -1,7 +1,7 @@
 """Spectral quadrilateral: nodal Lagrange element of order p on Gauss-Lobatto-Legendre points.
 
-The nodes double as a quadrature rule of degree 2p - 1, which makes the mass matrix diagonal; the nodal
-values make edges, supports and probes a matter of picking dofs.
+The nodes are also the points of a quadrature rule of degree 2p - 1, so the mass matrix is diagonal. Edges, supports and
+probes select nodal dofs.
 """
 
 from functools import cache
@@ -73,7 +73,7 @@ def lagrange(order: int, x: Array) -> tuple[Array, Array]:
 
 @cache
 def _from_legendre(order: int) -> tuple[FloatArray, FloatArray]:
-    """Matrices from Legendre to Lagrange polynomials, and of slopes, (order + 1, order + 1) each."""
+    """Matrices from Legendre to Lagrange polynomials, and to their slopes, (order + 1, order + 1) each."""
     vandermonde = legendre.legvander(2.0 * lobatto(order)[0] - 1.0, order)
     slopes = [np.pad(legendre.legder(row), (0, 1)) for row in np.eye(order + 1)]
     return np.asarray(np.linalg.inv(vandermonde), np.float64), np.array(slopes, np.float64).T
@@ -82,7 +82,7 @@ def _from_legendre(order: int) -> tuple[FloatArray, FloatArray]:
 class ElementQuadLobatto(ElementH1):  # type: ignore[misc]
     """Nodal quadrilateral of order p on Lobatto points, for tensor meshes of scikit-fem.
 
-    Neighbours agree because every element of a tensor mesh sees its facets in the same direction.
+    Neighbours match because all elements of a tensor mesh have the same orientation.
 
     >>> len(ElementQuadLobatto(3).doflocs)
     16

@@ -1,9 +1,9 @@
 """Quadratic forms on the jets of a displacement -> element matrices -> matrices on the free dofs, in nodal frames.
 
 The jet of U at a point is (U, d_1 U, d_2 U). With functions f_a(x) f_b(y) on a tensor of points, a form H on the jets
-is summed over the points of one direction, then over those of the other: (p + 1)^5 operations for each couple of dofs
-where sums over all points at once take (p + 1)^6 (sum factorisation: S.A. Orszag, J. Comput. Phys. 37, 1980, 70).
-Forms are symmetric: of the second direction couples of functions are summed once.
+is summed over the points of one direction, then over those of the other. This takes (p + 1)^5 operations for each pair
+of dofs; sums over all points at once take (p + 1)^6 (sum factorisation: S.A. Orszag, J. Comput. Phys. 37, 1980, 70).
+Forms are symmetric, so each pair of functions of the second direction is summed once.
 """
 
 from collections.abc import Sequence
@@ -26,11 +26,11 @@ SLOTS = ((slice(0, 2), 2), (slice(2, 3), 1))  # of a jet: those with f, with f' 
 
 @cache
 def products(order: int) -> tuple[tuple[FloatArray, ...], FloatArray, IntArray]:
-    """Products of two functions of one direction at its points, and where those of two directions are.
+    """Products of two functions of one direction at its points, and the positions of the products of both.
 
-    Of the first direction for each couple of parts of `SLOTS`, ((a, b), (slots, slots, points)); of the second one, for
-    a <= b alone, ((a, b), (parts, parts, points)); and for each entry of an element's matrix its number among all
-    (couple of the second direction, couple of the first, dof, dof), (functions 5 functions 5,).
+    First direction: each pair of parts of `SLOTS`, ((a, b), (slots, slots, points)). Second direction: only a <= b,
+    ((a, b), (parts, parts, points)). The last array (functions 5 functions 5,) gives, for each entry of an element's
+    matrix, its number among all (pair of the second direction, pair of the first, dof, dof).
     """
     n = order + 1
     f = np.stack(lagrange(order, gauss(n)[0]))
@@ -110,10 +110,10 @@ def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> Non
 
 
 def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
-    """Express symmetric element matrices in rotations that take displacements with them, in place.
+    """Express symmetric element matrices in rotations that also displace the nodes, in place.
 
-    `shift` (elements, functions, 5, 5) contains what a node's rotation adds to its displacements. K R is (R^T K)^T:
-    both products are of rows, which are contiguous.
+    `shift` (elements, functions, 5, 5) is the displacement due to a node's rotation. K R is computed as (R^T K)^T, so
+    both products are of contiguous rows.
     """
     nodal = np.ascontiguousarray(shift[:, :, :3, 3:].swapaxes(2, 3))
     for K, node in zip(matrices, nodal, strict=True):
@@ -126,9 +126,9 @@ def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
 def element_sum(
     matrices: FloatArray, grid: Grid, frames: FloatArray, free: IntArray, forms: Sequence[EdgeForm] = ()
 ) -> ElementSum:
-    """Element matrices (elements, 5 functions, 5 functions), rotated in place, and edge terms, on free dofs.
+    """Sum of element matrices (elements, 5 functions, 5 functions), rotated in place, and edge terms, on the free dofs.
 
-    Beyond the dofs of the nodes forms may have their own.
+    Forms may have dofs of their own after those of the nodes.
     """
     rotate_elements(matrices, grid, frames)
     number = np.full(max(len(frames) * DOFS, int(free.max(initial=0)) + 1), len(free))
@@ -139,7 +139,10 @@ def element_sum(
 
 
 def edge_elements(form: EdgeForm, frames: FloatArray, number: IntArray) -> Elements:
-    """Edge forms as elements, one for all points on the same dofs; `number` is a dof's index among the free ones."""
+    """Edge forms as elements, one for all points with the same dofs.
+
+    `number` maps a dof to its index among the free ones.
+    """
     dofs, of = np.unique(form.dofs, axis=0, return_inverse=True)
     B = form.B
     if np.any(frames != np.eye(DOFS)):
@@ -154,7 +157,7 @@ def edge_elements(form: EdgeForm, frames: FloatArray, number: IntArray) -> Eleme
 
 
 def scatter_blocks(blocks: FloatArray, frames: FloatArray, free: IntArray) -> csc_array:
-    """Blocks of each node on its own five dofs (nodes, 5, 5), on the free dofs."""
+    """Blocks (nodes, 5, 5) on each node's five dofs, as a matrix on the free dofs."""
     turned = np.einsum("nji,njk,nkl->nil", frames, blocks, frames, optimize=True)
     nodes = np.arange(len(frames) + 1)
     size = len(frames) * DOFS

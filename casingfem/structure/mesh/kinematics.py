@@ -8,7 +8,7 @@ w = w1 e1 + w2 e2 of the normal, the strains are (Chapelle & Bathe, The Finite E
     eps_ij = sym(e_i . D_j u),   chi_ij = sym(e_i . D_j w + D_i a3 . D_j u),   gamma_i = w_i + a3 . D_i u.
 
 They are linear in (U, d_1 U, d_2 U), U = (u, w1, w2): `strain_slots` returns the coefficients, which depend
-on the chart alone. Everything is analytic in its input, so complex-step derivatives pass through.
+on the chart alone. All functions are analytic in their input, so complex-step derivatives can be used.
 """
 
 from typing import NamedTuple
@@ -32,7 +32,7 @@ class Frame(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """Derivatives along the tangent frame: D_i = D[i, alpha] d_alpha, D_i a3 and e1 . D_i e2.
+    """Derivatives along the tangent frame: D_i = D[i, alpha] d_alpha, D_i a3, and e1 . D_i e2.
 
     `D` is (2, 2, ...), `normal` (2, 3, ...), `turn` (2, ...).
     """
@@ -58,7 +58,7 @@ def frame(surface: Surface) -> Frame:
 
 
 def tangent_rates(surface: Surface) -> Rates:
-    """Frame of a surface, its physical derivatives, and how frame and normal turn along them."""
+    """Frame of a surface, its physical derivatives, and the derivatives of frame and normal."""
     basis = frame(surface)
     e = (basis.e1, basis.e2)
     # A = [[a1.e1, 0], [a2.e1, a2.e2]] because e1 is along a1; D[i, alpha] is its inverse

@@ -1,4 +1,4 @@
-"""Values of nodal fields at any place of a shell, and their Fourier amplitudes on rings of nodes around it."""
+"""Values of nodal fields at any point of a shell, and their Fourier amplitudes on circumferential rings of nodes."""
 
 from collections.abc import Callable
 
@@ -31,7 +31,7 @@ def place_jets(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, Floa
     Raises
     ------
     ValueError
-        If a place lies off the surface.
+        If a point is outside the surface.
     """
     place = np.stack([np.atleast_1d(np.asarray(a, dtype=float)), np.atleast_1d(np.asarray(b, dtype=float))])
     lines = [np.append(np.unique(low), (low + size).max()) for low, size in zip(grid.corner, grid.size, strict=True)]
@@ -59,7 +59,7 @@ def ring_transform(
 ) -> tuple[IntArray, Array]:
     """Ring nodes (rings, around) sorted by angle, and the transform (n_max + 1, around) to Fourier amplitudes.
 
-    `places` gives the second parameter at angles around, where these are not the same.
+    `places` maps angles to the second parameter if the two differ.
     """
     z, theta = grid.nodes
     edge = next(name for name, (held, _) in chart.edges.items() if held == 0)

@@ -23,9 +23,9 @@ LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
 class ShellMesh:
     """Mesh of a shell: polynomial order, rows along the first parameter, elements along the second.
 
-    `rows` is a number of equal rows, or the break points from 0 to 1 (graded towards edges, for example).
-    Around a casing take more elements than the largest nodal diameter of interest divided by p/4, an odd
-    number for a perfect casing, a multiple of the bolt count when there are bolts.
+    `rows` is a number of equal rows, or the break points from 0 to 1 (for example graded towards edges). Around a
+    casing use more elements than 4/p times the largest nodal diameter of interest. The number should be odd for a
+    perfect casing, and a multiple of the bolt count for a bolted one.
 
     >>> ShellMesh()
     ShellMesh(order=8, rows=1, around=21)
@@ -63,10 +63,11 @@ class ShellMesh:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Edge:
-    """The nodes along one edge, with the parameters and quadrature weights of its Lobatto rule.
+    """The nodes along one edge, with the parameters and quadrature weights of their Lobatto rule.
 
-    A node shared by two elements is there once, its weights added; `weights` are in parameter units. Element by
-    element: `parts` places their nodes in `nodes`, `shares` are their weights, each (elements of the edge, order + 1).
+    A node shared by two elements appears once, with the sum of its weights. `weights` are in parameter units. For each
+    element, `parts` are the positions of its nodes in `nodes`, and `shares` their weights, each (elements of the edge,
+    order + 1).
     """
 
     nodes: IntArray
@@ -78,7 +79,7 @@ class Edge:
     __repr__ = brief
 
     def arc(self, surface: Surface) -> Array:
-        """Length of edge that the rule gives each node, for the surface at its nodes, (nodes,) [m]."""
+        """Length of edge [m] that the quadrature rule assigns to each node, (nodes,), for the surface at the nodes."""
         tangent = surface.x2 if self.along == 1 else surface.x1
         return np.asarray(np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * self.weights)
 
@@ -132,14 +133,14 @@ class Grid:
 
 
 def tensor_rule(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gauss points of one direction, and the points (2, n^2) and weights (n^2,) of the square."""
+    """Gauss points of one direction, and the points (2, n^2) and weights (n^2,) of the rule on the square."""
     x, w = gauss(order + 1)
     return x, np.stack([np.repeat(x, len(x)), np.tile(x, len(x))]), np.outer(w, w).ravel()
 
 
 @cache
 def unit_basis(order: int, rows: int, around: int) -> tuple[FloatArray, IntArray]:
-    """Node places in element units, (2, nodes), and element nodes, from scikit-fem's dof numbering."""
+    """Node positions in element units, (2, nodes), and element nodes, from scikit-fem's dof numbering."""
     u, v = np.meshgrid(np.arange(rows + 1.0), np.arange(around + 1.0), indexing="ij")
     number = np.arange(u.size).reshape(u.shape)
     corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
@@ -174,7 +175,10 @@ def find_edge(places: FloatArray, held: int, value: float, spans: FloatArray, or
 
 
 def make_grid(chart: Chart, mesh: ShellMesh, stations: Mapping[str, float] | None = None) -> Grid:
-    """Lay a mesh over a chart; `stations` are lines between the edges by name, found among `Grid.edges` too."""
+    """Make the grid of a mesh on a chart.
+
+    `stations` are named lines between the edges, which `Grid.edges` contains too.
+    """
     (a0, a1), (b0, b1) = chart.bounds
     lines = (a0 + (a1 - a0) * mesh.breaks, np.linspace(b0, b1, mesh.around + 1))
     rows = len(lines[0]) - 1
@@ -208,7 +212,7 @@ def make_grid(chart: Chart, mesh: ShellMesh, stations: Mapping[str, float] | Non
 
 
 def quads(grid: Grid) -> IntArray:
-    """Every element of order p as p x p four-noded quadrilaterals on its own nodes, (elements p^2, 4)."""
+    """Every element of order p as p x p four-noded quadrilaterals on the element's nodes, (elements p^2, 4)."""
     order = grid.mesh.order
     place = np.empty((order + 1, order + 1), dtype=np.int64)  # function number at each lattice point of an element
     place[tuple(ElementQuadLobatto(order).pairs.T)] = np.arange((order + 1) ** 2)
@@ -217,7 +221,7 @@ def quads(grid: Grid) -> IntArray:
 
 
 def edge_breaks(grid: Grid, edge: str) -> Array:
-    """Ends of the elements along an edge, in its parameter; a closed edge ends a turn after its start."""
+    """Ends of the elements along an edge, in its parameter; a closed edge ends one turn after its start."""
     places: Array = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
     if grid.periodic:
         places = np.append(places, places[0] + 2.0 * np.pi)
@@ -227,7 +231,7 @@ def edge_breaks(grid: Grid, edge: str) -> Array:
 def rim_values(grid: Grid, edge: str, along: Array) -> tuple[IntArray, Array]:
     """Interpolate nodal values along an edge: node numbers and weights, each (points, order + 1).
 
-    Only the nodes of the edge itself take part: a Lagrange polynomial of order p on each element.
+    Only nodes of the edge are used, with a Lagrange polynomial of order p on each element.
     """
     order = grid.mesh.order
     nodes = grid.edges[edge].nodes

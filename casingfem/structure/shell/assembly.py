@@ -3,11 +3,12 @@
     a(U, V) = int E(U) : D : E(V) J,  m(U, V) = int [m0 u.v + m1 (u.y + v.w) + m2 w.y] J,  U = (u, w), V = (v, y)
 
 E are the eight strains eps, chi, gamma (`mesh.kinematics`); the section stiffness D and the inertia m0, m1, m2 are
-those of the wall (`wall`): on a flat one t C on eps, t^3/12 C on chi, k G t on gamma, rho t, 0 and rho t^3/12.
+those of the wall (`wall`): for a flat wall D is t C on eps, t^3/12 C on chi and k G t on gamma; the inertia is rho t, 0
+and rho t^3/12.
 
 Element stiffness is a form on the jets of (u, w) at the quadrature points (`mesh.jet_form`). The mass uses the Lobatto
 rule whose points are the nodes: M is a block for each node, and diagonal in dofs that `nodal_mass.diagonal_frames`
-names. Element matrices are turned into these dofs, and into the frames of edges that fix some; fixed dofs go.
+names. Element matrices are rotated to these dofs, and to the frames of edges that fix some. Fixed dofs are removed.
 """
 
 from dataclasses import replace
@@ -46,7 +47,7 @@ def wall_form(shell: ShellParts, geometry: ShellGeometry, measure: FloatArray) -
 
 
 def edge_rotation(shell: ShellParts, parameters: FloatArray, along: int) -> Array:
-    """Frame of an edge at parameters (2, nodes), as columns on the five dofs of a node, (nodes, 5, 5).
+    """Frame of an edge at parameters (2, nodes): columns on the five dofs of a node, (nodes, 5, 5).
 
     Displacements across, along and normal to the edge; rotations of the normal across and along it.
     """
@@ -77,8 +78,8 @@ def held_frames(shell: ShellParts, grid: Grid) -> dict[str, Array]:
 def admitted(shell: ShellParts, grid: Grid, fields: FloatArray) -> Array:
     """Nodal fields (nodes, 5, k) without directions A that the edges fix: P = I - A (A^T A)^-1 A^T.
 
-    Analytic in the shell: a small change of the surface turns the directions that a diaphragm fixes, and the modes of
-    the unchanged shell with them.
+    The function is analytic in the shell. A small change of the surface rotates the directions that a diaphragm fixes,
+    and rotates the modes of the unchanged shell with them.
     """
     directions: dict[int, list[Array]] = {}
     changed = fields
@@ -96,7 +97,7 @@ def admitted(shell: ShellParts, grid: Grid, fields: FloatArray) -> Array:
 
 
 def independent(directions: Array) -> Array:
-    """As many of the columns (5, k) as their span needs."""
+    """The smallest number of columns (5, k) with the same span."""
     _, R, order = qr(np.real(directions), pivoting=True)
     return np.asarray(directions[:, order[: np.count_nonzero(np.abs(np.diag(R)) > 1e-6)]])
 
@@ -134,9 +135,11 @@ def on_free(forms: list[EdgeForm], frames: FloatArray, free: IntArray, own: int)
 
 
 def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
-    """Frame (5, 5) whose first columns span the fixed directions (5, k) of several edges, and which are fixed (5,).
+    """Frame (5, 5) whose first columns span the fixed directions (5, k) of several edges.
 
-    Displacements and rotations stay apart.
+    Which of its columns are fixed, (5,).
+
+    A column has either displacements or rotations.
     """
     turn, held = np.zeros((DOFS, DOFS)), np.zeros(DOFS, dtype=bool)
     for part in (slice(0, 3), slice(3, DOFS)):
@@ -148,7 +151,7 @@ def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
 def assemble(shell: Shell) -> System:
     """Assemble stiffness and lumped mass of a supported shell.
 
-    A rotating shell has the stiffness of its speed (`prestress`): centrifugal tension and spin softening included.
+    A rotating shell has the stiffness at its speed, with centrifugal tension and spin softening (`prestress`).
 
     >>> from casingfem.structure.geometry.chart import Plate
     >>> from casingfem.structure.edge.support import Clamped
@@ -184,5 +187,5 @@ def spin(system: System, rotation: Rotation) -> Spin:
 
 
 def turning(system: System, rotation: Rotation) -> Turning:
-    """A shell assembled at rest and an axis."""
+    """The turning of a shell: its system at rest, and an axis."""
     return Turning(system=system, rotation=rotation, mass=nodal_mass(system.shell, system.grid))

@@ -1,7 +1,8 @@
 """Elimination of tied motions: every dof of a mesh with attachments as a combination of its unknowns.
 
-In addition to the dofs of the nodes (`dofs` each, node by node) there are three rotations for each node with all six
-components: nodes outside all cells, and reference nodes of rigid connections. In a rigid connection
+In addition to the dofs of the nodes (`dofs` each, node by node) there are three rotations for each node that has all
+six components. These are the nodes outside all cells and the reference nodes of rigid connections. In a rigid
+connection
 
     u_j = u + theta x (x_j - x),   w_j = theta x n_j on shells;
 
@@ -65,7 +66,7 @@ class Motions:
         return (int(self.turning[behind // 3]), 3 + behind % 3) if behind >= 0 else divmod(dof, self.dofs)
 
     def row(self, node: int, component: int, where: str) -> dict[int, float]:
-        """One component of a node's motion over the dofs: dof -> coefficient."""
+        """One component of a node's motion as a combination of dofs: dof -> coefficient."""
         if component < 3:
             return {self.dofs * node + component: 1.0}
         if (turn := self.turn(node)) >= 0:
@@ -80,7 +81,7 @@ class Motions:
         return [(a, axis) for a, axis in enumerate(axes) if axis.any()]
 
     def felt(self, mass: PointMass) -> list[dict[int, float]]:
-        """The components of a node's motion on which a mass acts, over the dofs."""
+        """The components of a node's motion to which a mass at the node is connected, as combinations of dofs."""
         return [self.row(mass.node, component, mass.where) for component in range(6 if mass.turns else 3)]
 
     def combined(self, terms: Sequence[Term], where: str) -> dict[int, float]:
@@ -164,7 +165,7 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
 
 
 def tie_director(rows: Rows, node: int, pivot: int, where: str) -> None:
-    """The directors of a shell's node turn with a pivot: w_a = e_a.(theta x n) = theta.(n x e_a)."""
+    """Make the directors of a shell's node follow the rotation of a pivot: w_a = e_a.(theta x n) = theta.(n x e_a)."""
     for a, axis in rows.motions.turns(node):
         of = {pivot + k: float(axis[k]) for k in range(3)}
         rows.add(rows.motions.dofs * node + 3 + a, node, of, where)
@@ -183,7 +184,10 @@ def take_mean(rows: Rows, mean: Mean) -> None:
 
 
 def fitted(motions: Motions, mean: Mean) -> FloatArray:
-    """The six rigid motions that fit those of the nodes best, (6, nodes, 3): (A^T w A)^-1 A^T w with A = [1, -[r]]."""
+    """The six rigid motions that fit the motions of the nodes best, (6, nodes, 3).
+
+    (A^T w A)^-1 A^T w with A = [1, -[r]].
+    """
     mesh = motions.mesh
     arms = mesh.points[mean.nodes] - mesh.points[mean.reference]
     reach = max(float(np.abs(arms).max()), np.finfo(float).tiny)

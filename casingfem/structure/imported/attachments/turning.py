@@ -81,7 +81,7 @@ def arm_stiffness(force: FloatArray, r: FloatArray) -> FloatArray:
 
 
 def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
-    """Stiffness of the forces of connections, on all motions.
+    """Stiffness due to the forces in connections, on all motions.
 
     `residual` is the difference of loads and inner forces for every motion. For a dependent motion it is the force of
     its connection, including the forces of motions that depend on it.

@@ -99,7 +99,7 @@ def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
 
 
 def scatter_forces(forces: FloatArray, rows: IntArray, size: int) -> FloatArray:
-    """Sum forces of cells (cells, m) at the dofs rows (cells, m), (size,)."""
+    """Sum forces of cells (cells, m) into a vector (size,) at the dofs rows (cells, m)."""
     return np.asarray(np.bincount(rows.ravel(), forces.ravel(), size), dtype=float)
 
 
@@ -117,7 +117,7 @@ def symmetric(A: csc_array) -> csc_array:
 
 
 def put(total: FloatArray, rows: IntArray, slots: IntArray, matrices: FloatArray, dofs: int) -> None:
-    """Put matrices of cells with some of the nodes, in their order, into those of all, (cells, m, m)."""
+    """Add matrices of cells with some of the nodes, in their order, to the matrices of all nodes, (cells, m, m)."""
     if dofs * len(slots) == total.shape[1]:
         total[rows] = matrices
         return

@@ -74,7 +74,7 @@ class ShellCells:
 def directors(mesh: MeshData) -> FloatArray:
     """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z for nodes without cells.
 
-    Tied nodes have that of the wall which they follow, from its shape functions.
+    A tied node has the director of the wall that it follows, interpolated by the wall's shape functions.
     """
     if mesh.directors is not None:
         return mesh.directors
@@ -123,7 +123,7 @@ def chunks(mesh: MeshData, numbers: IntArray) -> Iterator[tuple[str, IntArray, I
 def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArray:
     """Resultants of the strains (eps, chi, gamma) in the frame of `tied_strains`, (cells, q or 1, 8, 8).
 
-    For some cells with curvature b (3, cells, q); a linear wall is the same at all points of a cell.
+    For some cells, whose curvature is b (3, cells, q); a linear wall is the same at all points of a cell.
     """
     t, E, nu, _ = shell.walls()[:, part, None]
     usual = 5.0 / (6.0 - nu) if shell.wall == "curved" else 5.0 / 6.0

@@ -50,7 +50,7 @@ def cell_matrices(
 
 
 def cell_stiffness(kind: str, points: FloatArray, cells: IntArray, constants: FloatArray) -> FloatArray:
-    """Stiffness of each cell, (cells, 3 nodes, 3 nodes), from E, nu, rho (3, cells)."""
+    """Stiffness of each cell, (cells, 3 nodes, 3 nodes), from the values E, nu, rho (3, cells)."""
     return cell_matrices(kind, points, cells, lambda on, rows: stiffness(on, constants[:, rows]))[0]
 
 
@@ -71,7 +71,7 @@ def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:
 
 
 def elasticity(constants: FloatArray) -> FloatArray:
-    """Stress of strain in the order of `COMPONENTS`, (cells, 6, 6), from E, nu, rho (3, cells)."""
+    """Stiffness from strain to stress, both in the order of `COMPONENTS`, (cells, 6, 6), from E, nu, rho (3, cells)."""
     E, nu, _ = constants
     mu, lam = E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
     D = np.zeros((len(E), 6, 6))
@@ -83,7 +83,8 @@ def elasticity(constants: FloatArray) -> FloatArray:
 def strain_table(slopes: FloatArray, gradient: FloatArray | None = None) -> FloatArray:
     """Strains, `COMPONENTS`, over the dofs of a cell's nodes, (..., 6, 3 nodes), from dN/dx (..., 3, nodes).
 
-    With a gradient F_ki (..., 3, 3), those of F^T grad v: for Green's strain about F, or for e2(u, v) with F = grad u.
+    With a gradient F_ki (..., 3, 3) the table gives the strains of F^T grad v: for Green's strain about F, or for e2(u,
+    v) with F = grad u.
     """
     *places, _, nodes = slopes.shape
     B = np.zeros((*places, 6, nodes, 3))

@@ -41,7 +41,7 @@ class Fixed:
 
     @property
     def held(self) -> tuple[int, ...]:
-        """Fixed displacements among the dofs of a node."""
+        """Displacements among the dofs of a node that the support fixes."""
         return tuple("xyz".index(direction) for direction in self.directions)
 
 
@@ -64,12 +64,12 @@ Constants = tuple[float, ...]
 
 
 def constants_of(material: Material) -> Constants:
-    """E, nu, rho."""
+    """E, nu and rho of a material."""
     return (material.E, material.nu, material.rho)
 
 
 def by_group(mesh: MeshData, common: Constants, own: Mapping[str, Constants]) -> FloatArray:
-    """Values for each cell (numbers, cells): those of its group, or the common ones.
+    """Values for each cell (numbers, cells): the values of the cell's group, or the common ones.
 
     Raises
     ------

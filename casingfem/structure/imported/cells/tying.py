@@ -27,7 +27,7 @@ THREE = 0.5 + 0.5 * np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6)
 
 
 class Tied(NamedTuple):
-    """Strain rows `made` at the quadrature points: rows `of` at points (2, ties), times weights (q, ties), summed."""
+    """Strain rows `made` at the quadrature points: rows `of` at points (2, ties), summed with weights (q, ties)."""
 
     made: tuple[int, ...]
     of: tuple[int, ...]
@@ -149,8 +149,8 @@ def tied_strains(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Strains in a local frame at the quadrature points (cells, q, 8, 5 k), the measure (cells, q), the curvature.
 
-    The frame's first direction is `along` projected on the surface, or that of r. The curvature b_11, b_22, b_12 there,
-    b_ij = -sym(e_i . D_j n), (3, cells, q), is that of the directors.
+    The frame's first direction is `along` projected on the surface, or the direction of r. The curvature b_11, b_22,
+    b_12 there, (3, cells, q), is that of the directors: b_ij = -sym(e_i . D_j n).
     """
     D, measure, curvature = surface(kind, x, n, along)
     return to_local(D) @ tied_covariant(kind, x, n, e), measure, curvature
@@ -159,7 +159,7 @@ def tied_strains(
 def surface(
     kind: str, x: FloatArray, n: FloatArray, along: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """At the quadrature points D of `local_frame`, the measure and the curvature as of `tied_strains`."""
+    """D of `local_frame`, the measure and the curvature at the quadrature points, as returned by `tied_strains`."""
     _, weights, _, slopes = rule(kind)
     x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
     frame, D = local_frame(x_r, x_s, along)

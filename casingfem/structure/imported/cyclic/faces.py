@@ -46,7 +46,10 @@ class Turn(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Nodes of the low face and the nodes of the high face onto which the rotation maps them; equal on the axis."""
+    """Nodes of the low face, and the nodes of the high face onto which the rotation maps them.
+
+    A node on the axis is its own partner.
+    """
 
     low: IntArray
     high: IntArray
@@ -82,7 +85,10 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
 
 
 def one_way(mesh: MeshData, turn: Turn, pairs: Pairs) -> Pairs:
-    """Each pair of a half turn once, which finds it in both directions; refused if it maps cells onto cells."""
+    """Each pair of a half turn once: the rotation finds every pair twice.
+
+    A half turn that maps cells onto cells is refused.
+    """
     partner = partners(mesh, pairs)
     facets = mesh.boundary
     turned = partner[mesh.facets[facets[:, 0], facets[:, 1]]]
@@ -138,7 +144,7 @@ def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> P
 
 
 def miss(mesh: MeshData, node: int, partner: int, distance: float) -> str:
-    """A node that does not match its partner, in words."""
+    """The text of a message about a node that does not match its partner."""
     return f"node {mesh.labels[node]} comes to lie {distance:.3g} m from the nearest, {mesh.labels[partner]}"
 
 
@@ -150,7 +156,7 @@ def partners(mesh: MeshData, pairs: Pairs) -> IntArray:
 
 
 def require_facets(mesh: MeshData, pairs: Pairs) -> None:
-    """Refuse faces whose facets do not match: other diagonals, other sizes."""
+    """Refuse faces whose facets do not match, such as facets with other diagonals or other sizes."""
     partner = partners(mesh, pairs)
     facets = mesh.facet_nodes(mesh.boundary)
     turned = np.sort(partner[facets[(partner[facets] >= 0).all(axis=1)]], axis=1)

@@ -230,7 +230,7 @@ def tie(sector: CyclicSector, system: MeshSystem, turns: FloatArray, n: int) -> 
 
 
 def require_alike(sector: CyclicSector, loose: BoolArray) -> None:
-    """Refuse supports that fix a node of one face and not its partner; `loose` dofs (nodes, dofs)."""
+    """Refuse supports that fix a node of one face and not its partner; `loose` are the free dofs (nodes, dofs)."""
     low, high = sector.pairs
     uneven = np.flatnonzero((loose[low] != loose[high]).any(axis=1))
     if len(uneven):

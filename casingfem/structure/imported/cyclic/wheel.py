@@ -1,4 +1,4 @@
-"""From one sector to the whole wheel: its mesh, joined at the faces, fields on it, and the stiffness of its blades."""
+"""The whole wheel made from one sector: mesh, joined at the faces, fields, and stiffness of the blades."""
 
 from dataclasses import replace
 from typing import Any
@@ -20,7 +20,10 @@ from casingfem.structure.imported.solid import Solid
 
 
 def wheel_nodes(sector: CyclicSector) -> IntArray:
-    """Number in the wheel of each node of each sector, (sectors, nodes); a high face is the next sector's low face."""
+    """Number in the wheel of each node of each sector, (sectors, nodes).
+
+    The high face of a sector is the next sector's low face.
+    """
     count, (low, high) = len(sector.structure.mesh.points), sector.pairs
     own = low != high
     kept = np.ones(count, dtype=bool)
@@ -33,7 +36,10 @@ def wheel_nodes(sector: CyclicSector) -> IntArray:
 
 
 def wheel_mesh(sector: CyclicSector) -> MeshData:
-    """The wheel's mesh, cells and nodes sector by sector; groups contain those of all sectors, without the faces."""
+    """The wheel's mesh, with cells and nodes sector by sector. A group contains the members of all sectors.
+
+    The faces are no groups.
+    """
     mesh, nodes, N = sector.structure.mesh, wheel_nodes(sector), sector.sectors
     points = np.empty((nodes.max() + 1, 3))
     for j in reversed(range(N)):  # the first sector's faces as they are

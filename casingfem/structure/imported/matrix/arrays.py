@@ -79,7 +79,7 @@ def whole_numbers(table: Array, width: int, code: str, what: str, numbered: int 
 
 
 def fitting(what: str, given: Any, **options: Any) -> csc_array:
-    """A compressed-column matrix, after a check of row indices and column starts, which scipy does later."""
+    """A compressed-column matrix, after a check of its row indices and column starts; scipy checks them later."""
     try:
         if isinstance(given, tuple) and any(part.dtype.kind not in "iu" for part in given[1:]):
             raise ValueError("found row numbers or starts of columns that are not whole numbers")
@@ -93,7 +93,7 @@ def fitting(what: str, given: Any, **options: Any) -> csc_array:
 
 
 def read_from_npz(path: Path) -> dict[str, Any]:
-    """Dense arrays unchanged; parts of compressed columns assembled."""
+    """Arrays of an npz file: dense arrays unchanged, compressed columns assembled from their parts."""
     return put_together(path, dict(read_npz(path)))
 
 

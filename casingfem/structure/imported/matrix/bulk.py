@@ -81,7 +81,7 @@ def read_bulk(paths: Sequence[Path]) -> Bulk:
 
 
 def cards_of(paths: Sequence[Path]) -> Iterator[Card]:
-    """The cards of all files; of several, each line is given with its file."""
+    """The cards of all files; with several files, each line is given together with its file."""
     for path in paths:
         for card in cards(read_lines(path, READ)):
             at = card.line if len(paths) == 1 or " of " in card.line else f"{card.line} of {path.name}"

@@ -132,7 +132,7 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
 
 
 def role_of(name: str) -> str:
-    """K, M, C, K4 or G from a word in a name, from the beginning of its last or first part; "" for none.
+    """K, M, C, K4 or G from a word in a name; the word begins the first or last part of the name. "" if there is none.
 
     >>> role_of("job_STIF1"), role_of("kit_M"), role_of("KAAX"), role_of("K4XX1"), role_of("PAX")
     ('K', 'M', 'K', 'K4', '')

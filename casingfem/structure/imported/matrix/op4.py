@@ -1,9 +1,10 @@
 """Nastran's OP4 files: real matrices by name, dense and sparse, as text (`op4_text.py`) or binary (`op4_binary.py`).
 
-A matrix begins with columns, rows (negative: long row numbers), form, type (1 single, 2 double), name; then, column by
-column, `column, row, words` and the values. Row 0 announces strings of values, each with its row and length: in one
-word row + 65536 (length + 1), or in two where row numbers are long. A column after the last one ends the matrix.
-Lengths count words: four bytes, of which a double has two, or eight bytes in files of 64-bit integers.
+The header of a matrix gives columns, rows (negative: long row numbers), form, type (1 single, 2 double) and name. The
+columns follow, each with `column, row, words` and its values. If the row is 0, the values come in strings, each with
+its first row and its length. These are one word, row + 65536 (length + 1), or two words if row numbers are long. A
+column number above the last one ends the matrix. Lengths count words of four bytes, so a double has two words. In files
+of 64-bit integers a word has eight bytes.
 """
 
 from pathlib import Path
@@ -23,7 +24,7 @@ def read_op4(path: Path) -> dict[str, csc_array]:
     Raises
     ------
     ModelError
-        `matrix-file` for a file that is cut short, complex, or no OP4.
+        `matrix-file` for a truncated file, a complex matrix, or a file of another format.
     """
     content = read_bytes(path)
     if not is_binary(content):

@@ -1,7 +1,7 @@
 """Binary OP4 files, in Fortran's records: integers of 32 or 64 bits, of either byte order.
 
-The length of the first record, a matrix's header, shows both. With 64-bit integers every word has eight bytes, so that
-a number of either precision is one word.
+The first record is the header of a matrix; its length shows the size of the integers and the byte order. With 64-bit
+integers every word has eight bytes, so a number of either precision is one word.
 """
 
 from typing import Any, NamedTuple
@@ -24,17 +24,17 @@ class Layout(NamedTuple):
     word: int
 
     def integers(self, data: bytes, count: int, at: int = 0) -> list[int]:
-        """Whole numbers from a place on."""
+        """Integers from a position in the file."""
         numbers: list[int] = np.frombuffer(data, f"{self.order}i{self.word}", count, at).tolist()
         return numbers
 
     def real(self, words: int) -> Any:
-        """Kind of a number with a number of four-byte words."""
+        """Type of a real number that takes so many four-byte words."""
         return f"{self.order}f{max(4 * words, self.word)}"
 
 
 def layout_of(content: bytes) -> Layout | None:
-    """The layout of a binary file, None for a text."""
+    """The layout of a binary file; None for a text file."""
     lengths = {order: np.frombuffer(content[:4], f"{order}i4").tolist() for order in "<>"}
     return next((Layout(o, n // 6) for o, own in lengths.items() for n in own if n in NAMES), None)
 
@@ -83,7 +83,7 @@ def read_binary(content: bytes, source: str) -> dict[str, csc_array]:
 
 
 def name_of(field: bytes, size: int) -> str:
-    """A matrix's name; in words of eight bytes each half of it may be padded by itself."""
+    """A matrix's name; in words of eight bytes each half of the name may have its own padding."""
     text = field.decode("latin-1").replace("\0", " ")
     return text.replace(" ", "") if size == 8 else text.strip()
 
@@ -91,7 +91,7 @@ def name_of(field: bytes, size: int) -> str:
 def binary_parts(
     data: bytes, column: int, row: int, entries: Entries, layout: Layout
 ) -> list[tuple[int, int, FloatArray]]:
-    """Values of one column, a whole one or in strings."""
+    """Values of one column, stored as a whole or in strings."""
     kind, size = layout.real(entries.words), layout.word
     each = entries.words if size == 4 else 1  # words of a number
     if row > 0:

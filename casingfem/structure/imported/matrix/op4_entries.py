@@ -1,4 +1,4 @@
-"""A matrix of an OP4 file while it is read: its header, and its entries column by column."""
+"""A matrix of an OP4 file during reading: its header, and its entries column by column."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ MOST = 2**31 - 1  # rows or columns: the largest number in a binary file
 
 @dataclass(slots=True)
 class Entries:
-    """A matrix while it is read."""
+    """A matrix during reading."""
 
     name: str
     rows: int
@@ -27,7 +27,7 @@ class Entries:
     real: bool = True
 
     def matrix(self, source: str) -> csc_array:
-        """The matrix; entries outside it are refused."""
+        """The finished matrix; entries outside its size are refused."""
         for column, row, values in self.parts:
             if not (0 < column <= self.columns and 0 < row and row + len(values) - 1 <= self.rows):
                 found = f"rows {row} to {row + len(values) - 1} of column {column}"
@@ -41,7 +41,7 @@ class Entries:
         return csc_array(coo_array((values, places), shape=(self.rows, self.columns)))
 
     def check_once(self, places: IntArray, source: str) -> None:
-        """Refuse entries given again, by their places counted column by column."""
+        """Refuse entries that are given twice; their positions are counted column by column."""
         ordered = np.sort(places)
         for again in ordered[1:][ordered[1:] == ordered[:-1]][:1].tolist():
             column, row = divmod(again, self.rows)
@@ -49,7 +49,7 @@ class Entries:
 
 
 def begun(source: str, name: str, columns: int, rows: int, kind: int) -> Entries:
-    """A matrix by its header; complex ones are left out, complex K, M, C or K4 are refused."""
+    """Start a matrix from its header. Complex matrices are skipped; complex K, M, C or K4 are refused."""
     left_out = kind in OF_COMPLEX and not is_part(name)
     if kind not in WORDS and not left_out:
         found = f"type {kind}, {rows} rows, {columns} columns"
@@ -62,7 +62,7 @@ def begun(source: str, name: str, columns: int, rows: int, kind: int) -> Entries
 
 
 def keep(found: dict[str, csc_array], entries: Entries, source: str) -> None:
-    """Put a matrix beside those before it; complex ones are left out, a second K, M or C of one name is refused."""
+    """Add a matrix to those read before. Complex ones are skipped; a second K, M or C of the same name is refused."""
     if not entries.real:
         return
     if entries.name in found and role_of(entries.name):
@@ -71,6 +71,6 @@ def keep(found: dict[str, csc_array], entries: Entries, source: str) -> None:
 
 
 def split_word(word: int) -> tuple[int, int]:
-    """Length in words and first row of a string, from the one word row + 65536 (length + 1)."""
+    """Length in words and first row of a string, from the single word row + 65536 (length + 1)."""
     length = word // ROW_BITS - 1
     return length, word - ROW_BITS * (length + 1)

@@ -1,7 +1,7 @@
-"""OP4 files as text: lines of whole numbers, and values as wide as the header's format states.
+"""OP4 files as text: lines of integers, and values whose width the header states.
 
-The header may end in the format of the values, 5E16.9 if it does not, and in `I16` where columns and rows take sixteen
-characters each.
+The header may end with the format of the values; the default is 5E16.9. It ends with `I16` if columns and rows take
+sixteen characters each.
 """
 
 import re
@@ -35,7 +35,7 @@ def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
 
 
 def header(line: str, at: int, source: str) -> tuple[Entries, int]:
-    """A matrix by the line it begins with, and the width of its values."""
+    """A matrix from its header line, and the width of its values."""
     wide = 48 if line.rstrip().upper().endswith("|I16") else 32  # of these numbers, columns and rows in 16 each
     numbers, name, form = line[:wide], line[wide : wide + 8], line[wide + 8 :]
     width = FORMAT.search(form)
@@ -82,7 +82,7 @@ def text_columns(lines: list[str], at: int, width: int, entries: Entries, source
 
 
 def real(text: str) -> float:
-    """A number; ValueError if it is none.
+    """A real number; ValueError if the text is not a number.
 
     >>> real(" 1.2500000000000000E+00"), real("-2.5000000000000000-103")
     (1.25, -2.5e-103)
@@ -91,7 +91,7 @@ def real(text: str) -> float:
 
 
 def integers(line: str, at: int, source: str) -> list[int]:
-    """Whole numbers of a line."""
+    """Integers of a line."""
     try:
         return [int(word) for word in line.split()]
     except ValueError:
@@ -99,7 +99,7 @@ def integers(line: str, at: int, source: str) -> list[int]:
 
 
 def check_column(source: str, at: int, entries: Entries, column: int, wanted: int) -> None:
-    """Refuse a column with fewer or more values than announced; programs count differently."""
+    """Refuse a column with fewer or more values than announced; programs count the announced words differently."""
     strings = [len(values) for _, _, values in takewhile(lambda part: part[0] == column, reversed(entries.parts))]
     found = sum(strings)
     if column and not found <= wanted <= entries.words * found + 4 * len(strings):

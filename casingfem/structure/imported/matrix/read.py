@@ -1,4 +1,4 @@
-"""Read matrices of any format; the endings of the files show which, in any order."""
+"""Read matrices of any format, in any order of the files; the ending of each file states its format."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -37,12 +37,10 @@ def read_matrices(
         y, along which its dofs are.
     dofs
         A table with the columns node, direction (x, y, z, rx, ry, rz, q, or 1 to 6 and 0), a line for each row of the
-        matrices; for formats that do not state it.
+        matrices; for formats that do not state the dofs.
 
-    Raises
-    ------
-    ModelError
-        `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what the files lack, with the line where it is one.
+    Raises ------ ModelError `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what is missing or wrong in
+    the files, with its line if it is on one.
 
     Examples
     --------
@@ -80,7 +78,7 @@ def read_matrices(
 
 
 def of_others(files: Sequence[Path], rows: IntArray | None, bulk: Bulk | None) -> MatrixSet:
-    """Matrices of files that are no bulk data; those may not have matrices too."""
+    """Matrices of files other than bulk data; the bulk data may not contain matrices too."""
     if bulk is not None and (again := [name for name in bulk.dmig.names if role_of(name) in ("K", "M")]):
         names = ", ".join(file.name for file in files)
         raise fault(bulk.source, f"found DMIG {again[0]}, beside the matrices of {names}, expected one or the other")
@@ -111,7 +109,7 @@ def of_op4(paths: Sequence[Path], dofs: IntArray | None) -> MatrixSet:
 
 
 def of_dmig(bulk: Bulk) -> MatrixSet:
-    """K, M, C and K4 of DMIG cards."""
+    """K, M, C and K4 from DMIG cards."""
     dmig = bulk.dmig
     roles = roles_of(dmig.names, bulk.source)
     matrices, dofs = dmig.matrices(roles)

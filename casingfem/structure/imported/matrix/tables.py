@@ -23,7 +23,7 @@ def nodes_and_axes(path: Path) -> tuple[dict[int, FloatArray], dict[int, FloatAr
     Raises
     ------
     InputError
-        A node that is given twice, axes that are not at right angles.
+        For a node that is given twice, or axes that are not at right angles.
     """
     table = table_with(path, ("node", "x", "y", "z"))
     numbers = table.integers("node")
@@ -51,7 +51,7 @@ def own_axes(parts: FloatArray) -> FloatArray:
     Raises
     ------
     ValueError
-        Directions that are no unit vectors at right angles.
+        For directions that are not unit vectors at right angles.
 
     >>> own_axes(np.array([0.0, 1, 0, 0, 0, 1])).tolist()
     [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
@@ -79,7 +79,7 @@ def read_dofs(path: Path) -> IntArray:
 
 
 def table_with(path: Path, columns: tuple[str, ...]) -> strict_csv.StrictCsv:
-    """A table that has some columns."""
+    """Read a table that must have some columns."""
     table = strict_csv.read(path)
     if missing := [name for name in columns if name not in table.header]:
         found, expected = f"no column {', '.join(missing)}", f"columns {', '.join(columns)}"

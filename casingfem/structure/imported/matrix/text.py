@@ -18,7 +18,7 @@ Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are 
 
 
 def numbers(path: Path, columns: int) -> FloatArray:
-    """A table of numbers separated by commas or blanks, lines of `*` and `%` left out, (rows, columns)."""
+    """A table (rows, columns) of numbers separated by commas or blanks; lines from `*` or `%` are skipped."""
     given = read_loose_text(path).splitlines()
     lines = [line.translate(PLAIN) for line in given if line.strip() and line.lstrip()[0] not in "*%#"]
     try:
@@ -31,7 +31,7 @@ def numbers(path: Path, columns: int) -> FloatArray:
 
 
 def whole(table: FloatArray, path: Path) -> IntArray:
-    """Columns of numbers that count."""
+    """Columns as integers."""
     if not (np.isfinite(table).all() and np.all(np.abs(table) < MOST_NUMBER)) or np.any(table % 1.0):
         raise fault(path.name, "found rows or nodes that are not whole numbers")
     return table.astype(np.int64)
@@ -48,7 +48,7 @@ def read_mtx(path: Path) -> Labelled:
 
 
 def read_market(path: Path) -> csc_array:
-    """A real matrix of Matrix Market, line by line: scipy's reader ends the whole program on some files cut short.
+    """A real matrix of Matrix Market, read line by line: scipy's reader crashes on some truncated files.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def check_count(path: Path, found: int, wanted: int) -> None:
 
 
 def real(word: str, path: Path) -> float:
-    """A number, also with Fortran's exponent D."""
+    """A real number, also with Fortran's exponent letter D."""
     try:
         return float(word.replace("D", "E").replace("d", "e"))
     except ValueError:
@@ -108,7 +108,7 @@ def real(word: str, path: Path) -> float:
 
 
 def dense_market(path: Path, *, symmetric: bool) -> csc_array:
-    """A matrix of Matrix Market that gives every entry, column by column."""
+    """A matrix of Matrix Market in the form that gives every entry, column by column."""
     lines = read_loose_text(path).splitlines()[1:]
     words = " ".join(line for line in lines if not line.startswith("%")).split()
     if len(words) < 2 or not all(word.isdecimal() and len(word) < 16 for word in words[:2]):
@@ -125,12 +125,14 @@ def dense_market(path: Path, *, symmetric: bool) -> csc_array:
 
 
 def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
-    """K, M and maybe C and K4 of .mtx files, distinguished by their names; dofs from the files or beside them.
+    """K, M and maybe C and K4 of .mtx files, distinguished by their names.
+
+    The dofs come from the files or from a separate list.
 
     Raises
     ------
     ModelError
-        `matrix-dofs` where neither the files nor a list state what the rows are.
+        `matrix-dofs` if neither the files nor a list state the dofs of the rows.
     """
     named = {path.stem: path for path in paths}
     source = ", ".join(path.name for path in paths)
@@ -148,7 +150,7 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
 
 
 def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:
-    """A matrix and the meaning of its rows, from its file or from the list of dofs."""
+    """A matrix and the dofs of its rows, from its file or from the list of dofs."""
     A, own = matrix
     labels = own if own is not None else dofs
     assert labels is not None
@@ -172,7 +174,7 @@ def aligned(A: csc_array, labels: IntArray, wanted: IntArray, source: str) -> cs
 
 
 def read_dof(path: Path) -> IntArray:
-    """CalculiX's list of dofs, node.direction a line, (n, 2)."""
+    """CalculiX's list of dofs, one `node.direction` on each line, as (n, 2)."""
     rows = []
     for number, line in enumerate(read_loose_text(path).split("\n"), 1):
         if not line.strip():
@@ -185,7 +187,7 @@ def read_dof(path: Path) -> IntArray:
 
 
 def read_calculix(path: Path) -> MatrixSet:
-    """The matrices of SOLVER=MATRIXSTORAGE: NAME.sti, NAME.mas and NAME.dof, given by any of them."""
+    """The matrices of SOLVER=MATRIXSTORAGE: NAME.sti, NAME.mas and NAME.dof, given the path of any of them."""
     parts = {suffix: path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")}
     for part in parts.values():
         if not part.exists():

@@ -71,13 +71,13 @@ def tables(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
 
 
 def places(matrices: MatrixSet) -> list[tuple[int, list[float]]]:
-    """Nodes of the dofs with their positions."""
+    """Nodes that have dofs, with their positions."""
     known = dict.fromkeys(matrices.dofs[:, 0].tolist())
     return [(node, np.asarray(matrices.points[node]).tolist()) for node in known if node in matrices.points]
 
 
 def symmetry(A: csc_array) -> str:
-    """Matrix Market's word: symmetric, skew-symmetric or general, to round-off."""
+    """Matrix Market's word for the symmetry of a matrix: symmetric, skew-symmetric or general, up to round-off."""
     level = ROUND_OFF * float(np.abs(A.data).max(initial=0.0))
     for name, sign in (("symmetric", -1.0), ("skew-symmetric", 1.0)):
         if not A.nnz or np.abs((A + sign * A.T).data).max(initial=0.0) <= level:
@@ -149,7 +149,7 @@ def op4(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
 
 
 def with_tables(matrices: MatrixSet) -> dict[str, np.ndarray]:
-    """Arrays dofs and nodes."""
+    """Arrays together with the tables dofs and nodes."""
     nodes = np.array([[node, *x] for node, x in places(matrices)]).reshape(-1, 4)
     return {"dofs": matrices.dofs, "nodes": nodes}
 

@@ -1,8 +1,8 @@
 """Point masses, springs, rigid and mean connections, equations between nodes and ties, as values.
 
-Nodes are indices into the points of a mesh, components 0 to 5: x, y, z and the turns about them. A node that no cell
-has is a point with all six; a node of a shell has three displacements and two turns (none about its normal), one of a
-solid has displacements alone.
+Nodes are indices into the points of a mesh. Components 0 to 5 are displacements along x, y, z and rotations about them.
+A node outside all cells has all six. A node of a shell has three displacements and two rotations (none about its
+normal). A node of a solid has three displacements.
 """
 
 from collections.abc import Callable, Iterator
@@ -36,7 +36,7 @@ class PointMass:
     Attributes
     ----------
     node
-        Where it hangs.
+        The node to which it is attached.
     mass
         m [kg].
     inertia
@@ -66,7 +66,7 @@ class PointMass:
 
     @property
     def turns(self) -> bool:
-        """Whether it is more than a mass on the displacements."""
+        """Whether the mass also acts on rotations: it has an inertia or an offset."""
         return bool(np.any(self.inertia)) or any(self.offset)
 
 
@@ -90,7 +90,7 @@ class Spring:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rigid:
-    """Components of nodes that follow a reference node as one rigid body (RBE2, kinematic coupling).
+    """Components of nodes that follow a reference node as a rigid body (RBE2, kinematic coupling).
 
     >>> Rigid(reference=9, nodes=np.array([1, 2, 3])).components
     (0, 1, 2, 3, 4, 5)
@@ -104,7 +104,7 @@ class Rigid:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mean:
-    """Components of a reference node that follow nodes in the mean, by weighted least squares (RBE3).
+    """Components of a reference node that follow the mean motion of nodes, by weighted least squares (RBE3).
 
     >>> Mean(reference=9, nodes=np.array([1, 2, 3]), weights=np.ones(3)).components
     (0, 1, 2, 3, 4, 5)
@@ -117,7 +117,7 @@ class Mean:
     where: str = "mean connection"
 
     def renumbered(self, new: Renumbering) -> "Mean":
-        """The same with other numbers of nodes; of nodes that become one the weights add up."""
+        """The same connection with other numbers of nodes; weights of nodes that are merged are added."""
         nodes, place = np.unique(new(self.nodes), return_inverse=True)
         weights = np.bincount(place.ravel(), self.weights).astype(np.float64)
         return replace(self, reference=int(new(np.array([self.reference]))[0]), nodes=nodes, weights=weights)
@@ -125,7 +125,7 @@ class Mean:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Equation:
-    """A sum of terms that is zero; the first term follows from the others.
+    """A sum of terms that is zero; it determines the first term from the others.
 
     >>> Equation(terms=(Term(0, 2, 1.0), Term(5, 2, -1.0))).nodes
     (0, 5)
@@ -144,7 +144,7 @@ class Equation:
 class Tie:
     """Nodes that follow weighted sums of others, all components of each: u_i = sum_k weights_ik u_others_ik.
 
-    `nodes` (n,), `others` and `weights` (n, k); of what a support fixes the support is kept.
+    `nodes` (n,), `others` and `weights` (n, k); where a support fixes a component, the support prevails over the tie.
 
     >>> Tie(nodes=np.array([9]), others=np.array([[1, 2]]), weights=np.array([[0.5, 0.5]])).where
     'tie'
@@ -156,7 +156,7 @@ class Tie:
     where: str = "tie"
 
     def renumbered(self, new: Renumbering) -> "Tie":
-        """The same with other numbers of nodes, without those that have become one of their others."""
+        """The same tie with other numbers of nodes, without nodes that are merged with one of their masters."""
         nodes, others = new(self.nodes), new(self.others)
         apart = ~((nodes[:, None] == others) & (self.weights != 0.0)).any(axis=1)
         return replace(self, nodes=nodes[apart], others=others[apart], weights=self.weights[apart])
@@ -164,7 +164,7 @@ class Tie:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Attachments:
-    """All that hangs on a mesh beside its cells.
+    """All attachments of a mesh: masses, springs, connections, equations and ties.
 
     >>> found = Attachments(masses=(PointMass(node=3, mass=2.0),))
     >>> bool(found), found.ties, found.nodes.tolist()
@@ -191,17 +191,17 @@ class Attachments:
 
     @property
     def weighed(self) -> bool:
-        """Whether there are masses or springs, whose numbers have the file's units of mass and force."""
+        """Whether there are masses or springs; their values are in the file's units of mass and force."""
         return bool(self.masses or self.springs)
 
     @property
     def ties(self) -> tuple[Rigid | Mean | Equation | Tie, ...]:
-        """Attachments that make motions depend on others."""
+        """Attachments that make some motions depend on others."""
         return (*self.rigids, *self.means, *self.equations, *self.glued)
 
     @property
     def links(self) -> Iterator[IntArray]:
-        """Nodes that each item joins, two or more."""
+        """Nodes that each attachment joins, two or more."""
         for ends in self.pairs:
             if len(set(ends)) > 1:
                 yield np.array(ends, dtype=np.int64)
@@ -221,12 +221,12 @@ class Attachments:
 
     @property
     def nodes(self) -> IntArray:
-        """Every node that is named, ascending."""
+        """Every node that an attachment names, ascending."""
         ends = [node for pair in self.pairs for node in pair] + [mass.node for mass in self.masses]
         return np.unique(np.concatenate([np.array(ends, dtype=np.int64), *self.bodies]))
 
     def renumbered(self, new: Renumbering) -> "Attachments":
-        """The same with other numbers of nodes: `new` takes an array of them."""
+        """The same attachments with other numbers of nodes; `new` maps an array of old numbers to new ones."""
 
         def one(node: int) -> int:
             return int(new(np.array([node]))[0])
@@ -244,7 +244,7 @@ class Attachments:
         )
 
     def in_si(self, length: float, mass: float, time: float) -> "Attachments":
-        """The same in m, kg, s, from units of which these are the sizes."""
+        """The same attachments in m, kg, s; the arguments are the sizes of the file's units in SI."""
 
         def stiff(spring: Spring) -> float:
             turning = all(term.component > 2 for term in spring.terms)

@@ -1,8 +1,8 @@
 """Kinds of cells of imported meshes: node order, facets, shape functions.
 
 Node order is VTK's everywhere: corners, then the middles of edges, of facets, of the cell. The shape functions come
-from scikit-fem, those of wedges and pyramids from `serendipity.py`; their order is found from the places of the nodes,
-so no table of permutations can be wrong.
+from scikit-fem; those of wedges and pyramids come from `serendipity.py`. Their order is determined from the positions
+of the nodes, without tables of permutations.
 """
 
 from dataclasses import dataclass
@@ -46,8 +46,8 @@ class CellKind:
     """One kind of cell, named as in meshio.
 
     `edges` and `facets` name corners; nodes are at the corners, then in the middles of edges, facets and cell as
-    `middles` counts them. `facet` is the kind of the facets, `degree` that of
-    the quadrature: one whose weights are all positive.
+    `middles` counts them. `facet` is the kind of the facets. `degree` is the degree of the quadrature, one with
+    positive weights only.
     """
 
     name: str
@@ -66,7 +66,7 @@ class CellKind:
 
     @property
     def supports_of_nodes(self) -> Corners:
-        """Corners in whose middle each node is."""
+        """For each node, the corners whose mean position it has."""
         nodes: Corners = tuple((i,) for i in range(len(self.corners)))
         if self.middles:
             nodes += self.edges

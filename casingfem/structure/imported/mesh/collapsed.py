@@ -1,9 +1,10 @@
-"""Cells written as another kind, or numbered the other way round.
+"""Cells stored as another kind, or numbered in the opposite sense.
 
 Wedges, pyramids and tetrahedra become bricks, triangles squares. A brick or square with two corners at one node has, on
 the linear kinds, exactly the shape functions of what it collapses to (Hughes, The Finite Element Method, 1987, section
-3.6). On quadratic kinds it has not: these are written so for what meshes share, facets and groups, and integrated as
-what they are (`native`). Solid cells are left-handed where Nastran allows it, and where VTK has wedges so.
+3.6). On quadratic kinds this is not true. Such cells are stored as bricks or squares so that facets and groups are the
+same for all cells, and are integrated as their true kind (`native`). Nastran allows left-handed solid cells, and VTK's
+wedges are left-handed.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -33,7 +34,9 @@ FLAT: Mapping[str, str] = {"quad": "triangle", "quad8": "triangle6", "quad9": "t
 
 @cache
 def forms(kind: str) -> tuple[tuple[str, tuple[int, ...], IntArray], ...]:
-    """Shapes of cells of a kind: kind, first corner that each corner repeats, places of the kind's own nodes.
+    """Shapes of cells of a kind.
+
+    The true kind, the first corner that each corner repeats, positions of the true kind's nodes.
 
     Linear solids stay bricks, whose shape functions are those of what they collapse to.
     """
@@ -54,7 +57,7 @@ def forms(kind: str) -> tuple[tuple[str, tuple[int, ...], IntArray], ...]:
 
 
 def spread(target: str, kind: str) -> list[int]:
-    """Node of the cell's kind at each node of the kind in which it is written."""
+    """For each node of the kind in which a cell is stored, the node of the cell's own kind."""
     corners = CORNERS[target][kind]
     if kind not in KINDS:
         return list(corners)
@@ -64,7 +67,7 @@ def spread(target: str, kind: str) -> list[int]:
 
 
 def native(kind: str, cells: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
-    """Cells or facets by their true kind: kind, rows (m,), and which of their nodes are its own, in its order.
+    """Cells or facets by their true kind: kind, rows (m,), and positions of the true kind's nodes, in its order.
 
     >>> squares = np.array([[1, 2, 5, 4], [2, 3, 3, 5]])
     >>> [(kind, squares[rows][:, slots].tolist()) for kind, rows, slots in native("quad", squares)]
@@ -88,7 +91,9 @@ def native(kind: str, cells: IntArray) -> Iterator[tuple[str, IntArray, IntArray
 
 
 def common_kind(kinds: Collection[str]) -> str:
-    """The kind that cells of some kinds can all be written as: their own where there is one; "" for none.
+    """The kind in which cells of some kinds can all be stored; if there is only one kind, that kind.
+
+    "" if there is none.
 
     >>> common_kind(["tetra"]), common_kind(["tetra", "wedge"]), common_kind(["triangle"]), common_kind(["quad8", "x"])
     ('tetra', 'hexahedron', 'quad', '')
@@ -99,7 +104,10 @@ def common_kind(kinds: Collection[str]) -> str:
 
 
 def written_as(target: str, kind: str, cells: IntArray, points: FloatArray) -> IntArray:
-    """Cells of a kind (m, nodes) as those of another; wedges, which VTK numbers from above, from below."""
+    """Cells of a kind (m, nodes) stored as those of another.
+
+    Wedges, which VTK numbers from above, are numbered from below.
+    """
     if kind == target:
         return cells
     upright = right_handed(kind, cells, points) if kind.startswith(("wedge", "pyramid")) else cells
@@ -107,7 +115,7 @@ def written_as(target: str, kind: str, cells: IntArray, points: FloatArray) -> I
 
 
 def distinct(corners: IntArray) -> IntArray:
-    """Corners of facets (..., c) in ascending order, those given again as -1.
+    """Corners of facets (..., c) in ascending order; repeated corners become -1.
 
     >>> distinct(np.array([[7, 3, 3, 5]])).tolist()
     [[-1, 3, 5, 7]]
@@ -124,7 +132,9 @@ UP = {"tetra": (1, 2, 3), "wedge": (1, 2, 3), "hexahedron": (1, 3, 4), "pyramid"
 
 
 def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
-    """Cells (m, nodes) in VTK's order, those that are left-handed at their first corner mirrored, middle nodes too.
+    """Cells (m, nodes) in VTK's order.
+
+    Those that are left-handed at their first corner are mirrored with their middle nodes.
 
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     >>> right_handed("tetra", np.array([[0, 2, 1, 3]]), corners).tolist()

@@ -12,7 +12,7 @@ SHOWN = 5  # cells or nodes named in a message
 
 
 class Finding(NamedTuple):
-    """A fault found, its code in the catalogue and where."""
+    """A fault of a mesh: its code in the catalogue, and its cells or nodes."""
 
     code: str
     message: str
@@ -41,7 +41,7 @@ def where(code: str, bad: Array | np.bool_, message: Callable[[IntArray], str]) 
 
 
 def edge_lengths(mesh: MeshData) -> FloatArray:
-    """Lengths of the straight edges of every cell, (cells, edges); a collapsed one counts as the longest."""
+    """Lengths of the straight edges of every cell, (cells, edges); a collapsed edge counts as the longest one."""
     lengths = np.linalg.norm(edge_vectors(mesh), axis=2)
     gone = (lengths == 0.0) & mesh.collapsed[:, None]
     return np.asarray(np.where(gone, lengths.max(axis=1, keepdims=True), lengths))

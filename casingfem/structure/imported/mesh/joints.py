@@ -1,9 +1,9 @@
 """Nodes of a shell where walls meet at an angle: one rotation theta for all of them, a rigid joint.
 
-A wall with the director n leans there by w = theta x n. Such a node has six dofs: its displacements, and theta along
-n x e_1, n x e_2 and n of its first wall; the first two are the leanings w_1, w_2 of that wall. A wall itself does not
-resist the turn about its normal, the others do by bending: no drilling stiffness is added. Nodes have six dofs each
-where some walls meet, five where none do; the sixth of a node of one wall is never free.
+The director n of a wall rotates there by w = theta x n. Such a node has six dofs: its displacements, and theta along n
+x e_1, n x e_2 and n of its first wall. The first two are the rotations w_1, w_2 of that wall. A wall does not resist
+the rotation about its normal, but the other walls resist it by bending, so no drilling stiffness is added. If any walls
+of a mesh meet, all nodes have six dofs, otherwise five. The sixth dof of a node of a single wall is never free.
 """
 
 from typing import NamedTuple
@@ -22,21 +22,11 @@ WALL = 5  # dofs of a node of one wall
 class Joints(NamedTuple):
     """Motion of the nodes of walls with the nodes of a shell.
 
-    Attributes
-    ----------
-    nodes
-        The node of the shell that each node of a wall is, (walls' nodes,).
-    cells
-        Walls' nodes of each cell, (cells, nodes of a cell).
-    normals, frames
-        Directors (walls' nodes, 3) and their tangents (walls' nodes, 2, 3).
-    axes
-        The turn that goes with each dof of a node behind its displacements, (nodes, 2, 3), or (nodes, 3, 3) where walls
-        meet, 0 for the third of a node of one wall.
-    motions
-        Dofs of walls' nodes by dofs of nodes, (5 walls' nodes, 6 nodes); None where no walls meet.
-    glued
-        Ties of nodes, whose others are nodes of walls.
+    Attributes ---------- nodes The node of the shell that each node of a wall is, (walls' nodes,). cells Walls' nodes
+    of each cell, (cells, nodes of a cell). normals, frames Directors (walls' nodes, 3) and their tangents (walls'
+    nodes, 2, 3). axes Rotation vector of each rotational dof of a node, (nodes, 2, 3), or (nodes, 3, 3) if walls meet;
+    0 for the third of a node of one wall. motions Dofs of walls' nodes by dofs of nodes, (5 walls' nodes, 6 nodes);
+    None where no walls meet. glued Ties of nodes; the master nodes are nodes of walls.
     """
 
     nodes: IntArray
@@ -58,11 +48,11 @@ class Joints(NamedTuple):
         return np.asarray(self.dofs * np.flatnonzero(~self.axes[:, -1].any(axis=1)) + self.dofs - 1)
 
     def on_nodes(self, A: csc_array) -> csc_array:
-        """A matrix on the dofs of walls' nodes on those of nodes."""
+        """A matrix on the dofs of walls' nodes, transformed to the dofs of nodes."""
         return A if self.motions is None else csc_array(self.motions.T @ A @ self.motions)
 
     def onto_nodes(self, forces: FloatArray) -> FloatArray:
-        """Forces on the dofs of walls' nodes as those on the dofs of nodes."""
+        """Forces on the dofs of walls' nodes, transformed to the dofs of nodes."""
         return forces if self.motions is None else np.asarray(self.motions.T @ forces)
 
     def of_walls(self, fields: FloatArray) -> FloatArray:
@@ -70,7 +60,7 @@ class Joints(NamedTuple):
         return fields if self.motions is None else np.asarray((self.motions @ fields.ravel()).reshape(-1, WALL))
 
     def rigid(self, x: FloatArray) -> FloatArray:
-        """Translations and rotations of nodes at x (nodes, 3), (dofs nodes, 6), as of `rigid_motions`."""
+        """Translations and rotations of nodes at x (nodes, 3), (dofs nodes, 6), as `rigid_motions` gives them."""
         count = len(x)
         plain = rigid_motions(x, self.normals[:count], self.frames[:count])
         if self.motions is None:
@@ -80,7 +70,9 @@ class Joints(NamedTuple):
         return np.concatenate([plain.reshape(count, WALL, 6), turns], axis=1).reshape(-1, 6)
 
     def arms(self, forces: FloatArray) -> csc_array:
-        """Stiffness (6 nodes, 6 nodes) that forces on leanings bring at joints; `forces` on all dofs of walls' nodes.
+        """Stiffness (6 nodes, 6 nodes) at joints due to forces on the rotations of directors.
+
+        `forces` is on all dofs of walls' nodes.
 
         With w = theta x n, a director turns to n + w - |w|^2 n/2 + (theta.n) n x w/2, to second order. The cells have
         all but the last term; a force f along the wall does work on it, theta.S theta/2 with S = -(f n^T + n f^T)/2.
@@ -119,5 +111,5 @@ def joints_of(apart: Apart, normals: FloatArray, frames: FloatArray) -> Joints:
 
 
 def dofs(nodes: IntArray, width: int, *which: int) -> IntArray:
-    """Some dofs of nodes that have `width` each, (nodes, some)."""
+    """Numbers of some dofs of nodes with `width` dofs each, (nodes, some)."""
     return np.asarray(width * nodes[:, None] + np.array(which))

@@ -1,4 +1,4 @@
-"""A mesh as read from a file: points, cells of one kind, and named groups. A value; nothing is judged here."""
+"""A mesh as read from a file: points, cells of one kind, and named groups. It is not checked here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ NATIVE = ("hexahedron20", "quad8", "quad9")  # kinds of which collapsed cells ar
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Group:
-    """A named group: always nodes; cells or facets where the file gives them.
+    """A named group: always nodes, and cells or facets if the file gives them.
 
     `facets` are pairs (cell, local facet), (m, 2); None where the group contains nodes only.
 
@@ -55,13 +55,13 @@ class MeshData:
     cells
         Nodes of each cell in VTK's order, (cells, nodes of the kind).
     groups
-        Name -> Group: what supports and materials refer to.
+        Name -> Group; supports and materials refer to these names.
     cell_numbers, node_numbers
         Numbers that cells and nodes have in the file; counted from 1 where the file has none.
     directors
         Unit normals at the nodes of a shell, (nodes, 3), where they are not the means over its cells.
     attachments
-        Point masses, springs and connections between nodes, which the structure takes over.
+        Point masses, springs and connections between nodes, which become part of the structure.
     source
         Name of the file, for messages.
 
@@ -117,17 +117,17 @@ class MeshData:
 
     @property
     def used(self) -> IntArray:
-        """Nodes that a cell has, ascending."""
+        """Nodes of cells, ascending."""
         return np.unique(self.cells)
 
     @property
     def present(self) -> IntArray:
-        """Nodes that a cell or an attachment has, ascending."""
+        """Nodes of cells or attachments, ascending."""
         return np.union1d(self.cells, self.attachments.nodes) if self.attachments else self.used
 
     @property
     def labels(self) -> IntArray:
-        """Numbers of the nodes for other programs: the file's, and new ones where it has none, (nodes,)."""
+        """Numbers of the nodes for other programs, (nodes,): the file's numbers, and new ones for nodes without."""
         numbers = self.node_numbers.copy()
         own = numbers == 0  # the middles that eight-noded cells are given
         numbers[own] = numbers.max() + 1 + np.arange(np.count_nonzero(own))
@@ -140,7 +140,7 @@ class MeshData:
 
     @property
     def collapsed(self) -> BoolArray:
-        """Cells with a node twice, (cells,): wedges, pyramids, tetrahedra among bricks, triangles among squares."""
+        """Cells with a repeated node, (cells,): wedges, pyramids, tetrahedra among bricks, triangles among squares."""
         return np.asarray((distinct(self.cells) < 0).any(axis=1))
 
     @property
@@ -150,7 +150,7 @@ class MeshData:
 
     @property
     def boundary(self) -> IntArray:
-        """Facets that one cell alone has, as pairs (cell, local facet), (m, 2)."""
+        """Facets that belong to one cell only, as pairs (cell, local facet), (m, 2)."""
         return np.argwhere(self.sharing == 1)
 
     @property
@@ -189,7 +189,9 @@ def natives(mesh: MeshData, cells: IntArray | None = None) -> list[tuple[str, In
 
 
 def beside(meshes: Mapping[str, MeshData]) -> MeshData:
-    """Meshes of one kind as one, nothing joined: groups are called `name.group`, a mesh's cells are the group `name`.
+    """Meshes of one kind as one mesh, without joining nodes. Groups are called `name.group`.
+
+    Group `name` has the cells of a mesh.
 
     Nodes and cells are numbered anew from 1.
 

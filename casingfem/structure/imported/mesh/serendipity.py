@@ -23,7 +23,10 @@ STEP = 1e-30  # of the complex step: derivatives to round-off
 
 
 class Serendipity(ABC):
-    """A kind whose shape functions are given as one function of place; its derivatives are taken by complex steps."""
+    """A kind of cell whose shape functions are one function of position.
+
+    Their derivatives are computed by complex steps.
+    """
 
     corners: tuple[tuple[int, int, int], ...]
     edges: tuple[tuple[int, int], ...]
@@ -104,7 +107,7 @@ class Pyramid13(Serendipity):
 
     @staticmethod
     def quadrature() -> tuple[FloatArray, FloatArray]:
-        """Points (3, q) and weights (q,): a cube's, drawn to the apex."""
+        """Points (3, q) and weights (q,): the rule of a cube, mapped to the pyramid."""
         t, along = gauss(GAUSS)
         z, up = gauss(HEIGHT)
         r, s, h = (v.ravel() for v in np.meshgrid(t, t, z, indexing="ij"))

@@ -1,9 +1,9 @@
-"""Walls of a shell: which cells run on into each other over an edge, and the nodes where walls meet at an angle.
+"""Walls of a shell: which cells continue each other smoothly over an edge, and the nodes where walls meet at an angle.
 
-Of the cells on an edge two are one wall if the surface turns by less than `SHARP` from one to the other, and if no
-third cell continues either of them so. All other edges with several cells are folds and branches. Up to `FOLDED`, where
-a coarse mesh of a smooth surface may be meant, normals must agree as within a wall. A wall has one director at a node,
-so each wall gets a node of its own where walls meet (`walls_apart`); `joints.py` joins them.
+Two cells on an edge belong to one wall if the surface turns by less than `SHARP` between them and no third cell
+continues either of them as smoothly. All other edges with several cells are folds and branches. Up to the angle
+`FOLDED` a coarse mesh of a smooth surface may be meant, so normals must agree as within a wall. A wall has one director
+at a node, so each wall gets a node of its own where walls meet (`walls_apart`); `joints.py` joins them.
 """
 
 from dataclasses import replace
@@ -37,8 +37,8 @@ class Neighbours(NamedTuple):
 class Apart(NamedTuple):
     """A shell's mesh with a node for each wall where walls meet.
 
-    `mesh`: the new nodes are behind the others. `nodes`: the node of the whole mesh that each of its nodes is,
-    (nodes of `mesh`,).
+    `mesh`: new nodes come after the others. `nodes`: for each node of `mesh`, its node in the whole mesh, (nodes of
+    `mesh`,).
     """
 
     mesh: MeshData
@@ -56,7 +56,7 @@ class Apart(NamedTuple):
 
 
 def cell_normals(mesh: MeshData) -> FloatArray:
-    """Unit normals of each cell at its nodes, (cells, nodes, 3); 0 where a six-noded triangle has a node again."""
+    """Unit normals of each cell at its nodes, (cells, nodes, 3); 0 at a repeated node of a six-noded triangle."""
     found = np.zeros((*mesh.cells.shape, 3))
     for kind, rows, slots in natives(mesh):
         _, slopes = shape_functions(kind, np.ascontiguousarray(KINDS[kind].places.T))
@@ -71,7 +71,7 @@ def cell_normals(mesh: MeshData) -> FloatArray:
 
 
 def unit(v: FloatArray) -> FloatArray:
-    """Vectors (..., 3) of length 1; 0 stays 0."""
+    """Vectors (..., 3) scaled to length 1; zero vectors stay 0."""
     size = np.linalg.norm(v, axis=-1, keepdims=True)
     return np.asarray(v / np.maximum(size, np.finfo(float).tiny))
 
@@ -95,7 +95,7 @@ def neighbours(mesh: MeshData) -> Neighbours:
 
 
 def outward(mesh: MeshData, facets: IntArray) -> FloatArray:
-    """Unit vectors in the surface, square to edges and away from their cells, (facets, 3)."""
+    """Unit vectors in the surface, perpendicular to edges and pointing away from their cells, (facets, 3)."""
     cells, slots = facets[:, 0], mesh.cell_kind.facet_nodes[facets[:, 1]]
     a, b = mesh.facets[cells, facets[:, 1]].T
     normals = cell_normals(mesh)[cells[:, None], slots].sum(axis=1)
@@ -103,7 +103,10 @@ def outward(mesh: MeshData, facets: IntArray) -> FloatArray:
 
 
 def one_wall(given: Neighbours, degrees: float) -> BoolArray:
-    """Pairs that run on into each other, (pairs,): within an angle, and neither has another cell so near ahead."""
+    """Pairs that continue each other, (pairs,).
+
+    Within an angle, and no other cell continues either of them as smoothly.
+    """
     near = given.ahead > np.cos(np.radians(degrees))
     codes = given.facets[near] @ np.array([4, 1])  # a shell cell has at most four edges
     _, place, count = np.unique(codes, return_inverse=True, return_counts=True)
@@ -113,7 +116,7 @@ def one_wall(given: Neighbours, degrees: float) -> BoolArray:
 
 
 def against(mesh: MeshData, pairs: IntArray) -> BoolArray:
-    """Pairs (pairs, 2, 2) of cells that run along their edge the same way: their normals disagree."""
+    """Pairs (pairs, 2, 2) of cells that have the same direction along their common edge: their normals are opposite."""
     one, other = (mesh.facets[pairs[:, k, 0], pairs[:, k, 1]] for k in (0, 1))
     return np.asarray((one == other).all(axis=1))
 
@@ -155,7 +158,10 @@ def walls_apart(mesh: MeshData, sharp: float = SHARP) -> Apart:
 
 
 def on_walls(mesh: MeshData, origin: IntArray) -> MeshData:
-    """A shell taken apart whose tied nodes follow, of nodes where walls meet, that of the wall they run on with."""
+    """A shell taken apart, with its ties.
+
+    A tied node on walls that meet follows the node of the wall that continues its own.
+    """
     directors = mean_normals(mesh)
     count = int(origin.max()) + 1
     glued = []
@@ -169,7 +175,7 @@ def on_walls(mesh: MeshData, origin: IntArray) -> MeshData:
 
 
 def mean_normals(mesh: MeshData) -> FloatArray:
-    """Mean unit normals of the cells at each node, (nodes, 3); 0 where no cell is."""
+    """Mean unit normals of the cells at each node, (nodes, 3); 0 at nodes without cells."""
     total = np.zeros_like(mesh.points)
     np.add.at(total, mesh.cells, cell_normals(mesh))
     return unit(total)
@@ -212,7 +218,7 @@ def merged(wall: IntArray, node: IntArray, directors: FloatArray) -> IntArray:
 
 
 def connected(i: IntArray, j: IntArray, count: int) -> IntArray:
-    """Number of the part that each of `count` items belongs to, with i and j joined."""
+    """For each of `count` items the number of its connected part, with i and j connected."""
     graph = coo_array((np.ones(len(i)), (i, j)), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 

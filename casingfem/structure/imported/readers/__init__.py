@@ -1,1 +1,1 @@
-"""Readers of mesh files: Abaqus and CalculiX, Nastran, Ansys; cells, groups and attachments."""
+"""Readers of mesh files of Abaqus, CalculiX, Nastran, Ansys and others: cells, groups and attachments."""

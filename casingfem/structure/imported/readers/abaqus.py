@@ -2,8 +2,8 @@
 
 Elements MASS, ROTARYI, SPRING1, SPRING2, SPRINGA with *MASS, *ROTARY INERTIA, *SPRING; *COUPLING with *KINEMATIC,
 *KINEMATIC COUPLING, *RIGID BODY of nodes, *MPC of the kinds BEAM and PIN, *EQUATION; *DISTRIBUTING COUPLING with
-elements DCOUP3D, *COUPLING with *DISTRIBUTING on a surface of nodes. Variants that are not
-understood are refused by keyword and line.
+elements DCOUP3D, *COUPLING with *DISTRIBUTING on a surface of nodes. Unsupported variants are refused with keyword and
+line.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ REFUSED = ("ORIENTATION", "NONLINEAR", "ROT NODE", "ELSET", "PIN NSET", "ANALYTI
 
 
 class AbaqusAttachments:
-    """Cards of a file, in its numbers of nodes and elements, until all of it is read."""
+    """Cards of a file, with the file's numbers of nodes and elements, collected until the whole file is read."""
 
     def __init__(self, names: Names) -> None:
         self.names = names
@@ -37,11 +37,11 @@ class AbaqusAttachments:
         self.coupling: Card | None = None
 
     def take_elements(self, line: str, kind: str, numbers: IntArray, nodes: IntArray) -> None:
-        """Elements of a type of `ELEMENTS`."""
+        """Read elements of a type in `ELEMENTS`."""
         self.elements |= {int(number): (kind, row, line) for number, row in zip(numbers, nodes, strict=True)}
 
     def take(self, card: Card) -> None:
-        """One card of `PROPERTIES` or `CONNECTIONS`."""
+        """Read one card of `PROPERTIES` or `CONNECTIONS`."""
         for name in REFUSED:
             if name in card.parameters and not (name == "ELSET" and card.keyword in PROPERTIES):
                 raise self.names.fault(card.line, f"*{card.keyword}: found {name}, which is not read here")
@@ -64,11 +64,11 @@ class AbaqusAttachments:
 
     @property
     def by_direction(self) -> bool:
-        """Whether single directions of nodes are named."""
+        """Whether the card names single directions of nodes."""
         return bool(self.equations) or any(card.keyword == "SPRING" for card, _ in self.properties)
 
     def rows(self, card: Card) -> list[tuple[str, list[str]]]:
-        """Data lines with their cells."""
+        """Data lines, split into cells."""
         return [(line, [cell.strip() for cell in text.rstrip(", ").split(",")]) for line, text in card.data]
 
     def number(self, line: str, cell: str) -> float:
@@ -93,28 +93,28 @@ class AbaqusAttachments:
         return range(ends[0], ends[-1] + 1)
 
     def reference(self, card: Card) -> int:
-        """The node that REF NODE names."""
+        """The node given by REF NODE."""
         found = self.names.nodes_of(card.parameters.get("REF NODE", ""), card.line)
         if len(found) != 1:
             raise self.names.fault(card.line, f"*{card.keyword}: found {len(found)} nodes as REF NODE, expected one")
         return int(found[0])
 
     def add_rigid(self, card: Card, nodes: IntArray, components: tuple[int, ...]) -> None:
-        """Nodes that follow the card's reference."""
+        """Add nodes that follow the card's reference node."""
         reference = self.reference(card)
         followers = np.setdiff1d(nodes, [reference])
         where = f"*{card.keyword} (line {card.line})"
         self.rigids.append(lambda: Rigid(reference=reference, nodes=followers, components=components, where=where))
 
     def coupled(self, card: Card) -> Card:
-        """The *COUPLING before a card, which belongs to it alone."""
+        """The *COUPLING before a card; each *COUPLING has one such card."""
         coupling, self.coupling = self.coupling, None
         if coupling is None:
             raise self.names.fault(card.line, f"*{card.keyword} without *COUPLING before it")
         return coupling
 
     def take_kinematic(self, card: Card) -> None:
-        """*KINEMATIC of the *COUPLING before it: lines of first and last degree of freedom, all without any."""
+        """Read *KINEMATIC of the *COUPLING before it: first and last degree of freedom a line; all without lines."""
         coupling = self.coupled(card)
         components = sorted({c for line, cells in self.rows(card) for c in self.span(line, cells)}) or range(6)
         reference, name = self.reference(coupling), coupling.parameters.get("SURFACE", "")
@@ -127,7 +127,7 @@ class AbaqusAttachments:
         self.rigids.append(rigid)
 
     def weighted(self, card: Card) -> tuple[IntArray, FloatArray]:
-        """Lines of a node or node set and its weight."""
+        """Lines with a node or node set and its weight."""
         nodes, weights = [], []
         for line, cells in self.rows(card):
             nodes.append(self.names.nodes_of(cells[0], line))
@@ -140,7 +140,7 @@ class AbaqusAttachments:
         return np.concatenate(nodes), np.concatenate(weights)
 
     def take_distributing(self, card: Card) -> None:
-        """*DISTRIBUTING of the *COUPLING before it, nodes of equal weight."""
+        """Read *DISTRIBUTING of the *COUPLING before it; all nodes have equal weight."""
         coupling = self.coupled(card)
         nodes = self.names.node_surface(coupling.parameters.get("SURFACE", ""))
         if nodes is None:
@@ -153,7 +153,7 @@ class AbaqusAttachments:
         self.means.append(Mean(reference=reference, nodes=nodes, weights=np.ones(len(nodes)), where=where))
 
     def take_mpc(self, card: Card) -> None:
-        """*MPC: kind, the node that follows, the node it follows."""
+        """Read *MPC: kind, the following node, the node that it follows."""
         for line, cells in self.rows(card):
             if cells[0].upper() not in MPCS or len(cells) != 3:
                 known = ", ".join(MPCS)
@@ -163,7 +163,7 @@ class AbaqusAttachments:
                 self.take_pair(line, cells[0].upper(), int(node), int(reference))
 
     def take_pair(self, line: str, kind: str, node: int, reference: int) -> None:
-        """One node that follows another: rigidly, or as if it was there."""
+        """Make one node follow another, as a rigid connection (BEAM) or with equal displacements (PIN)."""
         where = f"*MPC {kind} (line {line})"
         if kind == "BEAM":
             self.rigids.append(lambda: Rigid(reference=reference, nodes=np.array([node]), where=where))
@@ -172,7 +172,10 @@ class AbaqusAttachments:
         self.equations += [Equation(terms=pair, where=where) for pair in pairs]
 
     def take_equations(self, card: Card) -> None:
-        """*EQUATION: number of terms, then node, degree of freedom, coefficient of each, as often as given."""
+        """Read *EQUATION: the number of terms, then node, degree of freedom and coefficient of each.
+
+        Repeated on later lines.
+        """
         rows = self.rows(card)
         while rows:
             (line, head), rows = rows[0], rows[1:]
@@ -192,7 +195,7 @@ class AbaqusAttachments:
             self.equations.append(Equation(terms=tuple(terms), where=f"*EQUATION (line {line})"))
 
     def attachments(self, points: FloatArray, index: Callable[[IntArray], IntArray]) -> Attachments:
-        """All of them by indices of nodes."""
+        """All attachments, with indices of nodes."""
         masses, springs = list[PointMass](), list[Spring]()
         means, owned = list(self.means), set[int]()
         for card, numbers in self.properties:

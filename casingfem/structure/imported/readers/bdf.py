@@ -1,9 +1,9 @@
 """Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, constraints, attachments.
 
-A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
-from their coordinate systems into the basic one (`coordinates.py`). Elements of property 7 are the group `PID 7`; the
-grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`, as are those of sets that
-an SPCADD 3 names; where single components are along axes of a system 9 of the grid's own (CD), `SPC 3 12 CD 9`.
+The parser reads small, large and free fields. It keeps the file's numbers and the constraint sets, and transforms grids
+to the basic coordinate system (`coordinates.py`). Elements of property 7 are the group `PID 7`. Grids of SPC and SPC1
+with set 3 on components 123 are the group `SPC 3 123`. All grids of set 3, and of sets that an SPCADD 3 names, are `SPC
+3`. If the components are along axes of a system 9 of the grid's own (CD), the group is `SPC 3 12 CD 9`.
 """
 
 from collections.abc import Sequence
@@ -44,13 +44,13 @@ def read_bdf(path: Path) -> Draft:
     Raises
     ------
     ModelError
-        With the line, if the file is malformed or has what cannot be read.
+        If the file is malformed or has unsupported content, with the line.
     """
     return Parser(path.name).read(read_lines(path, READ))
 
 
 class Parser(Numbers):
-    """State of one reading."""
+    """State of a parser while it reads a file."""
 
     def __init__(self, source: str) -> None:
         super().__init__(source)
@@ -65,7 +65,7 @@ class Parser(Numbers):
         self.turned: dict[int, int] = {}  # grid -> coordinate system of its displacements
 
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
-        """Take every card in turn; GRDSET, which may be anywhere, first."""
+        """Read every card in turn; GRDSET first, since it may be anywhere."""
         if any(line.upper().startswith("GRDSET") for _, line in lines):
             self.defaults = next(([*card.fields, *BLANK] for card in cards(lines) if card.name == "GRDSET"), BLANK)
         takers = {"GRID": self.take_grid, "SPCADD": self.sums.append, "SPC": self.take_constraint}
@@ -84,7 +84,7 @@ class Parser(Numbers):
         return draft
 
     def take_grid(self, card: Card) -> None:
-        """GRID: number, coordinate system, x, y, z, ..."""
+        """Read GRID: number, coordinate system, x, y, z, ..."""
         fields = [cell or default for cell, default in zip([*card.fields, *BLANK], self.defaults, strict=False)]
         if fields[1] not in ("", "0"):
             self.placed.append((len(self.grids), self.integer(card, fields[1]), card))
@@ -99,7 +99,7 @@ class Parser(Numbers):
             self.constraints.setdefault(("PS", fields[6]), []).append(number)
 
     def take_element(self, card: Card) -> None:
-        """An element: number, property, nodes."""
+        """Read an element: number, property, nodes."""
         places = PLACES.get(card.name) or SHELLS[card.name][1]
         if len(card.fields) < 3:
             raise self.fault(card, f"found {len(card.fields)} fields, expected a number, a property and nodes")
@@ -122,7 +122,7 @@ class Parser(Numbers):
         self.elements.setdefault(kind, []).append((number, owner, nodes))
 
     def take_constraint(self, card: Card) -> None:
-        """SPC: set, grid, components, value, ...; SPC1: set, components, grids or first THRU last."""
+        """Read SPC (set, grid, components, value, ...) or SPC1 (set, components, grids or first THRU last)."""
         fields = card.fields
         if len(fields) < 3 or "" in fields[: 2 if card.name == "SPC1" else 1]:
             raise self.fault(card, f"found the fields {', '.join(fields) or 'none'}, expected a set, components, grids")
@@ -141,7 +141,7 @@ class Parser(Numbers):
         self.constraints.setdefault((fields[0], fields[1]), []).extend(members)
 
     def draft(self) -> Draft:
-        """Numbers to indices."""
+        """The draft of the mesh, with numbers replaced by indices."""
         self.systems.place(self.grids, self.placed)
         if not self.grids or not self.elements:
             found = f"{len(self.grids)} grids and no elements"
@@ -155,7 +155,7 @@ class Parser(Numbers):
             cells = nodes.some(table_of, table_of != 0)
             if kind in ("hexahedron20", "wedge15"):
                 cells = cells[:, BRICK20 if kind == "hexahedron20" else WEDGE15]
-            cells = right_handed(kind, cells, points)  # Nastran asks for neither way
+            cells = right_handed(kind, cells, points)  # Nastran allows both orientations
             owners = np.array([row[1] for row in rows])
             for owner in np.unique(owners):
                 sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))

@@ -9,7 +9,7 @@ from casingfem.errors import ModelError
 from casingfem.io.included import NumberedLine
 
 MOST = 99_999_999  # of numbers, which have eight digits
-LARGEST = 1e100  # of real numbers: squares of larger ones, and there are some, are none
+LARGEST = 1e100  # of real numbers: squares of larger ones overflow
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
 
@@ -20,11 +20,11 @@ class Card:
     line: str
     name: str
     fields: list[str]
-    room: int = 0  # fields on its lines, filled or not
+    room: int = 0  # fields on its lines, also empty ones
 
 
 def split_line(line: str) -> tuple[str, list[str]]:
-    """Name and data fields of one line in free, large or small fields.
+    """Name and data fields of one line, which has free, large or small fields.
 
     >>> split_line("GRID*   1                               0.5             0.25            *")
     ('GRID*', ['1', '', '0.5', '0.25'])
@@ -43,7 +43,7 @@ def split_line(line: str) -> tuple[str, list[str]]:
 
 
 def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
-    """Cards of the bulk data, continuations joined, comments left out."""
+    """Cards of the bulk data, with continuations joined and comments removed."""
     begin = next((k + 1 for k, (_, line) in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
     card: Card | None = None
     for number, raw in lines[begin:]:
@@ -66,22 +66,22 @@ def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
 
 
 class Numbers:
-    """Reader of the numbers on the cards of a file, with refused and skipped cards."""
+    """Reader of the numbers on the cards of a file; it also records refused and skipped cards."""
 
     def __init__(self, source: str) -> None:
         self.source = source
         self.left_out: dict[str, list[str]] = {}  # card -> its lines
 
     def fault(self, card: Card, message: str) -> ModelError:
-        """A malformed file."""
+        """An error about a malformed file."""
         return ModelError("mesh-file", f"{self.source}: line {card.line}: {card.name}: {message}")
 
     def leave_out(self, card: Card, what: str) -> None:
-        """Warn at the end of cards that were not read."""
+        """Warn, at the end, about cards that were skipped."""
         self.left_out.setdefault(what, []).append(card.line)
 
     def integer(self, card: Card, text: str) -> int:
-        """A whole number."""
+        """An integer."""
         try:
             number = int(text)
         except ValueError:
@@ -91,7 +91,7 @@ class Numbers:
         return number
 
     def real(self, card: Card, text: str) -> float:
-        """A real number in Nastran's ways: 1.5, 1.5-3, 1.5D-3; empty is zero."""
+        """A real number in Nastran's forms, 1.5, 1.5-3 or 1.5D-3; an empty field is zero."""
         plain = SHORT_EXPONENT.sub(r"e\1", text.upper().replace("D", "E").lower()) if "e" not in text.lower() else text
         try:
             value = float(plain or 0.0)

@@ -1,9 +1,9 @@
 """Read the mesh of an Ansys archive (.cdb): nodes, solids and shells, components, materials.
 
-A parser of our own for the blocks that CDWRITE writes, fixed columns checked line by line; the usual library ends the
-whole program on damaged files. Elements of material 2 are the group `MAT 2`; components keep their names. Bricks that
-are written with repeated nodes are tetrahedra, wedges or pyramids. What is no solid or shell (MESH200, MASS21, contact,
-surface effects) is left out with a warning that counts it.
+The parser reads the blocks that CDWRITE writes and checks their fixed columns line by line. (The common library crashes
+the process on damaged files.) Elements of material 2 are the group `MAT 2`; components keep their names. Bricks that
+are written with repeated nodes are tetrahedra, wedges or pyramids. Other elements (MESH200, MASS21, contact, surface
+effects) are skipped, with a warning that counts them.
 
     NBLOCK,6,SOLID,last,count   (3i9,6e21.13e3)   number, two facts, x, y, z, angles; ends with N,R5.3,LOC,-1,
     EBLOCK,19,SOLID,last,count  (19i9)            material, type, six facts, nodes, 0, number, nodes; ends with -1
@@ -29,7 +29,7 @@ TETRAHEDRA = ("92", "187", "285")
 SHELLS = ("63", "93", "181", "281")
 FULL = {"92": (4, 10), "187": (4, 10), "95": (8, 20), "186": (8, 20), "93": (4, 8), "281": (4, 8)}  # corners, nodes
 WHOLE = {8: "hexahedron", 20: "hexahedron20", 4: "tetra", 10: "tetra10"}
-TETRA8 = (0, 1, 2, 4)  # what is left of a linear brick collapsed to a tetrahedron
+TETRA8 = (0, 1, 2, 4)  # distinct corners of a brick collapsed to a tetrahedron
 WIDEST = 100  # columns, and numbers on a line
 FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
 NAME = re.compile(r"(\d+)$")
@@ -50,18 +50,18 @@ class Archive:
     left_out: Counter[str] = field(default_factory=Counter)
 
     def fault(self, at: int, message: str) -> ModelError:
-        """A malformed file, by its line from 0."""
+        """An error about a malformed file; lines count from 0."""
         return ModelError("mesh-file", f"{self.source}: line {at + 1}: {message}")
 
     def integer(self, at: int, text: str) -> int:
-        """A whole number."""
+        """An integer."""
         try:
             return int(text)
         except ValueError:
             raise self.fault(at, f"found {text.strip()!r}, expected a whole number") from None
 
     def layout(self, at: int) -> tuple[list[int], int]:
-        """Widths of the whole numbers on a line, and that of the reals after them."""
+        """Widths of the integers on a line, and of the reals after them."""
         found = COLUMNS.match(self.lines[at].strip()) if at < len(self.lines) else None
         if found is None:
             raise self.fault(min(at, len(self.lines) - 1), "expected the columns of a block, such as (19i9)")
@@ -71,7 +71,7 @@ class Archive:
         return [width for times, width in fields for _ in range(times)], int(found[3] or 0)
 
     def whole(self, at: int, width: int) -> list[int]:
-        """The whole numbers of a line in columns."""
+        """The integers of a line with fixed columns."""
         line = self.lines[at].rstrip()
         return [self.integer(at, line[k : k + width]) for k in range(0, len(line), width)]
 
@@ -82,7 +82,7 @@ def read_cdb(path: Path) -> Draft:
     Raises
     ------
     ModelError
-        With the line, for an archive that is malformed or cut short, or elements whose nodes are not all there.
+        For a malformed or truncated archive, or elements with missing nodes, with the line.
     """
     archive = Archive(path.name, read_loose_text(path).splitlines())
     at = 0
@@ -111,7 +111,7 @@ def check_count(archive: Archive, at: int, fields: list[str], found: int) -> Non
 
 
 def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
-    """NBLOCK; returns the line after it."""
+    """Read NBLOCK; returns the line after it."""
     begun, (widths, real) = at, archive.layout(at + 1)
     if not real:
         raise archive.fault(at + 1, "expected columns of whole numbers and reals, such as (3i9,6e21.13e3)")
@@ -136,7 +136,7 @@ def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
 
 
 def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
-    """EBLOCK; returns the line after it."""
+    """Read EBLOCK; returns the line after it."""
     if "SOLID" not in fields:
         raise archive.fault(at, "found an EBLOCK that is not SOLID, expected EBLOCK,19,SOLID")
     begun, width = at, archive.layout(at + 1)[0][0]
@@ -162,7 +162,7 @@ def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
 
 
 def take_component(archive: Archive, at: int, fields: list[str]) -> int:
-    """CMBLOCK; returns the line after it."""
+    """Read CMBLOCK; returns the line after it."""
     if len(fields) < 3 or fields[1] not in ("NODE", "ELEM", "ELEMENT"):
         raise archive.fault(at, "expected CMBLOCK, name, NODE or ELEM, count")
     begun, count = at, archive.integer(at, fields[2].partition("!")[0])
@@ -215,7 +215,7 @@ def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
 
 
 def draft(archive: Archive) -> Draft:
-    """Numbers to indices."""
+    """The draft of the mesh, with numbers replaced by indices."""
     source = archive.source
     if not archive.nodes or not archive.elements:
         found = f"{len(archive.nodes)} nodes and {len(archive.elements)} elements in blocks (NBLOCK, EBLOCK)"

@@ -1,4 +1,4 @@
-"""Nastran's coordinate systems by three points or grids, rectangular, cylindrical and spherical, one in another."""
+"""Nastran's coordinate systems by three points or grids: rectangular, cylindrical, spherical, nested."""
 
 from collections.abc import Container, Mapping
 from typing import NamedTuple
@@ -14,7 +14,7 @@ SMALL = 1e-10  # of the distances: points in a line
 
 
 class System(NamedTuple):
-    """A system: its kind, that of the system its points are given in, and the points A, B, C, (3, 3).
+    """A coordinate system: its kind, the system in which its points are given, and the points A, B, C, (3, 3).
 
     A is the origin, B on the z axis, C in the half plane of positive x.
     """
@@ -25,7 +25,7 @@ class System(NamedTuple):
 
 
 def cartesian(kind: str, x: FloatArray) -> FloatArray:
-    """Coordinates of a kind as rectangular ones: (r, theta, z), or (r, theta from z, phi), angles in degrees.
+    """Rectangular coordinates from those of a kind: (r, theta, z), or (r, theta from z, phi), angles in degrees.
 
     >>> cartesian("cylindrical", np.array([2.0, 90.0, 1.0])).round(12).tolist()
     [0.0, 2.0, 1.0]
@@ -45,7 +45,7 @@ def in_basic(systems: Mapping[int, System], number: int, x: FloatArray) -> Float
     Raises
     ------
     ValueError
-        A system that is not there, refers to itself, or has its points in a line.
+        For a missing system, one that refers to itself, or one whose points are on a line.
     """
     seen: list[int] = []
     while number:
@@ -64,7 +64,7 @@ def in_basic(systems: Mapping[int, System], number: int, x: FloatArray) -> Float
 
 
 def within(systems: Mapping[int, System], number: int) -> tuple[FloatArray, FloatArray]:
-    """Origin (3,) and axes (3, 3), rows, of a system in the rectangular frame of the one it is given in."""
+    """Origin (3,) and axes (3, 3), rows, of a system, in the rectangular frame of the system in which it is given."""
     system = systems[number]
     kind = systems[system.within].kind if system.within in systems else "rectangular"
     a, b, c = (cartesian(kind, point) for point in system.points)
@@ -77,7 +77,9 @@ def within(systems: Mapping[int, System], number: int) -> tuple[FloatArray, Floa
 
 
 def axes_at(systems: Mapping[int, System], number: int, x: FloatArray) -> FloatArray:
-    """Directions of a system's components at a point x of the basic one, rows (3, 3); radial ones turn with it.
+    """Directions of a system's components at a point x of the basic system, rows (3, 3).
+
+    Radial ones depend on the point.
 
     Raises
     ------
@@ -121,7 +123,7 @@ def coordinates(kind: str, x: FloatArray) -> FloatArray:
 
 
 class CardSystems:
-    """The systems that the cards of a file give, by points or by grids."""
+    """The coordinate systems defined by the cards of a file, by points or by grids."""
 
     def __init__(self, numbers: Numbers) -> None:
         self.numbers = numbers
@@ -129,14 +131,14 @@ class CardSystems:
         self.by_grids: dict[int, tuple[str, list[int], Card]] = {}  # number -> kind, grids A, B, C, card
 
     def take(self, card: Card) -> None:
-        """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
+        """Read CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
         number, *fields = [*card.fields, *[""] * 11]
         values = np.array([self.numbers.real(card, text) for text in fields[1:10]]).reshape(3, 3)
         within = self.numbers.integer(card, fields[0] or "0")
         self.systems[self.new(card, number)] = System(KINDS_OF_SYSTEMS[card.name], within, values)
 
     def take_by_grids(self, card: Card) -> None:
-        """CORD1R, CORD1C, CORD1S: number, grids at A, B, C; perhaps another four."""
+        """Read CORD1R, CORD1C, CORD1S: number, grids at A, B, C; a second system may follow on the same card."""
         for k in range(0, len(card.fields), 4):
             number, *grids = card.fields[k : k + 4]
             if len(grids) != 3 or "" in grids:
@@ -145,16 +147,18 @@ class CardSystems:
             self.by_grids[self.new(card, number)] = (BY_GRIDS[card.name], given, card)
 
     def new(self, card: Card, text: str) -> int:
-        """The number of a system that is not given yet."""
+        """The number of a new system; a repeated number is refused."""
         number = self.numbers.integer(card, text)
         if number in self.systems or number in self.by_grids:
             raise self.numbers.fault(card, f"coordinate system {number} is given twice")
         return number
 
     def place(self, grids: list[tuple[int, float, float, float]], placed: list[tuple[int, int, Card]]) -> None:
-        """Put grids (number, x, y, z) into the basic system, those `placed` (row, system, card) in one of their own.
+        """Transform grids (number, x, y, z) to the basic system.
 
-        Systems by grids follow the places of these.
+        `placed` are (row, system, card) of those in another system.
+
+        A system defined by grids is known once these grids are transformed.
         """
         waiting, pending = placed, dict(self.by_grids)
         while waiting or pending:
@@ -179,7 +183,7 @@ class CardSystems:
             waiting = left
 
     def waits(self, system: int, pending: Container[int]) -> bool:
-        """Whether a system is in one whose grids are not placed yet."""
+        """Whether a system depends on grids that are not transformed yet."""
         seen = set[int]()
         while system in self.systems and system not in seen:
             seen.add(system)
@@ -187,7 +191,7 @@ class CardSystems:
         return system in pending
 
     def axes(self, card: Card, system: int, place: FloatArray) -> FloatArray:
-        """Directions of a system at a place, rows (3, 3)."""
+        """Directions of a system at a point, rows (3, 3)."""
         try:
             return axes_at(self.systems, system, place)
         except ValueError as error:

@@ -1,4 +1,4 @@
-"""From the contents of a mesh file to a `MeshData`: cells of one kind, everything else as groups."""
+"""Make a `MeshData` from the contents of a mesh file: cells of one kind, everything else as groups."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -25,9 +25,9 @@ DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """Cells of one kind: node indices (cells, nodes) in VTK's order, and the numbers they have in the file.
+    """Cells of one kind: node indices (cells, nodes) in VTK's order, and their numbers in the file.
 
-    Middle nodes that are left out are -1.
+    Missing middle nodes are -1.
     """
 
     kind: str
@@ -36,7 +36,7 @@ class Block:
 
     @property
     def dim(self) -> int:
-        """Dimension of the cells; 3 for kinds that nobody here knows, so that they are refused and not passed over."""
+        """Dimension of the cells. Unknown kinds have 3, so that they are refused and not skipped."""
         return DIMENSIONS.get(self.kind, DIMENSIONS.get(self.kind.rstrip("0123456789"), 3))
 
 
@@ -45,7 +45,7 @@ class Draft:
     """Contents of a mesh file before checks.
 
     `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners);
-    `attachments` are in the file's units; `gluings` name sets; `metre` is the unit of length that the file states [m].
+    `attachments` are in the file's units; `gluings` name sets; `metre` is the file's unit of length [m].
     """
 
     points: FloatArray
@@ -78,7 +78,7 @@ class Lookup:
         return np.asarray(self.order[place])
 
     def some(self, wanted: IntArray, given: BoolArray) -> IntArray:
-        """Indices of node numbers, in an array of the same shape; -1 for middle nodes that are left out."""
+        """Indices of node numbers, in an array of the same shape; -1 for missing middle nodes."""
         cells = np.full(wanted.shape, -1)
         cells[given] = self(wanted[given])
         return cells
@@ -90,7 +90,7 @@ def build(draft: Draft, source: str) -> MeshData:
     Raises
     ------
     ModelError
-        Without cells, with several kinds of the highest dimension, or with a kind that is not supported.
+        If there are no cells, several kinds of the highest dimension, or an unsupported kind.
     """
     draft = with_middles(draft)
     dims = [block.dim for block in draft.blocks]
@@ -128,7 +128,7 @@ def build(draft: Draft, source: str) -> MeshData:
 
 
 def alike(mesh: MeshData) -> MeshData:
-    """A shell with the cells turned round whose normals point against their neighbours' in one wall, and a warning."""
+    """A shell whose cells are turned where normals of one wall are opposite, and a warning."""
     given = neighbours(mesh)
     pairs = given.facets[one_wall(given, FOLDED)]
     turned = to_turn(len(mesh.cells), pairs[:, :, 0], against(mesh, pairs))
@@ -140,7 +140,7 @@ def alike(mesh: MeshData) -> MeshData:
 
 
 def with_middles(draft: Draft) -> Draft:
-    """A draft with the middle nodes that its cells leave out, without numbers of their own."""
+    """A draft with the missing middle nodes added; these have no numbers in the file."""
     top = max((block.dim for block in draft.blocks), default=0)
     given = [block.kind for block in draft.blocks if block.dim == top]
     found = [
@@ -162,7 +162,7 @@ def with_middles(draft: Draft) -> Draft:
 
 
 def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]) -> Group:
-    """One group from all that the file gives this name: nodes, cells of the mesh, facets, smaller cells."""
+    """One group from everything that has this name in the file: nodes, cells of the mesh, facets, smaller cells."""
     nodes = [np.asarray(draft.node_sets.get(name, []), dtype=np.int64)]
     cells, corners = [np.zeros(0, dtype=np.int64)], []
     below = mesh.cell_kind.dim - 1
@@ -182,7 +182,7 @@ def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]
 
 
 def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
-    """Facets given by corners as (cell, local facet); those of no cell are doubted and left out."""
+    """Facets given by corners as pairs (cell, local facet). Facets of no cell are skipped with a warning."""
     facets = find_facets(mesh, corners)
     lost = int(np.count_nonzero(facets[:, 0] < 0))
     if lost:
@@ -192,7 +192,7 @@ def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
 
 
 def joined(mesh: MeshData, distance: float) -> MeshData:
-    """The mesh with nodes of cells closer than a distance [m] made one; those of attachments alone stay apart."""
+    """The mesh after merging nodes of cells closer than a distance [m]; nodes of attachments only are not merged."""
     from scipy.spatial import cKDTree  # loaded with the first part, not by every study
 
     used = mesh.used
@@ -208,16 +208,18 @@ def joined(mesh: MeshData, distance: float) -> MeshData:
 
 
 def to_turn(count: int, pairs: IntArray, against: BoolArray) -> BoolArray:
-    """Cells to turn so that all normals agree with their neighbours', (cells,): of each connected part the fewer ones.
+    """Cells to turn so that all normals agree with their neighbours', (cells,).
 
-    `pairs` (pairs, 2) of `count` cells are neighbours, `against` (pairs,) those whose normals disagree. A part without
-    two sides (a Moebius strip) is left as it is.
+    Of each connected part the smaller number.
+
+    `pairs` (pairs, 2) are neighbours among `count` cells; `against` (pairs,) marks those with opposite normals. A part
+    with one side only (a Moebius strip) is not changed.
 
     >>> to_turn(3, np.array([[0, 1], [1, 2]]), np.array([True, True])).tolist()
     [False, True, False]
     """
     a, b = pairs.T
-    # each cell is there twice, as it is and turned; neighbours are joined where they agree
+    # each cell has two copies, unchanged and turned; copies of neighbours are joined if their normals agree
     i, j = np.concatenate([a, a + count]), np.concatenate([b + count * against, b + count * ~against])
     graph = coo_array((np.ones(len(i)), (i, j)), shape=(2 * count, 2 * count))
     part = connected_components(graph, directed=False)[1].reshape(2, count)

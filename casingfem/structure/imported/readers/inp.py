@@ -1,8 +1,8 @@
 """Read the mesh of an Abaqus or CalculiX input file: nodes, elements, node sets, element sets, element surfaces.
 
-A parser of our own: it keeps the file's numbers, every block of nodes, nested sets and surfaces, places instances of
-parts (`inp_cards.py`), follows *INCLUDE, and refuses what would move or merge nodes behind the reader's back
-(coordinate systems). What is not geometry (materials, steps) is passed over.
+The parser keeps the file's numbers, all blocks of nodes, and nested sets and surfaces. It places instances of parts
+(`inp_cards.py`) and reads files of *INCLUDE. Keywords that move or merge nodes (coordinate systems) are refused.
+Materials, steps and everything else that is not geometry is skipped.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,29 +45,29 @@ def read_inp(path: Path) -> Draft:
     Raises
     ------
     ModelError
-        With the line, if the file is malformed or has what cannot be read.
+        If the file is malformed or has unsupported content, with the line.
     """
     return Parser(path.name).read(read_lines(path, READ))
 
 
 def stacked(parts: Sequence[IntArray]) -> IntArray:
-    """Faces of one table, the last corner of triangles repeated beside squares."""
+    """Faces of triangles and squares in one table; triangles repeat their last corner."""
     width = max(part.shape[1] for part in parts)
     return np.concatenate([np.pad(part, ((0, 0), (0, width - part.shape[1])), mode="edge") for part in parts])
 
 
 class Parser(Names):
-    """State of one reading: numbers of nodes and elements, and the sets in the order of the file."""
+    """State of a parser: numbers of nodes and elements, and the sets in the order of the file."""
 
     def __init__(self, source: str) -> None:
         super().__init__(source)
         self.points: list[FloatArray] = []
         self.numbers: list[IntArray] = []
         self.connections = AbaqusAttachments(self)
-        self.ties: list[tuple[Card, str, str, str]] = []  # card, line, surface that follows, surface followed
+        self.ties: list[tuple[Card, str, str, str]] = []  # card, line, follower surface, master surface
 
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
-        """Take every card in turn."""
+        """Read every card in turn."""
         self.size = sum(len(line) + 1 for _, line in lines)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
                   "ELSET": self.take_set, "SURFACE": self.take_surface, "TIE": self.take_tie}  # fmt: skip
@@ -90,7 +90,7 @@ class Parser(Names):
         return self.draft()
 
     def take_nodes(self, card: Card) -> None:
-        """*NODE: number, x, y, z."""
+        """Read *NODE: number, x, y, z."""
         rows = self.values(card, float)
         for (line, text), row in zip(card.data, rows, strict=True):
             if len(row) != 4:
@@ -104,7 +104,7 @@ class Parser(Names):
             self.add(self.node_sets, card.parameters["NSET"], self.numbers[-1])
 
     def take_elements(self, card: Card) -> None:
-        """*ELEMENT: number and nodes, over as many lines as they need."""
+        """Read *ELEMENT: number and nodes, over as many lines as they need."""
         name = card.parameters.get("TYPE", "").upper()
         if name in ELEMENTS:
             self.take_points(card, name)
@@ -130,7 +130,7 @@ class Parser(Names):
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
 
     def take_points(self, card: Card, kind: str) -> None:
-        """*ELEMENT of point masses and springs."""
+        """Read *ELEMENT of point masses and springs."""
         rows = self.values(card, int)
         for (line, text), row in zip(card.data, rows, strict=True):
             if len(row) != 1 + ELEMENTS[kind]:
@@ -141,7 +141,7 @@ class Parser(Names):
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
 
     def take_tie(self, card: Card) -> None:
-        """*TIE: surface that follows, surface that it follows; those between sectors are left out."""
+        """Read *TIE: the follower surface, then the master surface; ties between sectors are skipped."""
         for key in ("CYCLIC SYMMETRY", "MULTISTAGE"):
             if key in card.parameters:
                 self.leave_out(f"TIE of {key.lower()}", card.line)
@@ -153,7 +153,7 @@ class Parser(Names):
             self.ties.append((card, line, f"{self.frame.prefix}{cells[0]}", f"{self.frame.prefix}{cells[1]}"))
 
     def gluings(self) -> list[Gluing]:
-        """Ties by the names of groups; surfaces of nodes that follow are groups of their own."""
+        """Ties by the names of groups; a follower surface of nodes becomes a group of its own."""
         found = []
         for card, line, *names in self.ties:
             for name in names:
@@ -171,7 +171,7 @@ class Parser(Names):
         return found
 
     def draft(self) -> Draft:
-        """Numbers to indices."""
+        """The draft of the mesh, with numbers replaced by indices."""
         self.elements = [block for block in self.elements if len(block[1])]
         numbers = np.concatenate([np.zeros(0, dtype=np.int64), *self.numbers])
         if not len(numbers) or not self.elements:
@@ -209,7 +209,7 @@ class Parser(Names):
     def faces(
         self, blocks: list[Block], entries: list[tuple[IntArray, str]], rows: Rows
     ) -> tuple[list[IntArray], Sides]:
-        """Corners of the faces of a surface, and the cells of shells whose sides it has."""
+        """Corners of the faces of a surface, and the shell cells whose sides belong to it."""
         corners, sides = list[IntArray](), list[tuple[int, IntArray]]()
         for ids, face in entries:
             for k, part in rows(ids):

@@ -1,6 +1,6 @@
 """Keywords of an Abaqus or CalculiX input file with their data, parts and instances laid out flat.
 
-Each card comes with the number, name and place that its nodes have.
+Each card is returned with the shift of its numbers, the prefix of its names, and the motion of its nodes.
 
 Abaqus moves an instance by its translation, then turns it by an angle [deg] about an axis from a to b:
 
@@ -8,8 +8,8 @@ Abaqus moves an instance by its translation, then turns it by an angle [deg] abo
     dx, dy, dz
     ax, ay, az, bx, by, bz, angle
 
-One instance keeps the numbers and names of its part. Of several the k-th (from 0) has its nodes and elements numbered
-from k times a power of ten beyond all numbers, and its sets are called `I.set`, as Abaqus itself names them.
+One instance keeps the numbers and names of its part. With several instances, the numbers of the k-th (from 0) are
+shifted by k times a power of ten larger than all numbers. Its sets are called `I.set`, as in Abaqus.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -34,7 +34,7 @@ class Card:
 
 
 def cards(lines: Iterable[NumberedLine]) -> Iterator[Card]:
-    """Keywords with their data; comments and empty lines are left out, continued keyword lines joined."""
+    """Keywords with their data, without comments and empty lines; continued keyword lines are joined."""
     card: Card | None = None
     for number, raw in lines:
         line = raw.strip()
@@ -63,11 +63,11 @@ class Frame:
     Attributes
     ----------
     offset
-        Added to the numbers of its nodes and elements.
+        Shift of the numbers of its nodes and elements.
     prefix
-        Before the names of the sets that it refers to, and of those it defines where `owns` is true.
+        Prefix of the names of sets to which it refers, and of sets that it defines if `owns` is true.
     turn, shift
-        Its nodes are at turn @ x + shift.
+        Motion of its nodes: turn @ x + shift.
     """
 
     offset: int = 0
@@ -82,12 +82,12 @@ class Frame:
 
 
 def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> Iterator[tuple[Card, Frame]]:
-    """Every card with its frame, those of a part once for each of its instances.
+    """Every card with its frame; cards of a part appear once for each of its instances.
 
     Raises
     ------
     ModelError
-        Several parts without instances, an instance of a part that is not there, a motion that is not given whole.
+        For several parts without instances, an instance of a missing part, or an incomplete motion.
     """
     given = list(cards)
     names = [card for card in given if card.keyword == "INSTANCE"]
@@ -126,7 +126,7 @@ def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> 
 
 
 def split_parts(cards: list[Card]) -> tuple[dict[str, list[Card]], list[Card]]:
-    """Cards of each part by its name, and the others."""
+    """Cards of each part by its name, and the cards outside parts."""
     parts, rest = dict[str, list[Card]](), list[Card]()
     part: list[Card] | None = None
     for card in cards:
@@ -140,7 +140,7 @@ def split_parts(cards: list[Card]) -> tuple[dict[str, list[Card]], list[Card]]:
 
 
 def largest(card: Card) -> int:
-    """The largest number that a card gives a node or an element."""
+    """The largest number of a node or an element on a card."""
     if card.keyword not in ("NODE", "ELEMENT"):
         return 0
     numbers = [text.partition(",")[0].strip() for _, text in card.data]

@@ -1,4 +1,4 @@
-"""Sets and surfaces of an Abaqus or CalculiX input file by their names, in its numbers of nodes and elements.
+"""Sets and surfaces of an Abaqus or CalculiX input file by name, with the file's numbers of nodes and elements.
 
 Faces of elements are S1, S2, ... of solids; SPOS, SNEG, E1, ... of shells.
 """
@@ -23,10 +23,10 @@ NAMED = re.compile(r"(SPOS|SNEG)|([SE])(\d)")
 
 
 def face_corners(kind: str, face: str, *, plane: bool = False) -> tuple[int, ...]:
-    """Local corners of a face of an element; of a shell's sides all of them, of its edges two; () where it has none.
+    """Local corners of a face of an element: all for a shell's side, two for its edge; () if there is no such face.
 
-    Edges are E1 to E4 (Abaqus) or S3 to S6 (CalculiX, whose S1 and S2 are the sides), and S1 to S4 of elements in a
-    `plane`.
+    Edges of shells are E1 to E4 (Abaqus) or S3 to S6 (CalculiX, where S1 and S2 are the sides). Edges of elements in a
+    `plane` are S1 to S4.
 
     >>> face_corners("hexahedron20", "S1"), face_corners("quad8", "SPOS"), face_corners("triangle", "E3")
     ((0, 1, 2, 3), (0, 1, 2, 3), (2, 0))
@@ -66,11 +66,11 @@ class Names:
         self.left_out: dict[str, str] = {}  # keyword -> its line
 
     def fault(self, line: str, message: str) -> ModelError:
-        """A malformed file."""
+        """An error about a malformed file."""
         return ModelError("mesh-file", f"{self.source}: line {line}: {message}")
 
     def leave_out(self, what: str, line: str) -> None:
-        """Warn at the end of keywords that were not read."""
+        """Warn, at the end, about keywords that were skipped."""
         self.left_out[what] = line
 
     def values(self, card: Card, kind: type) -> list[list[Any]]:
@@ -82,13 +82,13 @@ class Names:
         return f"{self.frame.prefix}{name}" if self.frame.owns else name
 
     def add(self, sets: dict[str, list[IntArray]], name: str, numbers: IntArray) -> None:
-        """Add numbers to a set; names do not know case."""
+        """Add numbers to a set; names are case-insensitive."""
         name = self.named(name)
         self.spelling.setdefault(name.upper(), name)
         sets.setdefault(name.upper(), []).append(numbers.astype(np.int64))
 
     def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: str) -> IntArray:
-        """A number, or the members of a set named before."""
+        """A number, or the members of a set defined before."""
         if cell.isdecimal() and len(cell) <= DIGITS:
             return np.array([int(cell) + self.frame.offset])
         known = [name for name in (f"{self.frame.prefix}{cell}".upper(), cell.upper()) if name in sets]
@@ -97,20 +97,20 @@ class Names:
         return np.concatenate(sets[known[0]])
 
     def nodes_of(self, cell: str, line: str) -> IntArray:
-        """Numbers of a node or node set named so far."""
+        """Numbers of a node, or of a node set defined before."""
         return self.numbers_of(self.node_sets, cell, line)
 
     def elements_of(self, name: str, line: str) -> IntArray:
-        """Numbers of an element set named so far."""
+        """Numbers of an element set defined before."""
         return self.numbers_of(self.element_sets, name, line)
 
     def node_surface(self, name: str) -> IntArray | None:
-        """Numbers of the nodes of a surface of nodes; None for others."""
+        """Numbers of the nodes of a surface of nodes; None for other surfaces."""
         found = self.on_nodes.get(name.upper())
         return None if found is None else np.unique(np.concatenate(found))
 
     def surface_nodes(self, name: str, line: str) -> IntArray:
-        """Numbers of the nodes of a surface, of elements with the middles of their faces."""
+        """Numbers of the nodes of a surface; for faces of elements, including the middle nodes."""
         of_nodes = self.node_surface(name)
         if of_nodes is not None:
             return of_nodes
@@ -127,7 +127,7 @@ class Names:
         return np.unique(np.concatenate(found))
 
     def take_set(self, card: Card) -> None:
-        """*NSET and *ELSET: numbers, ranges, names of other sets."""
+        """Read *NSET or *ELSET: numbers, ranges, names of other sets."""
         sets = self.node_sets if card.keyword == "NSET" else self.element_sets
         name = card.parameters.get(card.keyword, "")
         if not name:
@@ -151,7 +151,7 @@ class Names:
         self.add(sets, name, np.concatenate([NONE, *found]))
 
     def take_surface(self, card: Card) -> None:
-        """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
+        """Read *SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
         name = self.named(card.parameters.get("NAME", ""))
         if not card.data:
             raise self.fault(card.line, f"*SURFACE {name}: found nothing that belongs to it")
@@ -171,7 +171,7 @@ class Names:
             entries.append((self.numbers_of(self.element_sets, cells[0], line), cells[1].upper()))
 
     def local_corners(self, kind: str, ids: IntArray, face: str) -> tuple[int, ...]:
-        """Corner nodes of a face of a kind of element; on shells a side is the whole element."""
+        """Corner nodes of a face of a kind of element; the side of a shell is the whole element."""
         plane = bool(len(ids)) and bool(np.isin(ids, list(self.plane)).all())
         if corners := face_corners(kind, face, plane=plane):
             return corners

@@ -4,8 +4,8 @@
     ENS_MAA/MESH[/STEP]/MAI/KIND/NOD, NUM, FAM    nodes of cells, first all first nodes; numbers; families
     FAS/MESH/NOEUD or ELEME/FAMILY (NUM)/GRO/NOM  names of the groups that a family belongs to
 
-Cells have the orientation of their corners mirrored from VTK's. Damaged files crash the library: a child process reads
-them. (MED file format, Salome's developer documentation.)
+The corners of cells have the opposite orientation to VTK's. Damaged files crash the HDF5 library, so a child process
+reads the file. (MED file format, Salome's developer documentation.)
 """
 
 from pathlib import Path
@@ -70,12 +70,12 @@ def read_med(path: Path) -> Draft:
 
 
 def names_in(stored: dict[str, Any], of: str) -> list[str]:
-    """Names of the groups of nodes or cells, each once."""
+    """Names of the groups of nodes or cells, without repetition."""
     return list(dict.fromkeys(name.decode("utf-8", "replace") for name in stored[f"group {of}"].tolist()))
 
 
 def members(stored: dict[str, Any], of: str, families: IntArray) -> dict[str, IntArray]:
-    """Group -> rows of the nodes, or of the cells of one kind, that have these families."""
+    """Group -> rows of the nodes, or of the cells of one kind, in these families."""
     named, numbers = stored[f"group {of}"], stored[f"family {of}"]
     return {
         name: np.flatnonzero(np.isin(families, numbers[named == name.encode("utf-8")])) for name in names_in(stored, of)
@@ -109,12 +109,12 @@ def med_arrays(path: Path) -> dict[str, Any]:
 
 
 def columns(data: Any, count: int) -> FloatArray:
-    """Values that are stored component after component, as rows of `count`."""
+    """Values that are stored component after component, as rows of `count` components."""
     return np.ascontiguousarray(data[()].reshape(count, -1).T)
 
 
 def labels(part: Any, count: int) -> dict[str, IntArray]:
-    """Numbers and families of nodes or cells; from 1, and 0, where the file has none."""
+    """Numbers and families of nodes or cells; the defaults are 1, 2, ... and 0."""
     return {
         "numbers": part["NUM"][()] if "NUM" in part else np.arange(1, count + 1),
         "families": part["FAM"][()] if "FAM" in part else np.zeros(count, dtype=np.int64),
@@ -122,7 +122,10 @@ def labels(part: Any, count: int) -> dict[str, IntArray]:
 
 
 def families(of_mesh: Any) -> dict[str, Any]:
-    """Of nodes and of cells: a family's number, once for each group it belongs to, and the names of these groups."""
+    """Families of nodes and of cells.
+
+    The number of each family, repeated for each of its groups, and the names of these groups.
+    """
     found: dict[str, Any] = {}
     for what, key in (("nodes", "NOEUD"), ("cells", "ELEME")):
         numbers, names = [], []

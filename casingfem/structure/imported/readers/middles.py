@@ -1,9 +1,10 @@
-"""Middle nodes that a file leaves out: an edge of a quadratic cell without one stays straight and moves linearly.
+"""Missing middle nodes: an edge of a quadratic cell without one stays straight and moves linearly.
 
-The shape function of such an edge's middle goes in halves to its ends (Nastran, Ansys), which is what a node in the
-middle does whose motion is the mean of theirs: it is put in, tied. An edge that another cell has with a middle node
-takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes. On
-shells the middles that are put in move freely: a thin shell whose edge is fixed straight cannot bend along it.
+Half of the shape function of such an edge's middle is added to each of its ends (Nastran, Ansys). A middle node tied to
+the mean motion of the ends gives the same, so the reader adds such a node. If another cell has a middle node on the
+edge, that node is used, and the cells stay joined. Linear cells among quadratic ones are treated as quadratic cells
+without middle nodes. On shells the added middle nodes move freely: a thin shell with a straight edge could not bend
+along it.
 """
 
 from collections.abc import Collection, Sequence
@@ -22,7 +23,7 @@ QUADRATIC = {
 
 
 def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[str]) -> tuple[str, IntArray]:
-    """Linear cells among quadratic ones as quadratic ones without middle nodes; others unchanged.
+    """Linear cells among quadratic ones as quadratic cells without middle nodes; others unchanged.
 
     >>> kind, cells = raised("tetra", np.array([[0, 1, 2, 3]]), np.zeros((4, 3)), ["tetra", "tetra10"])
     >>> kind, cells.tolist()
@@ -38,7 +39,7 @@ def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[st
 def filled(
     points: FloatArray, kinds: Sequence[str], cells: Sequence[IntArray]
 ) -> tuple[FloatArray, list[IntArray], Tie | None]:
-    """Points with the middles that cells (m, nodes) of some kinds leave out as -1, the cells with them, and their tie.
+    """Add the missing (-1) middles of cells (m, nodes): points, complete cells, and the tie of the new nodes.
 
     >>> points = np.vstack([np.zeros(3), np.eye(3), [[0.5, 0.0, 0.0]]])
     >>> points, (cells,), tie = filled(points, ["tetra10"], [np.array([[0, 1, 2, 3, 4, -1, -1, -1, -1, -1]])])
@@ -71,7 +72,7 @@ def filled(
 
 
 def known_middles(kinds: Sequence[str], cells: Sequence[IntArray], edges: IntArray) -> IntArray:
-    """Middle nodes that some cell has on edges (m, 2), ascending pairs; -1 where none has one."""
+    """Middle nodes that some cell has on edges (m, 2), ascending pairs; -1 for edges without."""
     pairs, middles = [edges], [np.full(len(edges), -1)]
     for kind, table in zip(kinds, cells, strict=True):
         if kind in QUADRATIC.values():

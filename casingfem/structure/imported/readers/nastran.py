@@ -1,7 +1,7 @@
 """Point masses, springs and connections of a Nastran bulk data file (MSC Nastran Quick Reference Guide).
 
 CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH (`nastran_cards.py`); RBE2, RBE3, RBAR; one set of MPC; PARAM WTMASS.
-Variants that are not understood are refused by card and line.
+Unsupported variants are refused with card and line.
 """
 
 import re
@@ -23,14 +23,14 @@ LEFT_OUT = re.compile(
 
 
 class NastranAttachments(NastranCards):
-    """Attachments from the cards of a file, once the whole file is read."""
+    """Attachments from the cards of a file, made after the whole file is read."""
 
     def attachments(
         self, points: FloatArray, index: Callable[[IntArray], IntArray], turned: Mapping[int, int]
     ) -> Attachments:
-        """All of them by indices of nodes.
+        """All attachments, with indices of nodes.
 
-        `turned` are the grids whose displacements have a coordinate system of their own, and its number.
+        `turned` maps grids whose displacements have another coordinate system to its number.
         """
         self.turned, self.points, self.index = turned, points, index
         scale = self.mass_factor()
@@ -51,7 +51,7 @@ class NastranAttachments(NastranCards):
         return tuple(sorted(int(digit) - 1 for digit in text))
 
     def grid(self, card: Card, text: str, components: tuple[int, ...]) -> int:
-        """A grid, refused where single components of it are along axes of its own."""
+        """A grid; refused if a card uses single components of it and these are along other axes."""
         grid = self.numbers.integer(card, text)
         if grid in self.turned and set(components) not in WHOLE:
             found = f"single components of grid {grid}, whose displacements have a coordinate system (CD) of their own"
@@ -87,14 +87,14 @@ class NastranAttachments(NastranCards):
         return {integer(card, card.fields[k]): real(card, self.field(card, k + 1)) for card, k in given}
 
     def is_scalar(self, card: Card) -> bool:
-        """Whether a spring ends at a scalar point, component 0: it is left out."""
+        """Whether an end of a spring is a scalar point, component 0; such springs are skipped."""
         scalar = any(self.field(card, k) not in ("", "0") and self.field(card, k + 1) in ("", "0") for k in (2, 4))
         if scalar:
             self.numbers.leave_out(card, f"{card.name} at scalar points")
         return scalar
 
     def spring(self, card: Card, stiffness: dict[int, float]) -> Spring:
-        """CELAS1: number, property, grid, component, grid, component; CELAS2 with a stiffness for the property."""
+        """Read CELAS1: number, property, grid, component, grid, component; CELAS2 has a stiffness as property."""
         if card.name == "CELAS2":
             k = self.numbers.real(card, self.field(card, 1))
         else:
@@ -111,7 +111,7 @@ class NastranAttachments(NastranCards):
         return Spring(terms=terms, stiffness=self.positive(card, k), where=self.where(card))
 
     def terms(self, card: Card, place: int, coefficient: float) -> tuple[Term, ...]:
-        """A grid and one component behind it, along the axes of the grid's own system; the largest term first."""
+        """A grid and component as terms along the axes of the grid's own system; the largest term first."""
         components = self.components(card, self.field(card, place + 1))
         if len(components) > 1:
             raise self.numbers.fault(card, f"found the components {self.field(card, place + 1)}, expected one")
@@ -124,7 +124,7 @@ class NastranAttachments(NastranCards):
         return tuple(Term(grid, first + k, coefficient * float(along[k])) for k in order if abs(along[k]) > ROUND)
 
     def rigid(self, card: Card) -> Rigid:
-        """RBE2: number, reference, components, grids, and perhaps a thermal expansion."""
+        """Read RBE2: number, reference, components, grids, and optionally a thermal expansion."""
         components = self.components(card, self.field(card, 2))
         given = [text for text in card.fields[3:] if text]
         grids = [text for text in given if text.isdecimal()]

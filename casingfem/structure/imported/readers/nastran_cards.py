@@ -1,4 +1,4 @@
-"""Nastran's cards of attachments, kept until a file is read, and the springs of CBUSH with PBUSH.
+"""Nastran's cards of attachments, collected until the file is read, and the springs of CBUSH with PBUSH.
 
 A CBUSH has six springs at a place between two grids, or from one to the ground.
 
@@ -23,7 +23,7 @@ CARDS = ("CONM2", "CELAS1", "CELAS2", "PELAS", "CBUSH", "PBUSH", "RBE2", "RBE3",
 
 
 class NastranCards:
-    """Cards of a file, in its numbers of grids, until all of it is read."""
+    """Cards of a file, with its numbers of grids, collected until the whole file is read."""
 
     turned: Mapping[int, int]
     points: FloatArray
@@ -34,15 +34,15 @@ class NastranCards:
         self.cards: dict[str, list[Card]] = {name: [] for name in CARDS}
 
     def take(self, card: Card) -> None:
-        """Keep a card."""
+        """Add a card."""
         self.cards[card.name].append(card)
 
     def field(self, card: Card, place: int) -> str:
-        """A field, empty beyond the last."""
+        """A field; empty beyond the last field."""
         return card.fields[place] if place < len(card.fields) else ""
 
     def where(self, card: Card) -> str:
-        """Card, number and line of an item."""
+        """Card, number and line of an item, for messages."""
         return f"{card.name} {self.field(card, 0)} (line {card.line})"
 
     def place(self, grid: int) -> FloatArray:
@@ -50,7 +50,7 @@ class NastranCards:
         return np.asarray(self.points[int(self.index(np.array([grid]))[0])])
 
     def positive(self, card: Card, k: float) -> float:
-        """A stiffness."""
+        """A stiffness, which must be positive."""
         if k <= 0.0:
             raise self.numbers.fault(card, f"found the stiffness {k:g}, expected one above 0")
         return k
@@ -85,7 +85,7 @@ def bush_springs(given: NastranCards, card: Card) -> list[Spring]:
 
 
 def moved(grid: int, arm: FloatArray, along: FloatArray, turning: bool, sign: float) -> list[Term]:
-    """Motion along a direction of the end of a grid's arm, or the grid's turn about it."""
+    """Motion along a direction at the end of a grid's arm, or the grid's rotation about the direction."""
     turn = along if turning else np.cross(arm, along)
     turn = np.where(np.abs(turn) > SMALL * (1.0 if turning else np.linalg.norm(arm)), turn, 0.0)
     terms = [] if turning else [Term(grid, c, sign * float(along[c])) for c in range(3) if abs(along[c]) > SMALL]

@@ -8,9 +8,9 @@
     164                       code of the units; by what lengths are divided to be in metres, ...
     2420                      systems of coordinates: only those that are the global one are taken
 
-Nodes of quadratic elements go round, corner and middle in turn; 114 with 13 nodes is a pyramid, as Salome has it. Line
-elements are edges of shells, by their groups. Beams in no group, springs, rigid elements, masses, and sets that contain
-none of these are left out with a warning; responses and shapes are passed over.
+Nodes of quadratic elements alternate between corners and middles. Descriptor 114 with 13 nodes is a pyramid, as in
+Salome. Line elements in groups are edges of shells. Beams outside groups, springs, rigid elements, masses and unknown
+sets are skipped with a warning. Responses and shapes are skipped.
 """
 
 from collections import Counter
@@ -32,7 +32,7 @@ WIDE, NARROW = (2467, 2477, 2452, 2435), (2432, 2430, 2429, 2417)  # groups: fou
 UNITS, SYSTEMS = 164, 2420
 PASSED_OVER = (55, 56, 57, 58, 82, 151, 2414)  # header, lines to draw, responses, shapes
 LINES = (11, 21, 22, 23, 24, 25)  # descriptors with a line on their section; 11 a rod, the others beams
-MEMBRANES = (71, 74)  # linear, which of them has three nodes is not agreed upon
+MEMBRANES = (71, 74)  # linear; programs disagree on which has three nodes
 FACES = {1: "triangle", 2: "triangle6", 4: "quad", 5: "quad8"}  # last digit of plane, plate, membrane, thin shell
 KINDS = {10 * family + k: kind for family in (4, 5, 6, 7, 9) for k, kind in FACES.items()} | {
     111: "tetra", 112: "wedge", 113: "wedge15", 114: "pyramid13", 115: "hexahedron", 116: "hexahedron20",
@@ -50,7 +50,7 @@ OF_NODES, OF_ELEMENTS = 7, 8  # types of members
 
 
 class DataSet(NamedTuple):
-    """One set: its number, the line of the file after it, from 0, and where it ends."""
+    """One data set: its number, the first line after it (from 0), and its last line."""
 
     number: int
     start: int
@@ -72,11 +72,11 @@ class Universal:
     left_out: Counter[str] = field(default_factory=Counter)
 
     def fault(self, at: int, message: str) -> ModelError:
-        """A malformed file, by its line from 0."""
+        """An error about a malformed file; lines count from 0."""
         return ModelError("mesh-file", f"{self.source}: line {at + 1}: {message}")
 
     def integers(self, at: int, least: int) -> list[int]:
-        """The whole numbers of a line, with a least count."""
+        """The integers of a line, which must have a least count."""
         words = self.lines[at].split()
         try:
             found = [int(word) for word in words]
@@ -98,7 +98,7 @@ class Universal:
         return found
 
     def sets(self) -> Iterator[DataSet]:
-        """The sets of the file, each between two lines of -1."""
+        """The data sets of the file, each between two lines of -1."""
         at = 0
         while at < len(self.lines):
             if not self.lines[at].strip():
@@ -132,12 +132,12 @@ class Universal:
             self.left_out[f"set {one.number}"] += 1
 
     def inside(self, at: int, one: DataSet, what: str) -> None:
-        """Refuse a line beyond a set."""
+        """Refuse to read a line after the end of a data set."""
         if at >= one.end:
             raise self.fault(one.end, f"set {one.number} ends within {what}")
 
     def take_nodes(self, one: DataSet) -> None:
-        """Nodes, on one line each in set 15, on two in the others."""
+        """Read nodes: one line each in set 15, two in the others."""
         at, step = one.start, 1 if one.number == 15 else 2
         while at < one.end:
             self.inside(at + step - 1, one, "a node")
@@ -155,7 +155,7 @@ class Universal:
         return int(words[0]), int(words[1])
 
     def take_elements(self, one: DataSet) -> None:
-        """Elements: two lines, three of lines, and more where the nodes need them."""
+        """Read elements: two lines each, three for line elements, and more if the nodes need them."""
         at = one.start
         while at < one.end:
             facts = self.integers(at, 6)
@@ -169,7 +169,7 @@ class Universal:
             self.keep(first, label, descriptor, nodes)
 
     def keep(self, at: int, label: int, descriptor: int, nodes: list[int]) -> None:
-        """One element by its kind; those without volume are left out."""
+        """Add one element by its kind; elements without volume are skipped."""
         kind = KINDS.get(descriptor, "")
         if descriptor in LINES:
             kind = "line3" if len(nodes) == 3 else "line"
@@ -189,7 +189,7 @@ class Universal:
         self.elements.setdefault(kind, []).append([label, *(nodes[k] for k in ORDER[kind])])
 
     def take_groups(self, one: DataSet) -> None:
-        """Groups: facts, name, members."""
+        """Read groups: header, name, members."""
         at, width = one.start, 4 if one.number in WIDE else 2
         while at < one.end:
             count = self.integers(at, 8)[7]
@@ -217,7 +217,7 @@ class Universal:
         self.metre = 1.0 / factor
 
     def take_systems(self, one: DataSet) -> None:
-        """Coordinate systems other than the global one."""
+        """Read coordinate systems; systems other than the global one are recorded."""
         at = one.start + 2
         while at < one.end:
             self.inside(at + 5, one, "a system of coordinates")
@@ -228,7 +228,7 @@ class Universal:
             at += 6
 
     def draft(self) -> Draft:
-        """Labels to indices."""
+        """The draft of the mesh, with labels replaced by indices."""
         if not self.nodes or not self.elements:
             raise ModelError("mesh-no-cells", f"{self.source}: found {len(self.nodes)} nodes and no elements")
         moved = [label for label, system, *_ in self.nodes if system in self.elsewhere]
@@ -265,7 +265,7 @@ def read_unv(path: Path) -> Draft:
     Raises
     ------
     ModelError
-        With the line, if the file is malformed, cut short, or has what cannot be read.
+        If the file is malformed, truncated, or has unsupported content, with the line.
     """
     content = Universal(path.name, read_loose_text(path).splitlines())
     for one in content.sets():
