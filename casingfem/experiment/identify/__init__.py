@@ -1,1 +1,1 @@
-"""Modes from frequency responses."""
+"""Identification of modes from measured frequency responses."""

@@ -1,4 +1,4 @@
-"""Assemble the modes of a test: labels from sensors that agree, notes on the circle, columns by mode."""
+"""Assemble the modes of a test: label them, note faults of sensors, list their columns."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from casingfem.experiment.identify.mode import Mode, Sensors
 from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 from casingfem.io.arrays import FloatArray, IntArray
 
-MOST_OFF = 0.5  # share of the sensors that labels may do without
-NEAREST = 0.01  # least relative difference of squared frequencies: imperfections turn nearer modes into each other
+MOST_OFF = 0.5  # largest share of the sensors that labels may omit
+NEAREST = 0.01  # least relative difference of squared frequencies: imperfections mix nearer modes
 
 
 def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> tuple[list[Mode], Sensors]:
-    """Modes with labels by the sensors that are not suspected, and these; others would spoil the labels."""
+    """Label the modes with the sensors that are not suspected, and return both; a wrong sensor would spoil labels."""
     grid, circle, modes = sensors.grid, sensors.circle, make(sensors)
     kept = _belonging(modes, grid, circle)
     if circle is None or len(kept) == len(grid):
@@ -29,11 +29,12 @@ def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> tuple[l
 
 
 def oriented(modes: list[Mode], doublets: tuple[tuple[int, int], ...], sensors: Sensors) -> list[Mode]:
-    """The modes, their antinodes with the uncertainty that noise and other waves leave.
+    """Add to the uncertainty of each antinode the part that noise and other waves cause.
 
-    An imperfection that combines two modes of frequencies f and f_j adds to one a part of the other in proportion to
-    f f_j/|f^2 - f_j^2| (perturbation of symmetric matrices). So a wave that is the label of another mode may be larger
-    than usual, by this number over its median. A pair of the same label may be the wave that looks like it.
+    An imperfection combines two modes of frequencies f and f_j. It adds to one mode a part of the other in proportion
+    to f f_j/|f^2 - f_j^2| (perturbation of symmetric matrices). So a wave that is the label of another mode may be
+    larger than usual, by this number over its median. Two modes of the same label may each contain the wave of the
+    other.
     """
     partner = {k: j for pair in doublets for k, j in (pair, pair[::-1])}
     freq, done = np.array([mode.freq for mode in modes]), list[Mode]()
@@ -75,7 +76,7 @@ def circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> 
 
 
 def sensor_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
-    """Sensors of a circle that are off in the sure modes."""
+    """Find sensors of a circle whose values disagree with the sure modes."""
     shapes = _sure_shapes(modes, grid)
     return () if circle is None or not shapes.size else suspected(shapes, circle.n_max, grid.theta, grid.points)
 
@@ -86,7 +87,7 @@ def _sure_shapes(modes: list[Mode], grid: SensorGrid) -> FloatArray:
 
 
 def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> IntArray:
-    """Sensors by which modes are labelled: those that are not suspected; all where too few would be left."""
+    """Sensors that label the modes: those not suspected, or all sensors if too few remain."""
     every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
     if circle is None or not shapes.size:
         return every
@@ -95,7 +96,7 @@ def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> In
 
 
 def columns_of(modes: list[Mode], doublets: tuple[tuple[int, int], ...], grid: SensorGrid) -> dict[str, Any]:
-    """Fields of `Identified` that have one entry for each mode."""
+    """Return the fields of `Identified` that have one entry for each mode."""
 
     def column(name: str) -> FloatArray:
         return np.array([getattr(mode, name) for mode in modes], float)

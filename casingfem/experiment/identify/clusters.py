@@ -1,4 +1,4 @@
-"""All modes of a test: close ones are fitted together in a window, the others are subtracted."""
+"""Identify all modes of a test: fit close modes together in a window, subtract the others."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from contact.io.progress import each
 
-SETTLING, SETTLED = 6, 1e-3  # most repetitions of all fits; largest change that ends them, in standard deviations
+SETTLING, SETTLED = 6, 1e-3  # most repetitions of all fits; change below which they end, in standard deviations
 EMPTY_LINES = 1500  # of a band without visible peaks
 
 
 class Responses(NamedTuple):
-    """Responses Y (lines, channels) divided by their noise, at `freq` [Hz]; `along` (lines,) are weights of the lines.
+    """Responses Y (lines, channels) divided by their noise, at `freq` [Hz].
 
-    `end` the seconds of ringing, `leak` the distance of lines [Hz] over which a Hann window leaks, else 0; `peaks` the
-    visible ones.
+    `along` (lines,) has the weights of the lines.
+
+    `end` is the duration of the recorded ringing [s]. `leak` is the distance of lines [Hz] over which a Hann window
+    leaks, else 0. `peaks` are the visible peaks.
     """
 
     freq: FloatArray
@@ -36,7 +38,7 @@ class Responses(NamedTuple):
     leak: float = 0.0
 
     def some(self, channels: IntArray, rules: Thresholds = USUAL) -> Responses:
-        """Some of the channels, with their own visible peaks."""
+        """The responses of some channels, with the visible peaks of these channels."""
         Y = self.Y[:, channels]
         return self._replace(Y=Y, peaks=visible_peaks(Y, rules))
 
@@ -55,7 +57,7 @@ class Modal(NamedTuple):
     A: Array
 
     def response(self, data: Responses, lines: slice) -> Array:
-        """Sum of the modes at some lines (lines, channels)."""
+        """Sum of the modes at given lines (lines, channels)."""
         return _columns(data, self.poles, lines) @ self.A
 
     def some(self, kept: Array) -> Modal:
@@ -78,9 +80,10 @@ def _columns(data: Responses, poles: Array, lines: slice) -> Array:
 
 
 def bands(data: Responses, rules: Thresholds = USUAL) -> list[tuple[slice, slice, int]]:
-    """Bands of a few visible peaks: lines whose poles count, those of the window around, and peaks in the window.
+    """Divide the lines into bands of a few visible peaks.
 
-    Cuts lie in the deepest valleys between groups of peaks.
+    Each band has the lines within which poles count, the lines of the window around it, and its number of peaks. The
+    limits are in the deepest valleys between groups of peaks.
     """
     power = np.sum(np.abs(data.Y) ** 2, axis=1)
     at, most = data.peaks.at, rules.peaks_a_band
@@ -108,7 +111,7 @@ def bands(data: Responses, rules: Thresholds = USUAL) -> list[tuple[slice, slice
 def first_poles(
     data: Responses, most: int | None, say: Callable[[str], None], rules: Thresholds = USUAL
 ) -> tuple[Array, Stabilisation]:
-    """Candidates of all bands [rad/s], and their diagram."""
+    """Candidate poles of all bands [rad/s], and their stabilisation diagram."""
     parts: list[Candidates] = []
     cut = bands(data, rules)
     say("poles")
@@ -162,7 +165,7 @@ def groups(poles: Array, step: float, rules: Thresholds = USUAL) -> list[IntArra
 
 
 def window_about(data: Responses, poles: Array, group: IntArray, rules: Thresholds = USUAL) -> slice:
-    """Lines about a group of poles, up to half of the distance to its neighbours and some beyond."""
+    """Lines around a group of poles: up to half of the distance to its neighbours, and some beyond."""
     step = 2.0 * np.pi * float(data.freq[1] - data.freq[0])
     reach = np.maximum(rules.reach * widths(poles[group]), rules.reach_lines * step)
     low, high = float((poles[group].imag - reach).min()), float((poles[group].imag + reach).max())
@@ -185,16 +188,16 @@ def window_about(data: Responses, poles: Array, group: IntArray, rules: Threshol
 
 
 def fitted_groups(data: Responses, modes: Modal, more: bool | None, rules: Thresholds = USUAL) -> list[PoleFit]:
-    """Fits of all groups, the modes of the others subtracted.
+    """Fit all groups of modes, each with the modes of the other groups subtracted.
 
-    Poles may go, with `more` they come; with None they stay.
+    With `more` False poles may be removed; with True they may also be added; with None the number of poles is fixed.
     """
     step = 2.0 * np.pi * float(data.freq[1] - data.freq[0])
     return [fitted_group(data, modes, group, more, rules) for group in each(groups(modes.poles, step, rules), "group")]
 
 
 def settled_fits(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[PoleFit]:
-    """Fits repeated, each with the current others subtracted, until no pole moves significantly."""
+    """Repeat the fits, each with the latest other modes subtracted, until no pole moves significantly."""
     for _ in range(SETTLING):
         again = fitted_groups(data, modal_of(fits, data.Y.shape[1]), None, rules)
         moved = _moved(fits, again)
@@ -205,7 +208,7 @@ def settled_fits(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL
 
 
 def _moved(before: list[PoleFit], after: list[PoleFit]) -> float:
-    """Largest change of a pole, in its standard deviations; inf where the groups are others."""
+    """Largest change of a pole in its standard deviations; inf if the groups have changed."""
     if [len(fit) for fit in before] != [len(fit) for fit in after]:
         return float("inf")
     pairs = [(a.poles, b.poles, b.sigma) for a, b in zip(before, after, strict=True) if len(b)]
@@ -215,7 +218,7 @@ def _moved(before: list[PoleFit], after: list[PoleFit]) -> float:
 def fitted_group(
     data: Responses, modes: Modal, group: IntArray, more: bool | None, rules: Thresholds = USUAL
 ) -> PoleFit:
-    """The fit of one group of modes, the others subtracted."""
+    """Fit one group of modes, with the other modes subtracted."""
     lines = window_about(data, modes.poles, group, rules)
     others = modes.some(np.delete(np.arange(len(modes.poles)), group))
     whole = data.window(lines, data.Y[lines] - others.response(data, lines), rules)
@@ -231,12 +234,12 @@ def fitted_group(
 
 
 def modal_of(fits: list[PoleFit], channels: int) -> Modal:
-    """The modes of all fits, ascending."""
+    """Modes of all fits, in ascending order."""
     return Modal.join([Modal(fit.poles, fit.A) for fit in fits], channels)
 
 
 def missing_peaks(data: Responses, modes: Modal) -> Array:
-    """Poles [rad/s] to start from at visible peaks that no mode explains."""
+    """Start values of poles [rad/s] at visible peaks that no mode explains."""
     step = float(data.freq[1] - data.freq[0])
     starts = []
     for at, lines in zip(data.peaks.at.tolist(), data.peaks.width.tolist(), strict=True):
@@ -248,7 +251,10 @@ def missing_peaks(data: Responses, modes: Modal) -> Array:
 
 
 def unexplained(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[PoleFit]:
-    """Poles at the visible peaks that the fits do not explain, each alone with the others subtracted, as they start."""
+    """Poles at the visible peaks that the fits do not explain.
+
+    Start values, each alone with the other modes subtracted.
+    """
     modes = modal_of(fits, data.Y.shape[1])
     alone = []
     for start in missing_peaks(data, modes):
@@ -259,9 +265,10 @@ def unexplained(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL)
 
 
 def refined_end(data: Responses, poles: Array, rules: Thresholds = USUAL) -> float:
-    """The seconds of ringing, from a first value, that fit the strongest modes best.
+    """Refine the duration of the recorded ringing [s] so that the strongest modes fit best.
 
-    The impulse response shows the end to a few of its samples; the likelihood of the modes to a small part of one.
+    The impulse response gives this duration to a few samples; the likelihood of the modes gives it to a fraction of a
+    sample.
     """
     if not np.isfinite(data.end) or not len(poles):
         return data.end
@@ -283,10 +290,10 @@ def refined_end(data: Responses, poles: Array, rules: Thresholds = USUAL) -> flo
 
 
 def leaks(tests: list[tuple[Responses, Modal]], rules: Thresholds = USUAL) -> bool:
-    """Whether the strongest modes, in all set-ups together, are widened as by a Hann window over neighbouring lines.
+    """Decide from the strongest modes of all set-ups whether a Hann window leaks over neighbouring lines.
 
-    Up to eight groups of each set-up are fitted both ways; the window must lower the sum of squares of more than half
-    of them, and in all by more than a pole would have to.
+    Up to eight groups of each set-up are fitted with and without the window. The window is accepted if it lowers the
+    sum of squares of more than half of the groups, and if the total decrease is more than one pole would have to give.
     """
     falls: list[float] = []
     for data, modes in tests:

@@ -1,4 +1,4 @@
-"""Number of poles in a window: poles that noise explains are removed, poles that the residual needs are added.
+"""Determine the number of poles in a window: remove poles that noise explains, add poles that the residual needs.
 
 A pole of C channels has 2 C + 2 real parameters. It is justified when the fall of the sum of squares, over the
 variance of the noise about it, is above the chi-squared value that chance exceeds once in a million; noise that is
@@ -22,9 +22,9 @@ TRY_STEPS = 12
 def counted(
     window: Window, poles: Array, seen: FloatArray | None = None, more: bool = True, rules: Thresholds = USUAL
 ) -> PoleFit:
-    """The fit with as many poles as the data justify, from a start [rad/s].
+    """Fit as many poles as the data justify, from start values [rad/s].
 
-    `seen` [Hz] are visible peaks: the last pole of one is not left out. Poles come only with `more`.
+    `seen` [Hz] are visible peaks: the last pole of a visible peak is not removed. Poles are added only with `more`.
 
     Examples
     --------
@@ -45,9 +45,10 @@ def counted(
 
 
 def outer_terms(fit: PoleFit, rules: Thresholds = USUAL) -> int:
-    """Number of polynomials that the residual of a fit asks for: one more while the sum of squares falls as for a pole.
+    """Number of polynomials that the residual of a fit needs.
 
-    Modes just outside a wide window leave a smooth residual, which would move the poles inside.
+    One more is added while the decrease of the sum of squares would justify a pole. Modes just outside a wide window
+    leave a smooth residual, which would move the poles inside.
 
     Examples
     --------
@@ -87,7 +88,7 @@ def widths(poles: Array) -> FloatArray:
 
 
 def _without_needless(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit:
-    """Leave out, one after the other, the poles that bring least, and those that repeat a shape."""
+    """Remove, one by one, the least significant poles and the poles that repeat a shape."""
     while len(fit):
         value = worth(fit, rules)
         twice = repeated(fit, rules)
@@ -102,7 +103,7 @@ def _without_needless(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> Pole
 
 
 def repeated(fit: PoleFit, rules: Thresholds = USUAL) -> BoolArray:
-    """Weaker poles of two that lie within a bandwidth and have one shape, (poles,)."""
+    """For each pole whether a stronger pole within a bandwidth has the same shape, (poles,)."""
     count = len(fit)
     apart = np.abs(fit.poles.imag[:, None] - fit.poles.imag)
     wide = np.maximum(widths(fit.poles)[:, None], widths(fit.poles))
@@ -112,14 +113,14 @@ def repeated(fit: PoleFit, rules: Thresholds = USUAL) -> BoolArray:
 
 
 def undetermined(fit: PoleFit, rules: Thresholds = USUAL) -> BoolArray:
-    """Poles whose frequency or damping the data leave open, or that are wider than a third of the window, (poles,)."""
+    """Poles whose frequency or damping the data do not determine, or wider than a third of the window, (poles,)."""
     by_freq, by_zeta = fit.sigma
     wide = widths(fit.poles) > 2.0 * np.pi * (fit.window.freq[-1] - fit.window.freq[0]) / 3.0
     return np.asarray((0.5 * by_freq > rules.known_freq) | (by_zeta > rules.known_zeta) | wide)
 
 
 def _last_of_a_peak(fit: PoleFit, seen: FloatArray) -> BoolArray:
-    """Poles that alone explain a visible peak, (poles,)."""
+    """For each pole whether it is the only one that explains a visible peak, (poles,)."""
     alone = np.zeros(len(fit), bool)
     for freq in seen.tolist():
         reach = np.maximum(widths(fit.poles), 2.0 * fit.window.step)
@@ -130,10 +131,10 @@ def _last_of_a_peak(fit: PoleFit, seen: FloatArray) -> BoolArray:
 
 
 def _with_more(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit | None:
-    """The fit with one more pole, or two, that are all justified; None where there is none.
+    """Add one pole, or two, if all poles are then justified; else return None.
 
-    One pole among two that are missing lies between them: its damping is open, or its shape is that of a neighbour.
-    Where the fit leaves much more than noise, two are tried.
+    If two poles are missing, a single added pole lies between them: its damping is undetermined, or its shape is that
+    of a neighbour. So two poles are tried where the fit leaves much more than noise.
     """
     larger = _with_one_more(fit, rules)
     if larger is None or _justified(larger, rules):
@@ -147,7 +148,7 @@ def _with_more(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit | N
 
 
 def _with_one_more(fit: PoleFit, rules: Thresholds) -> PoleFit | None:
-    """The fit with one more pole that lowers the sum of squares by more than chance; None where there is none."""
+    """Add one pole if it lowers the sum of squares by more than chance; else return None."""
     trials = (tried(fit.window, start, TRY_STEPS) for start in _starts(fit))
     poles, squares = min(trials, key=lambda trial: trial[1])
     if fit.squares - squares < asked(fit.window.Y.shape[1], rules):
@@ -157,7 +158,7 @@ def _with_one_more(fit: PoleFit, rules: Thresholds) -> PoleFit | None:
 
 
 def _needed(fit: PoleFit, rules: Thresholds) -> float:
-    """Least fall of the sum of squares by a pole, over the noise about the quietest pole."""
+    """Least decrease of the sum of squares that justifies a pole, in the noise about the quietest pole."""
     return float(fit.noise.min()) * asked(fit.window.Y.shape[1], rules)
 
 
@@ -167,7 +168,7 @@ def _justified(fit: PoleFit, rules: Thresholds) -> bool:
 
 
 def _starts(fit: PoleFit) -> list[Array]:
-    """Starts for one more pole: at the largest residual, and beside the pole with the largest residual about it."""
+    """Start values of one more pole: at the largest residual, and beside the pole with the largest residual near it."""
     power = np.sum(np.abs(fit.rest) ** 2, axis=1)
     smooth = np.convolve(power, np.ones(3) / 3.0, mode="same")
     inner = smooth[1:-1]

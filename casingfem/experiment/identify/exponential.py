@@ -1,4 +1,4 @@
-"""Damping that an exponential window added to the responses.
+"""Correct the damping that an exponential window added to the responses.
 
 A response that was multiplied by exp(-t/tau) before its transform has its poles moved by -1/tau: measured is
 p - 1/tau, so that the damping ratio is too high by nearly 1/(tau omega). Residues stay.
@@ -17,7 +17,9 @@ ABOVE_ZERO = 2.0  # standard deviations that damping must be above zero
 
 
 def window_time(frfs: FrfSet, given: float | None) -> float | None:
-    """Time constant [s] of the exponential window: as given, or from the card `exponential_window_s: 2.0`, or None.
+    """Time constant [s] of the exponential window: the given one, or that of the card `exponential_window_s.
+
+    2.0`, or None.
 
     >>> card = ["exponential_window_s: 2.0"]
     >>> window_time(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N", card=card), None)
@@ -37,7 +39,10 @@ def window_time(frfs: FrfSet, given: float | None) -> float | None:
 
 
 def without_window(modes: list[Mode], tau: float) -> list[Mode]:
-    """Modes of poles p + 1/tau; damping that is not above zero is doubtful, and is given as zero at least."""
+    """Modes of the corrected poles p + 1/tau.
+
+    A mode whose corrected damping is not significantly above zero is doubtful. Negative damping is replaced by zero.
+    """
     return [_without(mode, tau) for mode in modes]
 
 
@@ -52,5 +57,5 @@ def _without(mode: Mode, tau: float) -> Mode:
 
 
 def window_note(tau: float) -> str:
-    """The note about the damping."""
+    """Note that the damping was corrected for the exponential window."""
     return f"damping is given without the 1/(tau omega) of an exponential window, tau = {tau:g} s"

@@ -1,4 +1,4 @@
-"""Modes from frequency responses: spectra, poles, shapes, verdicts.
+"""Identify modes from frequency responses: spectra, poles, shapes, verdicts.
 
 1. `usable`: lines, channels, kind of response. `spectra`: noise, visible peaks, the end of the ringing.
 2. `lscf`: poles that recur over the orders of p-LSCF. `pole_fit`, `counting`, `clusters`: maximum likelihood of close
@@ -48,7 +48,7 @@ from casingfem.experiment.identify.verdict import reasons, without_copies, witho
 from casingfem.io.arrays import Array, FloatArray
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
-PASSES = False, True, True  # whether a fit may add poles; every fit may drop some
+PASSES = False, True, True  # whether each fit may add poles; every fit may remove some
 
 
 def identify(
@@ -197,7 +197,7 @@ def _responses(
 def _first(
     data: Responses, order: int | None, say: Callable[[str], None], rules: Thresholds
 ) -> tuple[Responses, Array, Stabilisation]:
-    """Poles that recur; the responses with the end of the ringing that fits them."""
+    """Find the recurring poles, and the responses with the duration of ringing that fits them."""
     poles, diagram = first_poles(data, order, say, rules)
     if np.isfinite(data.end):
         data = data._replace(end=refined_end(data, poles, rules))
@@ -206,7 +206,7 @@ def _first(
 
 
 def _fits(data: Responses, modes: Modal, say: Callable[[str], None], rules: Thresholds) -> list[PoleFit]:
-    """The fits of all groups of modes, from a start: poles go and come, and every visible peak has one."""
+    """Fit all groups of modes: add and remove poles until every visible peak has one."""
     channels, fits = data.Y.shape[1], list[PoleFit]()
     for number, more in enumerate(PASSES):
         say(f"fit {number + 1} of {len(PASSES)}")
@@ -219,12 +219,12 @@ def _fits(data: Responses, modes: Modal, say: Callable[[str], None], rules: Thre
 
 
 def _picked_fits(data: Responses, modes: Modal, rules: Thresholds) -> list[PoleFit]:
-    """The fits of picked modes: refined, none added, none left out."""
+    """Fit the picked modes: refine them, without adding or removing any."""
     return settled_fits(data, fitted_groups(data, modes, None, rules), rules)
 
 
 def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:
-    """Picked frequencies, ascending, refused where no lines are."""
+    """Picked frequencies in ascending order; refuse picks outside the measured lines."""
     picked = np.unique(np.asarray(pick, float))
     outside = picked[~((picked > freq[0]) & (picked < freq[-1]))]
     if picked.size == 0 or outside.size:
@@ -246,7 +246,7 @@ def _setups(
     data: Responses, fits: list[PoleFit], grid: SensorGrid, order: int | None, say: Callable[[str], None],
     rules: Thresholds,
 ) -> list[SetUp]:  # fmt: skip
-    """Each set-up identified alone; nothing where the channels are one set-up."""
+    """Identify each set-up alone; return nothing if all channels belong to one set-up."""
     alone = list[SetUp]()
     for channels in setups_of(data, fits, grid, rules):
         say(f"set-up {len(alone) + 1}: {len(channels)} channels")
@@ -265,7 +265,7 @@ def _setups(
 def _modes(
     fits: list[PoleFit], tracks: list[Track], noise: FloatArray, sensors: Sensors, kept: bool, rules: Thresholds
 ) -> list[Mode]:
-    """Modes with their verdicts; neighbours that are not resolved are one, unless they were picked."""
+    """Modes with their verdicts; unresolved neighbours are merged unless they were picked."""
     if tracks:
         return [replace(mode_of(track.found, sensors), reason=track.reason) for track in tracks]
     found: list[Mode] = []
@@ -278,7 +278,7 @@ def _modes(
 
 
 def _empty(modes: list[Mode], rules: Thresholds) -> tuple[str, ...]:
-    """Reason why there is no mode, and the remedy."""
+    """Return the error for a test without a mode: the reason and the remedy."""
     text = (
         f"no mode: no peak is {rules.prominence_db:g} dB above its surroundings and {rules.above_noise_db:g} dB above"
         " the noise, and no pole recurs. Measure with closer lines or more averages, or pick frequencies"
@@ -297,7 +297,7 @@ def _test_notes(data: Responses, left: float, rules: Thresholds) -> tuple[str, .
 
 
 def _fitted(data: Responses, fits: list[PoleFit], noise: FloatArray, alone: list[SetUp]) -> Array:
-    """The fits in the units of the responses (channels, lines); nan where nothing was fitted."""
+    """Fitted responses in the units of the measured ones (channels, lines); nan where nothing was fitted."""
     whole = np.full(data.Y.T.shape, complex(np.nan, np.nan))
     parts = [(part.channels, part.fits) for part in alone] or [(np.arange(len(whole)), fits)]
     for channels, own in parts:

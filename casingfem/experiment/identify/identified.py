@@ -126,7 +126,7 @@ class Identified(Reported):
 
     @property
     def sigma_setup(self) -> FloatArray:
-        """Standard uncertainty [Hz] of a frequency as one more set-up would show it, (modes,): the table's sigma."""
+        """Standard uncertainty [Hz] of a frequency in one further set-up, (modes,): the table's sigma."""
         return np.asarray(np.hypot(self.sigma_freq, self.shift * self.freq))
 
     def doublet_of(self, mode: int) -> int:
@@ -141,9 +141,9 @@ class Identified(Reported):
         return float(np.linalg.norm(error) / np.linalg.norm(self.measured[:, there])) if there.any() else float("nan")
 
     def table(self, card: Sequence[str] = ()) -> FrequencyTable:
-        """The frequency table for the updater; is marked SYNTHETIC first if the responses did.
+        """Return the frequency table for the updater, marked SYNTHETIC if the responses were.
 
-        Its sigma is `sigma_setup`: what a structure without the moved mass may differ by is part of it.
+        Its sigma is `sigma_setup`: it includes the difference to the structure without the moved mass.
         """
         if not len(self):
             raise ValueError("no mode was identified: there is no table")
@@ -160,13 +160,13 @@ class Identified(Reported):
         )
 
     def doubtful(self) -> tuple[str, ...]:
-        """The modes that are not sure, and why, in words."""
+        """Describe the doubtful modes and why they are doubtful."""
         return tuple(f"mode {k + 1} is doubtful: {self.reasons[k]}" for k in np.flatnonzero(~self.sure).tolist())
 
     def save(self, path: str | os.PathLike[str], *, responses: bool = True) -> Path:
-        """Write an npz file of plain arrays, whole or not at all; `load` reads it.
+        """Write an npz file of plain arrays, complete or not at all; `load` reads it.
 
-        Without `responses` the measured and fitted ones and the diagram stay out: modes, shapes, sensors and notes.
+        Without `responses` the file contains modes, shapes, sensors and notes, but no responses and no diagram.
         """
         kept = self if responses else self.bare()
         return write_fields(path, {field.name: getattr(kept, field.name) for field in fields(kept)})

@@ -25,7 +25,7 @@ BY_MODE = ("freq", "sigma_freq", "zeta", "sigma_zeta", "n", "purity", "angle_deg
 
 
 def write_fields(path: str | os.PathLike[str], values: Mapping[str, Any]) -> Path:
-    """Write the fields of an `Identified`, whole or not at all."""
+    """Write the fields of an `Identified`, complete or not at all."""
     arrays: dict[str, Array] = {}
     for name, value in values.items():
         if name in PARTS:
@@ -62,7 +62,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
 
 
 def check(stored: Mapping[str, Array], path: str) -> None:
-    """Refuse arrays that do not belong together, and numbers that no identification gives."""
+    """Refuse arrays of inconsistent shapes, and values that no identification can give."""
     kinds: dict[str, ArrayKind] = {**dict.fromkeys(TEXTS, "text"), **dict.fromkeys(COMPLEX, "complex")}
     try:
         require_kinds({name: array for name, array in stored.items() if name != "diagram.stable"}, kinds)

@@ -63,7 +63,7 @@ class Candidates(NamedTuple):
 def normal_matrix(Y: Array, order: int, late: Array | None = None) -> Array:
     """M (order + 1, order + 1) of the denominators, from responses Y (lines, channels) over their noise.
 
-    `late` (lines,) is e^{-i omega D} for records that end before the ringing does.
+    `late` (lines,) is e^{-i omega D} if the record ends before the ringing has decayed, D seconds after the hit.
     """
     lines = len(Y)
     powers = np.exp(1j * ARC * np.arange(lines) / (lines - 1))[:, None] ** np.arange(order + 1)
@@ -94,7 +94,7 @@ def swept_poles(freq: FloatArray, M: Array, orders: range) -> list[Array]:
 
 
 def recurring(swept: list[Array], orders: range, rules: Thresholds = USUAL) -> Candidates:
-    """Poles of growing orders put into clusters by frequency and damping; those that recur are the candidates.
+    """Cluster the poles of growing orders by frequency and damping; clusters that recur are the candidates.
 
     Examples
     --------
@@ -127,8 +127,8 @@ def candidates(
 ) -> Candidates:
     """Poles that recur over the orders in a band with that many visible peaks.
 
-    Y (lines, channels) are responses over their noise, `end` the seconds of ringing in the record, `most` the largest
-    order, by the number of peaks if None.
+    Y (lines, channels) are responses over their noise, `end` is the duration of the recorded ringing [s]. `most` is
+    the largest order; None takes it from the number of peaks.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def candidates(
 
 
 def compressed(Y: Array) -> Array:
-    """Responses (lines, components) whose products over the channels are those of Y, noise left out.
+    """Compress responses to (lines, components) with the same products over the channels, without noise.
 
     Components below the largest singular value that noise of unit variance (real part) gives are dropped:
     sqrt(2) (sqrt(lines) + sqrt(channels)).

@@ -7,10 +7,10 @@ is half the sum of
     (ln f - c_s - mean)^2/(tau^2 + sigma^2),   (ln zeta - mean)^2/(tau_z^2 + sigma_z^2),   N ln(1 + chi^2/N),
 
 chi^2 the distance of N residues from one shape (`shared_shape`). The scatters come from the test itself. The sum over
-all modes is least: one set-up after the other is assigned anew by the Hungarian algorithm until nothing changes, from
-starts with each set-up first. Where shapes contribute nothing, the squares of the frequencies keep the order of modes.
-A mode that a roving mass shifts far more than the others is left in two rows by these squares: two neighbouring rows
-that no set-up shows together are one where no other mode is near, and where damping and shape agree.
+all modes is minimised: the Hungarian algorithm assigns one set-up after the other anew until nothing changes, starting
+once from each set-up. If shapes contribute nothing, the frequency term keeps the modes in order. A roving mass may
+shift one mode far more than the others; the frequency term then splits it over two rows. Two neighbouring rows that no
+set-up shows together are merged if no other mode is near and if damping and shape agree.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Shifts(NamedTuple):
 
 
 class Matching(NamedTuple):
-    """Rows of members, one a mode, ascending; their mean ln f without the common shifts; the scatter of ln f.
+    """Matched modes: a row of members for each mode, ascending; mean ln f without the common shifts; scatter of ln f.
 
     `unclear` (rows,) is the variance of the mean ln f because two close modes may be exchanged in a set-up.
     """
@@ -61,7 +61,7 @@ class Matching(NamedTuple):
 
 
 class _Likelihood(NamedTuple):
-    """Parameters of the likelihood; numbers of each set-up's members: ln f, ln zeta and their deviations."""
+    """Parameters of the likelihood, and of the members of each set-up ln f, ln zeta and their deviations."""
 
     freq: list[FloatArray]
     sigma: list[FloatArray]
@@ -75,7 +75,7 @@ class _Likelihood(NamedTuple):
     by_shape: bool = False
 
     def cost(self, row: Row, placed: bool = True) -> float:
-        """Negative log-likelihood of a row; of damping and shape alone where it is not `placed`."""
+        """Negative log-likelihood of a row; without the frequency term if it is not `placed`."""
         some = [(s, k) for s, k in enumerate(row) if k >= 0]
         total = LACKING * (len(row) - len(some))
         if len(some) < 2:
@@ -90,7 +90,7 @@ class _Likelihood(NamedTuple):
         return total + (self.shapes.cost(row) if self.by_shape else 0.0)
 
     def near(self, rows: list[Row], setup: int) -> BoolArray:
-        """Whether the members of a set-up (columns) are in reach of all members of each row (rows)."""
+        """Whether the members of a set-up (columns) are within reach of all members of each row (rows)."""
         moved = [(freq - shift).tolist() for freq, shift in zip(self.freq, self.common, strict=True)]
         there = [[moved[s][k] for s, k in enumerate(row) if k >= 0] for row in rows]
         low, high = (np.array([f(each) for each in there])[:, None] for f in (min, max))
@@ -99,7 +99,7 @@ class _Likelihood(NamedTuple):
 
 
 def matching(members: list[list[Member]], shapes: Shapes) -> Matching:
-    """The joint assignment of the modes of all set-ups, ascending."""
+    """Assign the modes of all set-ups jointly, in ascending order."""
     at = _first(members, shapes)
     rows: list[Row] = []
     for _ in range(ROUNDS):
@@ -111,7 +111,7 @@ def matching(members: list[list[Member]], shapes: Shapes) -> Matching:
 
 
 def _joined(at: _Likelihood, rows: list[Row]) -> list[Row]:
-    """Rows (ascending) without those that are another one's mode in other set-ups."""
+    """Merge rows (ascending) that are one mode seen by different set-ups."""
     middle = [-np.inf, *(_mean(at, row) for row in rows), np.inf, np.inf]
     done, k = list[Row](), 0
     while k < len(rows):
@@ -124,7 +124,7 @@ def _joined(at: _Likelihood, rows: list[Row]) -> list[Row]:
 
 
 def _is_one(at: _Likelihood, one: Row, two: Row, gap: float) -> bool:
-    """Whether two rows with that gap of ln f may be one mode: no set-up shows both, damping and shape agree."""
+    """Whether two rows with this gap of ln f may be one mode: no set-up shows both, damping and shape agree."""
     if any(min(each) >= 0 for each in zip(one, two, strict=True)):
         return False
     both = tuple(map(max, one, two))
@@ -134,7 +134,7 @@ def _is_one(at: _Likelihood, one: Row, two: Row, gap: float) -> bool:
 
 
 def _first(members: list[list[Member]], shapes: Shapes) -> _Likelihood:
-    """Parameters before anything is assigned."""
+    """Parameters of the likelihood before the first assignment."""
     found = [[member.found for member in part] for part in members]
     freq = [np.log([each.freq for each in part]) for part in found]
     damp = [np.log([each.zeta for each in part]) for part in found]
@@ -157,7 +157,7 @@ def _first(members: list[list[Member]], shapes: Shapes) -> _Likelihood:
 
 
 def _learned(at: _Likelihood, rows: list[Row]) -> _Likelihood:
-    """Common shifts, scatters and weights of channels from an assignment."""
+    """Estimate common shifts, scatters and channel weights from an assignment."""
     several = [row for row in rows if sum(k >= 0 for k in row) > 1]
     if not several:
         return at
@@ -167,7 +167,7 @@ def _learned(at: _Likelihood, rows: list[Row]) -> _Likelihood:
         there = np.array([row[s] >= 0 for row in several])
         off = freq[[row[s] for row in several if row[s] >= 0]] - middle[there]
         lines[s] = _line(middle[there] - middle.mean(), off) if there.any() else 0.0
-    shifts = Shifts(float(middle.mean()), lines - lines.mean(axis=0))  # what all have in common is no shift
+    shifts = Shifts(float(middle.mean()), lines - lines.mean(axis=0))  # a shift common to all set-ups is none
     common = [shifts.at(s, freq) for s, freq in enumerate(at.freq)]
     at = at._replace(shifts=shifts, common=common)
     own = [np.array([at.freq[s][k] - common[s][k] for s, k in enumerate(row) if k >= 0]) for row in several]
@@ -180,7 +180,7 @@ def _learned(at: _Likelihood, rows: list[Row]) -> _Likelihood:
 
 
 def _line(x: FloatArray, off: FloatArray) -> FloatArray:
-    """Constant and slope of a line by least absolute deviations; no slope where points are few."""
+    """Fit a line by least absolute deviations: constant and slope; the slope is zero if points are few."""
     columns = np.column_stack([np.ones(len(x)), x])[:, : 2 if len(x) >= FEW else 1]
     weight, fitted = np.ones(len(x)), np.zeros(2)
     for _ in range(STEPS):
@@ -192,7 +192,7 @@ def _line(x: FloatArray, off: FloatArray) -> FloatArray:
 
 
 def _assigned(at: _Likelihood) -> list[Row]:
-    """Rows of least cost: each set-up first in turn, the others in turn until nothing changes."""
+    """Rows of least cost: start from each set-up in turn, then reassign the others until nothing changes."""
     known: dict[Row, float] = {}
 
     def cost(row: Row) -> float:
@@ -218,7 +218,7 @@ def _assigned(at: _Likelihood) -> list[Row]:
 
 
 def _reassigned(at: _Likelihood, rows: list[Row], setup: int, cost: Callable[[Row], float]) -> list[Row]:
-    """The members of one set-up assigned anew, the others staying where they are."""
+    """Assign the members of one set-up anew; keep the others."""
     left = [_with(row, setup, -1) for row in rows]
     left = [row for row in left if max(row) >= 0]
     own, nothing = len(at.freq[setup]), tuple([-1] * len(at.freq))
@@ -243,7 +243,7 @@ def _mean(at: _Likelihood, row: Row) -> float:
 
 
 def _exchanges(at: _Likelihood, rows: list[Row]) -> Iterator[tuple[int, int, int, float]]:
-    """Two rows (ascending) and a set-up whose members may be exchanged, and the increase of the cost."""
+    """Pairs of rows (ascending) and the set-up whose members may be exchanged, with the increase of the cost."""
     middle, own = [_mean(at, row) for row in rows], [at.cost(row) for row in rows]
     reach = min(WIDEST, 2.0 * REACH * at.tau)
     for i, one in enumerate(rows):

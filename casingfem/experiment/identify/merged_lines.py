@@ -1,4 +1,4 @@
-"""Fewer lines with the same products: neighbouring lines on which responses are cubic, within the noise, become four.
+"""Replace neighbouring lines on which the responses are cubic, within the noise, by four nodes with the same products.
 
 Over b even lines let T (4, b) have the rows sqrt(w_i) sum_k phi_k(x_i) phi_k(l), phi_k the orthonormal polynomials of
 degree 0 to 3 on these lines, x_i and w_i the nodes and weights of their Gauss rule (Golub and Welsch, Math. Comput. 23,
@@ -6,7 +6,7 @@ degree 0 to 3 on these lines, x_i and w_i the nodes and weights of their Gauss r
 the nodes, and white noise remains white of the same variance. A resonance much wider than the lines is cubic on them.
 
 Lines are merged where what T leaves out of the responses is rough from line to line, as noise is: at most twice the
-energy that third differences show, var = 20 sigma^2. Other lines stay.
+energy that third differences show, var = 20 sigma^2. Other lines are kept.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 NODES = 4
 SIZES = 64, 32, 16, 8  # lines that are merged, the larger number where possible
-ROUGH = 2.0  # times the energy of the noise that is left out
+ROUGH = 2.0  # largest energy left out, in that of the noise
 
 
 class Lines(NamedTuple):
@@ -33,7 +33,7 @@ class Lines(NamedTuple):
 def merged_lines(freq: FloatArray, Y: Array, along: FloatArray, floor: float = 0.0) -> Lines:
     """Responses Y (lines, channels) at evenly spaced `freq`, with merged lines; only lines of weight 1 are merged.
 
-    What is left out below the deviation `floor` does not count.
+    A difference below the deviation `floor` is ignored.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""From fitted poles to modes: shape, nodal diameters, orientation, partner, and the smallest split that was detectable.
+"""Turn fitted poles into modes: shape, nodal diameters, orientation, partner, smallest detectable split.
 
 The residues of one mode over sensors o and references i are phi_o phi_i, of rank one. Their first singular vectors are
 the shape and the references' share; a second singular value above the noise shows that one pole represents two modes
@@ -21,15 +21,15 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 NOWHERE = float("nan")
-ALIKE = 25.0  # chi-squared of differences of fitted poles that are no more than chance: 4.5 standard deviations
-TWO = 0.1  # least ratio of the singular values of residues that are two shapes
+ALIKE = 25.0  # largest chi-squared of differences of fitted poles by chance: 4.5 standard deviations
+TWO = 0.1  # least ratio of singular values of residues that contain two shapes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mode:
-    """One mode, or a pair that is not resolved; see `Identified` for the names.
+    """One mode, or an unresolved pair; see `Identified` for the names.
 
-    `double` states that the residues over several references are those of two shapes. The covariance of the shape is
+    `double` is True if the residues over several references contain two shapes. The covariance of the shape is
     diag(direct) + moved moved^T, (sensors,) and (sensors, numbers).
     """
 
@@ -60,7 +60,7 @@ class Mode:
 
 
 class Shape(NamedTuple):
-    """Real shape of unit norm at the sensors, its errors (see `Mode`), the share in phase, and whether it is two."""
+    """Real shape of unit norm at the sensors, its errors (see `Mode`), its share in phase, and whether it is double."""
 
     values: FloatArray
     direct: FloatArray
@@ -70,7 +70,7 @@ class Shape(NamedTuple):
 
 
 class Sensors(NamedTuple):
-    """Sensors of a test, the power of j omega of its responses, their circle and those used for labels."""
+    """Sensors of a test, the power of j omega of its responses, the circle, and the sensors used for labels."""
 
     grid: SensorGrid
     power: int
@@ -79,13 +79,13 @@ class Sensors(NamedTuple):
 
     @classmethod
     def of(cls, grid: SensorGrid, power: int, circle: Circle | None, kept: IntArray | None = None) -> Sensors:
-        """All sensors, or those that are kept for labels."""
+        """All sensors, or those that are used for labels."""
         return cls(grid, power, circle, np.arange(len(grid)) if kept is None else kept)
 
     def seeing(self, residues: Array) -> tuple[IntArray, Circle]:
-        """Sensors for the label of a mode with these residues (sensors, references), and their circle.
+        """Sensors that label a mode with these residues (sensors, references), and their circle.
 
-        Only some set-ups may show it.
+        Some set-ups may lack the mode; their sensors are left out.
         """
         assert self.circle is not None
         seen = np.intersect1d(self.labelled, np.flatnonzero(np.any(residues, axis=1)))
@@ -97,8 +97,9 @@ class Sensors(NamedTuple):
 class Residues(NamedTuple):
     """Residues of 1/(s - p) at all channels, and their noise.
 
-    `values` (channels,) complex; `direct` (channels,) the variance of the real part that each channel has alone;
-    `moved` (channels, numbers), complex, is their change by independent errors of the poles, of unit variance each.
+    `values` (channels,) complex; `direct` (channels,) is the variance of the real part, independent between channels;
+    `moved` (channels, numbers), complex, is the change of the residues by independent errors of the poles, each of unit
+    variance.
     """
 
     values: Array
@@ -107,7 +108,10 @@ class Residues(NamedTuple):
 
 
 class Found(NamedTuple):
-    """A pole before its shape is known: frequency [Hz] and damping with uncertainties, residues, peak, bound."""
+    """A pole before its shape is known.
+
+    Frequency [Hz] and damping with uncertainties, residues, peak, bound of a split.
+    """
 
     freq: float
     sigma_freq: float
@@ -119,7 +123,7 @@ class Found(NamedTuple):
 
 
 def found_in(fit: PoleFit, noise: FloatArray, rules: Thresholds = USUAL) -> list[Found]:
-    """The poles of a fit, of channels of that noise (channels,)."""
+    """The poles of a fit whose channels have this noise (channels,)."""
     spread = np.sqrt(np.tile(fit.noise, 2))
     values, vectors = np.linalg.eigh(fit.covariance * np.outer(spread, spread))
     root = vectors * np.sqrt(np.maximum(values, 0.0))
@@ -139,7 +143,7 @@ def found_in(fit: PoleFit, noise: FloatArray, rules: Thresholds = USUAL) -> list
 
 
 def mode_of(found: Found, sensors: Sensors) -> Mode:
-    """A mode with shape, nodal diameters and orientation."""
+    """Compute the shape, nodal diameters and orientation of a mode."""
     grid = sensors.grid
     shape = _shape(found.residues, grid.channels)
     values = found.residues.values[grid.channels]
@@ -162,7 +166,8 @@ def hidden_split(fit: PoleFit, k: int, rules: Thresholds = USUAL) -> float:
     """Largest relative split of a pole into two of the same shape that the data would not show.
 
     Two poles d apart differ from one at their middle by (d/2)^2 times the second derivative of a resonance, of squares
-    (d/2 sigma)^4 times those of its peak; below the fall of the sum of squares that is asked for, they resemble one.
+    (d/2 sigma)^4 times those of its peak; they cannot be distinguished from one pole if this is below the required
+    decrease of the sum of squares.
     """
     gain = float(fit.gains()[k]) + 1e-300
     share = float(fit.noise[k]) * asked(fit.window.Y.shape[1], rules) / gain
@@ -170,7 +175,7 @@ def hidden_split(fit: PoleFit, k: int, rules: Thresholds = USUAL) -> float:
 
 
 def _shape(residues: Residues, channels: IntArray) -> Shape:
-    """Shape from residues; `channels` (sensors, references) has the channel of each."""
+    """Compute a shape from residues; `channels` (sensors, references) has the channel number of each."""
     matrix = residues.values[channels]
     u, sizes, v = np.linalg.svd(matrix, full_matrices=False)
     turn = np.exp(-0.5j * np.angle(np.sum(u[:, 0] ** 2)))
@@ -192,9 +197,10 @@ def _shape(residues: Residues, channels: IntArray) -> Shape:
 
 
 def neighbours(n: Sequence[int], chi: Sequence[float], most: float) -> list[tuple[int, ...]]:
-    """Numbers of modes, two where the poles of neighbours of one n differ by no more than chance.
+    """Group neighbouring modes: two form a group if they have one n and their poles differ by no more than chance.
 
-    `chi` (modes - 1,) is chi-squared of the differences in frequency and damping; by chance it is `most`.
+    `chi` (modes - 1,) is chi-squared of the differences in frequency and damping; `most` is the largest value that
+    chance explains.
     """
     done, k = list[tuple[int, ...]](), 0
     while k < len(n):
@@ -205,7 +211,7 @@ def neighbours(n: Sequence[int], chi: Sequence[float], most: float) -> list[tupl
 
 
 def merged(fit: PoleFit, modes: list[Mode]) -> list[Mode]:
-    """Modes of a fit; a pair whose members are not resolved is one."""
+    """Merge the modes of a fit whose difference is not resolved."""
     spread = np.sqrt(np.tile(fit.noise, 2))
     covariance = fit.covariance * np.outer(spread, spread)
     differences = [_difference(fit, covariance, k) for k in range(len(modes) - 1)]
@@ -214,7 +220,7 @@ def merged(fit: PoleFit, modes: list[Mode]) -> list[Mode]:
 
 
 def _difference(fit: PoleFit, covariance: FloatArray, low: int) -> tuple[float, float]:
-    """Chi-squared of the difference of a pole and the next one, and the deviation [Hz] of that in frequency."""
+    """Chi-squared between a pole and the next one, and the standard deviation [Hz] of their frequency difference."""
     high, count = low + 1, len(fit)
     sigma = -fit.poles.real
     change = np.zeros((2, 2 * count))
@@ -228,9 +234,9 @@ def _difference(fit: PoleFit, covariance: FloatArray, low: int) -> tuple[float, 
 
 
 def one_of(both: list[Mode], gap: float) -> Mode:
-    """The mean of two modes, a pair that is not resolved; `gap` [Hz] is the deviation of their difference.
+    """Mean of two modes that are not resolved as a pair; `gap` [Hz] is the deviation of their difference.
 
-    Its frequency is uncertain by half of the split.
+    Half of the split is added to the uncertainty of its frequency.
     """
     stronger = max(both, key=lambda mode: mode.signal)
     weights = np.array([mode.sigma_freq for mode in both]) ** -2.0
@@ -243,7 +249,7 @@ def one_of(both: list[Mode], gap: float) -> Mode:
 
 
 def without_antinode(mode: Mode) -> Mode:
-    """A mode that may represent a pair: without orientation, and uncertain by half the largest split."""
+    """Remove the orientation of a mode that may represent a pair, and add half the largest split to its uncertainty."""
     sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
     return replace(mode, sigma_freq=sigma, angle=NOWHERE, sigma_angle=NOWHERE)
 
@@ -265,10 +271,11 @@ def paired(modes: list[Mode], span: float = 0.3, apart: float = 0.7) -> tuple[tu
 
 
 def settled(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mode]:
-    """The modes, where those that show two shapes and have no partner represent a pair.
+    """Mark modes that show two shapes and have no partner as unresolved pairs.
 
-    A mode of n >= 1 without partner may be a pair that the references drive in one plane only. It then has the antinode
-    of the drive, so none is given, and its frequency is uncertain by half the split that would be hidden.
+    A mode of n >= 1 without partner may be a pair that the references drive in one plane only. Its antinode is then
+    that of the drive, so no antinode is given. Half the largest hidden split is added to the uncertainty of its
+    frequency.
     """
     members = {k for pair in doublets for k in pair}
     done = []
@@ -281,7 +288,7 @@ def settled(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mo
 
 
 def pair_notes(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> tuple[str, ...]:
-    """Pairs that are not resolved, and modes without a partner, in words."""
+    """Describe unresolved pairs and modes without a partner."""
     members = {k for pair in doublets for k in pair}
     alone = [mode for k, mode in enumerate(modes) if mode.n > 0 and k not in members and not mode.unresolved]
     return (
@@ -296,7 +303,7 @@ def pair_notes(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> tupl
 
 
 def unresolved_notes(modes: list[Mode], remedy: str) -> tuple[str, ...]:
-    """Notes on pairs that are not resolved, and measurements that may resolve them."""
+    """Notes on unresolved pairs, and measurements that may resolve them."""
     return tuple(
         f"pair at {mode.freq:.2f} Hz, unresolved: its split is below {mode.split_bound * mode.freq:.2g} Hz; it is given"
         f" as one mode; {remedy}"

@@ -1,4 +1,4 @@
-"""The columns of identified modes; one standard uncertainty is beside each value."""
+"""Table columns of identified modes; each value is followed by its standard uncertainty."""
 
 from contact.io.columns import Column, known, word
 

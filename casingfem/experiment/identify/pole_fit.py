@@ -2,15 +2,17 @@
 
     Y = G(p) A + P B + noise,   G_k = sigma_k (1 - e^{-q_k D})/q_k,   q_k = sigma_k + i (omega - omega_k),
 
-p = -sigma + i omega_k the poles, A complex residues (poles, channels), P polynomials for modes outside, D the seconds
-of ringing in the record (inf: all of it). With Q an orthonormal basis of [G P] and R = Y - Q Q^H Y the columns of the
-Jacobian are J_j = -(1 - Q Q^H) G_j A_j (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973, 413; the second term
-after Kaufman, BIT 15, 1975, 49, is left out). J^H J needs products over lines and products over channels, never both.
+p = -sigma + i omega_k the poles, A complex residues (poles, channels), P polynomials for modes outside, D the duration
+of the recorded ringing [s] (inf: the ringing decays within the record). With Q an orthonormal basis of [G P] and R = Y
+- Q Q^H Y the columns of the Jacobian are J_j = -(1 - Q Q^H) G_j A_j (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973,
+413; the second term after Kaufman, BIT 15, 1975, 49, is left out). J^H J needs only products over lines and products
+over channels.
 
-Noise of measured responses is alike over channels and on neighbouring lines. The scores q_l = Re sum_c J^H R at line l
-give the covariance K I^-1 [sum_l q_l q_l^T] I^-1 then (White, Econometrica 48, 1980, 817), K the number of alike lines
-by the residual's autocorrelation. Where the model lacks something, the residual is alike over many lines: its variance
-about a pole times K is the variance of the noise that counts. Each standard deviation is the larger of the two.
+Noise of measured responses is correlated between channels and between neighbouring lines. The scores q_l = Re sum_c J^H
+R at line l give the covariance K I^-1 [sum_l q_l q_l^T] I^-1 then (White, Econometrica 48, 1980, 817), K the number of
+correlated lines by the residual's autocorrelation. Where the model lacks something, the residual is correlated over
+many lines: the effective variance of the noise about a pole is K times the residual's variance. Each standard deviation
+is the larger of the two.
 """
 
 from __future__ import annotations
@@ -25,11 +27,11 @@ from casingfem.experiment.identify.merged_lines import merged_lines
 from casingfem.experiment.identify.thresholds import USUAL
 from casingfem.io.arrays import Array, FloatArray, freeze
 
-STEPS, POLISHING = 40, 5  # most steps, and with all lines after those with merged lines
+STEPS, POLISHING = 40, 5  # most steps with merged lines, and then with all lines
 FIRST = 1e-3  # damping of a step
 CONVERGED = 1e-3  # gain in variances of the residual, or of the noise, that ends the fit
 MOST_LAGS = 12
-MANY, FEWER = 200, 0.5  # lines from which on they are merged; share of them, at most, that is left
+MANY, FEWER = 200, 0.5  # lines from which on they are merged; largest share of lines that may remain
 HANN = (-1.0, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.0, 1.0 / 6.0)  # lines away, share of the power (Bendat & Piersol, 8.5)
 
 
@@ -38,9 +40,9 @@ class Window:
     """Lines and channels of one fit.
 
     freq [Hz] (lines,); Y (lines, channels), responses over their noise, each line times `along` (lines,), 0 where a
-    line is missing; `end` the seconds of ringing in the record; `leak` [Hz] the distance of lines over which a Hann
-    window leaks, 0 without; `floor` the least deviation of an entry's real part that counts; `terms` the number of
-    polynomials for the modes outside the window.
+    line is missing; `end` the duration of the recorded ringing [s]; `leak` [Hz] the distance of lines over which a Hann
+    window leaks, 0 without; `floor` the least standard deviation assumed for an entry's real part; `terms` the number
+    of polynomials for the modes outside the window.
     """
 
     freq: FloatArray
@@ -61,7 +63,10 @@ class Window:
 
     @cached_property
     def merged(self) -> Window:
-        """The window with fewer lines and the same products, where it has half of its lines or less; else itself."""
+        """The window with merged lines and the same products if at most half of its lines remain.
+
+        Else the window itself.
+        """
         if len(self.freq) < MANY:
             return self
         few = merged_lines(self.freq, self.Y, self.along, self.floor)
@@ -90,7 +95,7 @@ class Window:
         return columns, -columns * inverse
 
     def polynomials(self) -> Array:
-        """Columns (lines, terms) of modes outside the window."""
+        """Polynomial columns (lines, terms) that represent the modes outside the window."""
         span = (2.0 * self.freq - self.freq[0] - self.freq[-1]) / (self.freq[-1] - self.freq[0])
         return np.asarray(self.along[:, None] * np.polynomial.chebyshev.chebvander(span, self.terms - 1), complex)
 
@@ -99,11 +104,11 @@ class Window:
 class PoleFit:
     """Fitted poles [rad/s] (poles,), ascending, with residues A (poles, channels) over the noise.
 
-    `B` (terms, channels) of the polynomials; `rest` (lines, channels) the residual; `squares` its sum; `covariance`
-    (2 poles, 2 poles) of (omega/sigma, ln sigma) where the noise is white and of unit variance; `noise` (poles,) the
-    variance per real entry that counts about each pole; `scores` the covariance with the noise's correlation;
-    `refined` is False where the poles are at visible peaks that no fit explains;
-    `gram` (poles, poles) of the residues' variance, `tilt` (poles, 2 poles) what residues follow when poles move.
+    `B` (terms, channels) of the polynomials; `rest` (lines, channels) the residual; `squares` its sum; `covariance` (2
+    poles, 2 poles) of (omega/sigma, ln sigma) where the noise is white and of unit variance; `noise` (poles,) the
+    effective variance per real entry about each pole; `scores` the covariance with the noise's correlation; `refined`
+    is False where the poles are at visible peaks that no fit explains; `gram` (poles, poles) of the residues' variance,
+    `tilt` (poles, 2 poles) the change of the residues with the poles.
     """
 
     window: Window
@@ -146,7 +151,7 @@ class PoleFit:
 
 
 class State(NamedTuple):
-    """Poles [rad/s] of a window, the linear parameters that follow from them, and the residual sum of squares."""
+    """Poles [rad/s] of a window, the linear parameters at these poles, and the residual sum of squares."""
 
     poles: Array
     Q: Array
@@ -158,7 +163,7 @@ class State(NamedTuple):
 
 
 def fit_poles(window: Window, poles: Array, *, steps: int = STEPS) -> PoleFit:
-    """Refine poles [rad/s] from a start by Levenberg-Marquardt; residues and polynomials follow linearly.
+    """Refine poles [rad/s] by Levenberg-Marquardt; residues and polynomials follow by linear least squares.
 
     Examples
     --------
@@ -190,10 +195,10 @@ def tried(window: Window, poles: Array, steps: int) -> tuple[Array, float]:
 
 
 def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
-    """Poles within a window after a limited number of steps with the lines that are used.
+    """Move poles within a window by a limited number of steps, with the lines that are used.
 
-    The damping of a step follows the ratio of the fall of the sum of squares to the predicted one (Nielsen, Damping
-    parameter in Marquardt's method, Technical University of Denmark, IMM-REP-1999-05).
+    The damping of a step follows the ratio of the decrease of the sum of squares to the predicted decrease (Nielsen,
+    Damping parameter in Marquardt's method, Technical University of Denmark, IMM-REP-1999-05).
     """
     polynomials = used.polynomials()
     at = _state(used, poles, polynomials)
@@ -255,7 +260,7 @@ def _information(products: Array, A: Array) -> FloatArray:
 
 
 def _finished(window: Window, at: State) -> PoleFit:
-    """Everything about the poles in ascending order."""
+    """Complete the fit: poles in ascending order, with residual, covariance and noise."""
     count = len(at.poles)
     along = at.Q.conj().T @ at.by_q
     by_q = at.by_q - at.Q @ along
@@ -280,7 +285,7 @@ def _finished(window: Window, at: State) -> PoleFit:
 
 
 def _noise_about(window: Window, at: State) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Variance of the residual per real entry about each pole, that times the number of alike lines, this number."""
+    """Variance of the residual per real entry about each pole, this times K, and K, the number of correlated lines."""
     used = window.along > 0.0
     freedom = max(1.0 - at.Q.shape[1] / max(int(used.sum()), 1), 0.2)
     local, noise, alike = (np.ones(len(at.poles)) for _ in range(3))
@@ -298,9 +303,9 @@ def _noise_about(window: Window, at: State) -> tuple[FloatArray, FloatArray, Flo
 
 
 def alike_lines(rest: Array) -> float:
-    """Over how many lines a residual (lines, channels) is alike: 1 for white noise.
+    """Number of lines over which a residual (lines, channels) is correlated: 1 for white noise.
 
-    1 + 2 sum of |rho_k| over the lags whose correlation is beyond what chance gives.
+    1 + 2 sum of |rho_k| over the lags whose correlation exceeds chance.
     """
     total = float(np.sum(np.abs(rest) ** 2))
     if total == 0.0:

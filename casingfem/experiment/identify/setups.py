@@ -1,15 +1,15 @@
-"""Recognise several set-ups: a roving mass or a moved hammer gives each set-up frequencies of its own.
+"""Recognise several set-ups: a roving mass or a moved hammer changes the frequencies from set-up to set-up.
 
-Fitted together, each mode leaves one pole for each set-up, which only the channels of that set-up see. So the sizes of
-residues over the poles of a window are alike in channels of one set-up, and average linkage makes a tree of channels.
-In each window of lines the poles of a branch are fitted alone. A branch is cut in two where this saves a tenth of the
-parameters m, 2 for each pole and channel and 2 for each pole; or, because one fit may lack poles, a tenth of the
-information criterion (Schwarz, Ann. Stat. 6, 1978, 461), summed over the windows,
+If all channels are fitted together, each mode gives one pole for each set-up, which only the channels of that set-up
+see. So the channels of one set-up have similar magnitudes of residues over the poles of a window. Average linkage forms
+a tree of channels from them. In each window of lines the poles of a branch are fitted alone. A branch is cut in two
+where this saves a tenth of the parameters m, 2 for each pole and channel and 2 for each pole; or, because one fit may
+lack poles, a tenth of the information criterion (Schwarz, Ann. Stat. 6, 1978, 461), summed over the windows,
 
     N ln max(R/N, 1) + m ln N,
 
-R the sum of squares over the noise of N real numbers. Two set-ups save a third and more of either. Channels that are
-set-ups of their own, of a roving sensor, have a branch each: there most poles are seen by one channel.
+R the sum of squares over the noise of N real numbers. Two set-ups save at least a third of either. With a roving sensor
+each channel is a set-up and has its own branch: there most poles are seen by one channel.
 
 Two branches with equally many poles in a window have differences d_k of ln frequency, of standard deviation s_k. Poles
 of one test repeat, d_k ~ N(0, s_k^2). Poles of two set-ups are shifted, d_k ~ Cauchy(0, hypot(gamma, s_k)), of any
@@ -46,12 +46,12 @@ from casingfem.io.arrays import FloatArray, IntArray
 
 LEAST_CHANNELS = 2  # of a branch
 SCREENED, LEVELS = 8, 2  # strongest windows in which branches are searched; levels of the tree in one cut
-MOVES = 3  # most times that channels go to another group
+MOVES = 3  # most rounds in which channels change their group
 SHIFTED = 0.25, 0.5  # largest share of shifted poles of one test: between sensors, between references of one sensor
-CHANCE = 1e-2  # that one test is taken for several set-ups
+CHANCE = 1e-2  # probability that one test is taken for several set-ups
 FEWER = 0.9  # of either criterion: a weak pole that one branch lacks saves a few per cent of it
-HEARD = 2.0  # residues of a channel over their noise; sqrt(2) without signal
-SHARES = np.linspace(0.0, 1.0, 6)[:, None, None]  # of the largest share
+HEARD = 2.0  # least ratio of a channel's residues to their noise; sqrt(2) without signal
+SHARES = np.linspace(0.0, 1.0, 6)[:, None, None]  # parts of the largest share that are tried
 WIDTHS = np.geomspace(1e-8, 1.0, 50)[:, None]  # gamma
 
 
@@ -71,7 +71,7 @@ class _Group(NamedTuple):
 
 
 def setups_of(data: Responses, fits: list[PoleFit], grid: SensorGrid, rules: Thresholds = USUAL) -> list[IntArray]:
-    """Channels of each set-up; an empty list where all are one."""
+    """Channels of each set-up; an empty list if there is one set-up."""
     fits = [fit for fit in fits if len(fit) and fit.refined]
     heard = _heard(fits)
     if len(heard) < 2 * LEAST_CHANNELS:
@@ -104,7 +104,7 @@ def setups_of(data: Responses, fits: list[PoleFit], grid: SensorGrid, rules: Thr
 
 
 def _by_their_poles(data: Responses, fits: list[PoleFit], groups: list[_Group], rules: Thresholds) -> list[_Group]:
-    """The groups, each channel in the one whose poles fit it with the least information criterion."""
+    """Regroup the channels: each joins the group whose poles give it the least information criterion."""
     for _ in range(MOVES):
         costs = [[_cost_of_channels(*each) for each in zip(fits, group.fits, strict=True)] for group in groups]
         nearest = np.sum(costs, axis=1).argmin(axis=0)
@@ -130,7 +130,7 @@ def _cost_of_channels(whole: PoleFit, own: PoleFit) -> FloatArray:
 def _evidence(grid: SensorGrid, one: _Group, two: _Group) -> float:
     """Evidence that two groups of channels are set-ups; below zero where they measure different directions.
 
-    A beam has a family of modes in each direction, which look like shifted copies.
+    A beam has a family of modes in each direction, which resemble shifted copies of each other.
     """
     sensors = [np.isin(grid.channels, group.channels).any(axis=1) for group in (one, two)]
     first, second = (np.abs(grid.directions[some]) for some in sensors)
@@ -140,7 +140,7 @@ def _evidence(grid: SensorGrid, one: _Group, two: _Group) -> float:
 
 
 def _whole(grid: SensorGrid, channels: IntArray) -> bool:
-    """Whether channels are all of some sensors, or all of some references."""
+    """Whether the channels are complete: all channels of some sensors, or all of some references."""
     own = np.isin(grid.channels, channels)
     return bool(np.all(own.all(axis=1) == own.any(axis=1)) or np.all(own.all(axis=0) == own.any(axis=0)))
 
@@ -165,7 +165,10 @@ def shifted(d: FloatArray, s: FloatArray, most: float) -> float:
 
 
 def _distances(fits: list[PoleFit]) -> FloatArray:
-    """1 - cosine of the sizes of residues over the poles of a window, mean over the windows (channels, channels)."""
+    """Distances of channels (channels, channels).
+
+    1 - cosine of the magnitudes of their residues, mean over the windows.
+    """
     windows = [fit for fit in fits if len(fit) > 1]
     far = np.zeros((fits[0].A.shape[1],) * 2)
     for fit in windows:
@@ -177,7 +180,7 @@ def _distances(fits: list[PoleFit]) -> FloatArray:
 
 
 def _heard(fits: list[PoleFit]) -> IntArray:
-    """Channels whose residues are above their noise: a dead one has no set-up of its own."""
+    """Channels whose residues are above their noise; a dead channel is no set-up."""
     ratios = [np.sqrt(np.sum(np.abs(fit.A) ** 2, axis=0) / np.trace(fit.gram).real) for fit in fits if len(fit) > 1]
     return np.flatnonzero(np.median(ratios, axis=0) > HEARD) if ratios else np.zeros(0, np.int64)
 
@@ -185,9 +188,9 @@ def _heard(fits: list[PoleFit]) -> IntArray:
 def _branches(
     data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds
 ) -> list[_Group]:
-    """The branches of a tree of channels, cut while a criterion falls by a tenth; single channels are in none.
+    """Branches of a tree of channels, cut while a criterion decreases by a tenth; single channels are excluded.
 
-    Where both criteria fall by less, four are tried: each of two branches may still be several set-ups.
+    If both criteria decrease by less, four branches are tried: each of two branches may still be several set-ups.
     """
     nodes = _sides(node)
     for _ in range(LEVELS):
@@ -209,7 +212,7 @@ def _branches(
 def _each_alone(
     data: Responses, fits: list[PoleFit], branches: list[_Group], heard: IntArray, rules: Thresholds
 ) -> list[_Group]:
-    """One branch for each channel, where most poles are seen by one channel and both criteria fall by a tenth.
+    """One branch for each channel, if one channel sees most poles and both criteria decrease by a tenth.
 
     A roving sensor makes each channel a set-up. A pole is seen by (sum |A|^2)^2/sum |A|^4 channels.
     """
@@ -223,7 +226,7 @@ def _each_alone(
 
 
 def _sides(node: ClusterNode) -> list[ClusterNode]:
-    """The two branches of a node, without single channels; the node itself where it is too small for two."""
+    """The two branches of a node, without single channels; the node itself if it is too small for two."""
     while node.get_count() >= 2 * LEAST_CHANNELS:
         sides = [node.get_left(), node.get_right()]
         if min(side.get_count() for side in sides) >= LEAST_CHANNELS:
@@ -233,7 +236,7 @@ def _sides(node: ClusterNode) -> list[ClusterNode]:
 
 
 def _criteria(group: _Group, channels: IntArray) -> FloatArray:
-    """Number of parameters, and information criterion, of the fits of a group for some of its channels (2,)."""
+    """Number of parameters, and information criterion, of a group's fits for some of its channels (2,)."""
     total, columns = np.zeros(2), np.isin(group.channels, channels)
     for fit in group.fits:
         count = 2.0 * len(fit.rest) * len(channels)
@@ -244,7 +247,7 @@ def _criteria(group: _Group, channels: IntArray) -> FloatArray:
 
 
 def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thresholds) -> _Group:
-    """Fits of some channels in the windows of all, with as many poles as they justify."""
+    """Fit some channels alone in all windows, with as many poles as they justify."""
     own, seen = [], data.freq[data.peaks.at]
     for fit in fits:
         whole = replace(fit.window, Y=fit.window.Y[:, channels])
@@ -258,7 +261,7 @@ def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thre
 
 
 def _differences(one: _Group, two: _Group) -> tuple[FloatArray, FloatArray]:
-    """Differences of ln frequency and their deviations (poles,), of windows with equally many poles in both groups."""
+    """Differences of ln frequency and their deviations (poles,), in windows with equally many poles of both groups."""
     pairs = [(a, b) for a, b in zip(one.fits, two.fits, strict=True) if len(a) == len(b)]
     d = [np.log(a.poles.imag / b.poles.imag) for a, b in pairs]
     s = [np.hypot(*(fit.sigma[0] * fit.poles.real / fit.poles.imag for fit in pair)) for pair in pairs]

@@ -1,9 +1,9 @@
-"""Distance of the residues of one mode, measured in several set-ups, from one shape.
+"""Distance of the residues of one mode, measured in several set-ups, from a common shape.
 
 Residues over sensors o and references r are phi_o psi_r. Round a circle phi = a cos n theta + b sin n theta, with the n
-that fits best; elsewhere phi is free, and set-ups compare where they share sensors, or references of which there are
-two or more. A channel weighs by its deviation from the shapes of all modes: one that is turned over, exchanged or dead
-hardly counts.
+that fits best; elsewhere phi is free, and set-ups can be compared if they share sensors, or if they share two or more
+references. The weight of a channel follows from its deviation from the shapes of all modes: an inverted, exchanged or
+dead channel has a small weight.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Member(NamedTuple):
 class Shapes:
     """Members of each set-up, its channels, the sensors, their waves (orders, sensors, 2) or None.
 
-    `deviation` (channels,) of a residue from the shape, of the size of the shape.
+    `deviation` (channels,) is that of a residue from the shape, relative to the size of the shape.
     """
 
     members: list[list[Member]]
@@ -47,7 +47,7 @@ class Shapes:
     def of(
         cls, members: list[list[Member]], channels: list[IntArray], grid: SensorGrid, circle: Circle | None
     ) -> Shapes:
-        """Shapes whose channels weigh alike."""
+        """Shapes with equal weights of all channels."""
         waves = None
         if circle is not None and circle.orders:
             parts = [radial_signs(grid)[:, None] * harmonic(grid.theta, n) for n in circle.orders]
@@ -57,11 +57,11 @@ class Shapes:
 
     @property
     def silent(self) -> bool:
-        """Whether shapes contribute nothing: one reference, and no circle."""
+        """Whether shapes give no information: one reference, and no circle of sensors."""
         return self.waves is None and self.grid.channels.shape[1] == 1
 
     def joined(self, row: tuple[int, ...]) -> Array:
-        """Residues of a row at all channels, nan where it has none."""
+        """Residues of a row at all channels, nan where the row has none."""
         values = np.full(self.grid.channels.size, complex(np.nan, np.nan))
         for setup, k in enumerate(row):
             if k >= 0:
@@ -71,7 +71,7 @@ class Shapes:
     def rest(self, row: tuple[int, ...], sweeps: int = 0) -> tuple[Array, FloatArray, float]:
         """Residues minus the best-fitting shape (sensors, references), their weights, and the size of the shape.
 
-        With `sweeps` the sum of the absolute deviations is least, not that of their squares.
+        With `sweeps` the fit minimises the sum of the absolute deviations instead of their squares.
         """
         values, noise = self.joined(row), np.ones(self.grid.channels.size)
         for setup, k in enumerate(row):
@@ -92,7 +92,7 @@ class Shapes:
         return rest[best], weight, size
 
     def cost(self, row: tuple[int, ...]) -> float:
-        """Half of N ln(1 + chi^2/N), of N real numbers."""
+        """Half of N ln(1 + chi^2/N) for N real numbers."""
         if self.silent:
             return 0.0
         rest, weight, _ = self.rest(row)
@@ -100,7 +100,7 @@ class Shapes:
         return float(0.5 * count * np.log1p(2.0 * np.sum(weight * np.abs(rest) ** 2) / count))
 
     def learned(self, rows: list[tuple[int, ...]]) -> Shapes:
-        """The same with the deviations that the rows of all set-ups show."""
+        """The shapes with channel deviations estimated from the rows of all set-ups."""
         whole = [row for row in rows if min(row) >= 0]
         if self.silent or len(whole) < WHOLE:
             return self

@@ -1,4 +1,4 @@
-"""Quantities of the responses before any fit: noise, mode indicator, peaks, end of the ringing."""
+"""Quantities of the responses before any fit: noise, mode indicator, peaks, duration of the ringing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 
 ROUGH = np.sqrt(20.0 * 2.0 * np.log(2.0))  # median of third differences of complex noise of unit deviation
-ALIKE = 201  # lines over which the noise is taken for alike
+ALIKE = 201  # lines over which the noise is taken as constant
 
 
 def line_noise(H: Array) -> FloatArray:
@@ -28,7 +28,7 @@ def line_noise(H: Array) -> FloatArray:
 
 
 def noise_along(Y: Array) -> FloatArray:
-    """Noise of each line, rms over the channels, of responses Y (lines, channels) that are weighted, (lines,)."""
+    """Noise of each line, rms over the channels, of weighted responses Y (lines, channels), (lines,)."""
     rough = np.sqrt(np.mean(np.abs(np.diff(Y, 3, axis=0)) ** 2, axis=1) / 40.0)
     near = median_filter(rough, min(ALIKE, len(rough)), mode="nearest")
     return np.asarray(np.pad(near, (1, 2), mode="edge"))
@@ -46,7 +46,7 @@ class Peaks:
 
 
 def visible_peaks(Y: Array, rules: Thresholds = USUAL) -> Peaks:
-    """Peaks of sum |Y|^2 over the channels that a person sees: over their surroundings and over the noise.
+    """Peaks of sum |Y|^2 over the channels that a person would see: above their surroundings and above the noise.
 
     Y (lines, channels) are responses over the noise of their channels.
 
@@ -66,7 +66,7 @@ def visible_peaks(Y: Array, rules: Thresholds = USUAL) -> Peaks:
 
 
 def ringing(freq: FloatArray, H: Array) -> tuple[float, float]:
-    """Seconds from the hit to the end of the record, and the part of the ringing left then.
+    """Duration of the recorded ringing after the hit [s], and the share of the ringing left at its end.
 
     A record of length T that starts d before the hit ends T - d after it. Where the ringing has not decayed, the
     impulse response of H (channels, lines) ends there with a step, and is empty in the last d seconds. (inf, 0) where
@@ -102,7 +102,7 @@ def ringing(freq: FloatArray, H: Array) -> tuple[float, float]:
 
 
 def tapered(freq: FloatArray, H: Array, end: float) -> Array:
-    """Responses of which the ringing fades to nothing at `end` [s]: without the ripples of a cut-off record."""
+    """Responses whose ringing is faded out towards `end` [s], which removes the ripples of a cut-off record."""
     if not np.isfinite(end):
         return H
     lines = len(freq)

@@ -1,4 +1,4 @@
-"""Sensors of a circle that are off in all modes: turned over, exchanged, of another scale, dead."""
+"""Find sensors of a circle that are wrong in all modes: inverted, exchanged, of another scale, dead."""
 
 from __future__ import annotations
 
@@ -9,18 +9,22 @@ import numpy as np
 
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
-FEWEST = 8, 5  # sensors, and modes, from which on sensors are judged
+FEWEST = 8, 5  # least number of sensors, and of modes, from which sensors are judged
 OPPOSES, SILENT = -0.6, 0.4  # correlation over the modes with the other sensors, below which a sensor is named
-OTHERS, AS_OTHER, GAIN = 0.9, 0.6, 0.1  # of exchanged ones: at most with their own places; with the other's, how much
+OTHERS, AS_OTHER, GAIN = (
+    0.9,
+    0.6,
+    0.1,
+)  # exchanged sensors: most correlation with their own place; least with the other's; gain
 SCALE = 2.0  # ratio to the other sensors, or its inverse, beyond which a sensor is named
-USUAL = 1.2  # times the median misfit of a mode, beyond which it is not used
-STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; deviation, of the usual size, that counts as none
+USUAL = 1.2  # a mode with a misfit above so many medians is not used
+STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; relative deviation that counts as zero
 
 
 def suspected(
     shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
 ) -> tuple[str, ...]:
-    """Sentences about sensors at angles theta [rad] that are off in shapes (sensors, modes) of n up to `most`.
+    """Describe sensors at angles theta [rad] that are wrong in shapes (sensors, modes) of n up to `most`.
 
     `trusted` (sensors,) marks sensors known to be right. Where it is given, they alone predict the others.
 
@@ -65,8 +69,8 @@ def predicted(
 ) -> tuple[FloatArray, FloatArray]:
     """Shapes that most sensors, or the `trusted` ones, predict (sensors, modes), and the misfit of each mode.
 
-    By least absolute deviations. A mode has the n, 0 to `most`, of least misfit: its own label may be wrong because of
-    the sensors that are searched.
+    The fit minimises absolute deviations. A mode takes the n, from 0 to `most`, of least misfit, since wrong sensors
+    may have spoilt its own label.
     """
     used = np.ones(len(theta)) if trusted is None else trusted.astype(float)
     best, expected = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
@@ -86,7 +90,7 @@ def predicted(
 
 
 def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tuple[int, ...], str]]:
-    """Sentences about sensors, by their correlation (rows) with the predictions of places (columns) and their size."""
+    """Describe sensors from the correlation of each (rows) with the predictions at places (columns), and from size."""
     own, named = np.diag(along), set[int]()
     for a, b in combinations(range(len(own)), 2):
         better = min(along[a, b] - own[a], along[b, a] - own[b])

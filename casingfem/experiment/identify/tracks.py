@@ -1,4 +1,4 @@
-"""The modes of a test of several set-ups: matched, searched again where a set-up lacks one, and averaged.
+"""Combine the modes of several set-ups: match them, search again for missing ones, and average.
 
 A set-up of few channels may show two close modes as one. Where the other set-ups show both, it is fitted again with
 both; the pole is kept where the data determine it at the place that the other set-ups predict.
@@ -23,15 +23,15 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.verdict import reasons
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-UNLIKE = 2.5  # times the usual spread over the set-ups, beyond which a mode may be two
+UNLIKE = 2.5  # a mode whose spread over the set-ups is so many times the usual one may be two
 LOOKS = 2  # searches for modes that a set-up lacks
-EXPECTED = 0.02  # chance at which noise adds a pole that other set-ups predict
-OPEN = 0.4  # deviation of such a pole's frequency in bandwidths and of its ln zeta
-PREDICTED = 3.0, 0.4  # how far it may be from its place: scatters of ln f between set-ups; ln zeta
+EXPECTED = 0.02  # probability that noise adds a pole that other set-ups predict
+OPEN = 0.4  # largest deviation of such a pole's frequency in bandwidths, and of its ln zeta
+PREDICTED = 3.0, 0.4  # largest distance from its place: in scatters of ln f between set-ups; in ln zeta
 
 
 class Track(NamedTuple):
-    """One mode over the set-ups: the mean, its frequencies [Hz], and why it is doubtful."""
+    """One mode over the set-ups: the mean, its frequencies [Hz], and the reasons why it is doubtful."""
 
     found: Found
     freqs: FloatArray
@@ -41,7 +41,7 @@ class Track(NamedTuple):
 def tracked(
     alone: list[SetUp], noise: FloatArray, grid: SensorGrid, circle: Circle | None, rules: Thresholds = USUAL
 ) -> tuple[list[SetUp], list[Track]]:
-    """Modes of all set-ups, each once, ascending; and the set-ups with the modes that were found there later."""
+    """Modes of all set-ups, each once, ascending; and the set-ups with the modes found in the second search."""
     channels = [part.channels for part in alone]
     for look in range(LOOKS + 1):
         members = [_members(part, noise, rules) for part in alone]
@@ -54,7 +54,7 @@ def tracked(
 
 
 def shift_of(tracks: list[Track]) -> float:
-    """Standard deviation of ln frequency from set-up to set-up, 0 where there is one."""
+    """Standard deviation of ln frequency between set-ups, 0 if there is only one."""
     spread = [float(np.var(np.log(track.freqs), ddof=1)) for track in tracks if len(track.freqs) > 1]
     return float(np.sqrt(np.mean(spread))) if spread else 0.0
 
@@ -80,7 +80,7 @@ def _members(part: SetUp, noise: FloatArray, rules: Thresholds) -> list[Member]:
 
 
 def _expected(match: Matching, members: list[list[Member]], setup: int) -> Array:
-    """Poles [rad/s] of a set-up where it lacks modes that others show."""
+    """Start values of poles [rad/s] for a set-up that lacks modes which other set-ups show."""
     starts = []
     for number, (row, middle) in enumerate(zip(match.rows, match.middle, strict=True)):
         if row[setup] < 0 and not _of_a_neighbour(match, number):
@@ -91,20 +91,20 @@ def _expected(match: Matching, members: list[list[Member]], setup: int) -> Array
 
 
 def _neighbours(match: Matching, number: int) -> list[Row]:
-    """Rows of other modes so near that set-ups may exchange them."""
+    """Rows of other modes so near that members may be exchanged between them."""
     near = np.abs(match.middle - match.middle[number]) < PREDICTED[0] * match.scatter
     return [match.rows[k] for k in np.flatnonzero(near).tolist() if k != number]
 
 
 def _of_a_neighbour(match: Matching, number: int) -> bool:
-    """Whether the pole of one set-up alone may be that of a mode nearby that only the other set-ups show."""
+    """Whether a pole of one set-up may belong to a nearby mode that only the other set-ups show."""
     own = [s for s, k in enumerate(match.rows[number]) if k >= 0]
     rows = _neighbours(match, number)
     return len(own) == 1 and any(row[own[0]] < 0 and sum(k >= 0 for k in row) > 1 for row in rows)
 
 
 def _too_many(match: Matching, number: int) -> bool:
-    """Whether a mode that a set-up lacks is one of more modes nearby than any set-up shows.
+    """Whether a missing mode of a set-up lies among more nearby modes than any set-up shows.
 
     Modes of less than half of the set-ups do not count: they are doubtful anyway.
     """
@@ -114,7 +114,7 @@ def _too_many(match: Matching, number: int) -> bool:
 
 
 def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) -> SetUp:
-    """A set-up with the poles that others predict, where its data determine them."""
+    """Search a set-up again at the poles that other set-ups predict; keep those that its data determine."""
     low, high = 2.0 * np.pi * part.data.freq[[0, -1]]
     starts = starts[(starts.imag > low) & (starts.imag < high)]
     if not len(starts):
@@ -138,7 +138,7 @@ def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) ->
 
 
 def _at_their_places(fit: PoleFit, starts: Array, scatter: float) -> bool:
-    """Whether each predicted pole is there."""
+    """Whether a pole was found at each predicted place."""
     free = list(range(len(fit)))
     for start in starts:
         off = [
@@ -155,9 +155,9 @@ def _at_their_places(fit: PoleFit, starts: Array, scatter: float) -> bool:
 
 
 def _clear(match: Matching, members: list[list[Member]]) -> list[list[bool]]:
-    """For each row which set-ups show the mode alone.
+    """For each row the set-ups that show its mode separately.
 
-    Not one that lacks another mode within a bandwidth: its pole is that of both.
+    A set-up that lacks another mode within a bandwidth does not count: its pole may represent both.
     """
     clear = [[k >= 0 for k in row] for row in match.rows]
     for i, row in enumerate(match.rows):
@@ -178,7 +178,7 @@ def _track(
     number: int, match: Matching, members: list[list[Member]], parts: list[IntArray], channels: int, clear: list[bool],
     rules: Thresholds,
 ) -> Track:  # fmt: skip
-    """The mean of a row: its set-ups weigh alike, for each has a frequency of its own."""
+    """Mean of a row with equal weights of its set-ups, since each set-up shifts the frequency."""
     row = match.rows[number]
     some = [(s, members[s][k]) for s, k in enumerate(row) if k >= 0]
     used = [(s, member) for s, member in some if clear[s]]
@@ -211,7 +211,7 @@ def _track(
 
 
 def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: int) -> Residues:
-    """Residues of a row at all channels, 0 where it has none."""
+    """Residues of a row at all channels, 0 where the row has none."""
     values, direct, moved = np.zeros(channels, complex), np.zeros(channels), []
     for setup, member in some:
         residues, at = member.found.residues, parts[setup]
@@ -223,9 +223,9 @@ def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: i
 
 
 def _exchanged(match: Matching, number: int, logs: FloatArray) -> list[str]:
-    """Why two modes may be exchanged between set-ups; `logs` are ln f without the common shifts.
+    """Reason why two modes may be exchanged between set-ups; `logs` are ln f without the common shifts.
 
-    A mode that has no other one within its own spread cannot be exchanged.
+    A mode without another mode within its own spread cannot be exchanged.
     """
     spread = float(np.std(logs, ddof=1)) if len(logs) > 1 else 0.0
     other = np.delete(np.abs(match.middle - match.middle[number]), number).min(initial=np.inf)

@@ -13,18 +13,18 @@ from casingfem.experiment.frf.sensor_grid import form_of
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 LEAST_LINES = 30
-EVEN = 0.05  # of a step: what rounded lines may be off their even places
-USUAL_FORM = "accelerance"  # of a hammer test whose file has no unit
-MISSING = 0.2  # of the lines: a channel that lacks more is left out, not the lines
-COHERENCE = 1e-3, 1.0 - 1e-6  # what an estimate is taken for, at least and at most
-LEAST_WEIGHT, ALIKE = 0.1, 21  # of an incoherent line; lines over which coherence is taken for alike
+EVEN = 0.05  # of a step: largest deviation of a rounded line from its place
+USUAL_FORM = "accelerance"  # assumed for a hammer test whose file has no unit
+MISSING = 0.2  # of the lines: a channel that lacks more is left out
+COHERENCE = 1e-3, 1.0 - 1e-6  # bounds of an estimate
+LEAST_WEIGHT, ALIKE = 0.1, 21  # of an incoherent line; lines over which coherence is averaged
 
 
 class Usable(NamedTuple):
     """Usable responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and notes.
 
-    `along` (lines,) is what each line weighs: 1, less where it is not coherent, 0 where a channel has no number, in
-    whose place H is interpolated.
+    `along` (lines,) is the weight of each line: 1, less where it is not coherent, 0 where a channel has no number; H is
+    interpolated there.
     """
 
     frfs: FrfSet
@@ -76,14 +76,14 @@ def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None, coh
 
 
 def _ends_cut(kept: BoolArray, H: Array) -> BoolArray:
-    """The lines kept, without those at the ends on which no channel has a number."""
+    """Remove the lines at both ends on which no channel has a number."""
     some = np.flatnonzero(kept & ~np.isnan(H).all(axis=0))
     at = np.arange(len(kept))
     return np.asarray(kept & (at >= some.min(initial=len(kept))) & (at <= some.max(initial=-1)))
 
 
 def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSet, list[str]]:
-    """The set without sensors of which a channel is zero or lacks many numbers, and notes that name them."""
+    """Remove sensors with a channel that is zero or lacks many numbers; return the set and notes that name them."""
     sensors = list(zip(frfs.response_point.tolist(), frfs.response_direction.tolist(), strict=True))
     notes, kept = list[str](), np.ones(len(frfs), bool)
     much = f"nan on more than {100.0 * MISSING:.0f} % of the lines"
@@ -103,7 +103,7 @@ def _channels(which: BoolArray) -> str:
 
 
 def _missing(missing: BoolArray, freq: FloatArray) -> str:
-    """The note about lines on which a channel has no number."""
+    """Note on lines where channels have no number."""
     lines = np.flatnonzero(missing.any(axis=0))
     where = f"at {freq[lines[0]]:g} Hz" if len(lines) == 1 else f"from {freq[lines[0]]:g} to {freq[lines[-1]]:g} Hz"
     return f"nan in {_channels(np.asarray(missing.any(axis=1)))}: {len(lines)} of {len(freq)} lines left out, {where}"
@@ -116,10 +116,10 @@ def _filled(H: Array) -> Array:
 
 
 def _coherent(frfs: FrfSet, coherence: FrfSet, kept: BoolArray) -> FloatArray:
-    """Weight of each line from the noise that the coherence g shows, a part of |H|^2 (1 - g)/g.
+    """Weight of each line from the noise |H|^2 (1 - g)/g, estimated from the coherence g.
 
     (Bendat and Piersol, Random Data, 4th ed., 2010, section 9.2.) Each channel's noise is divided by its median, so
-    that only its course along the lines counts. Channels without coherence do not count.
+    only its variation over the lines matters. Channels without coherence are ignored.
     """
     if not np.array_equal(coherence.x, frfs.x):
         found = f"coherence over {len(coherence.x)} lines from {coherence.x[0]:g} to {coherence.x[-1]:g} Hz"
@@ -137,7 +137,10 @@ def _coherent(frfs: FrfSet, coherence: FrfSet, kept: BoolArray) -> FloatArray:
 
 
 def _same_places(frfs: FrfSet, coherence: FrfSet) -> tuple[IntArray, IntArray]:
-    """Channels of both from the same sensor to the same reference; a sensor's only coherence is that with all."""
+    """Channels that both sets have from the same sensor to the same reference.
+
+    A sensor's only coherence applies to all.
+    """
     mine, theirs = (np.column_stack([getattr(each, name) for name in PLACES]) for each in (frfs, coherence))
     sensor = (mine[:, None, :2] == theirs[None, :, :2]).all(axis=2)
     same = sensor & ((mine[:, None, 2:] == theirs[None, :, 2:]).all(axis=2) | (sensor.sum(axis=1, keepdims=True) == 1))

@@ -1,4 +1,4 @@
-"""Verdict on each mode: sure, or doubtful with the reasons in plain words and the remedies."""
+"""Verdict on each mode: sure, or doubtful with reasons and remedies."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import IntArray
 
-FEW = 6  # channels that confirm each other; fewer must be clearer
+FEW = 6  # channels from which on they confirm each other; fewer need clearer peaks
 MANY = 8  # channels from which on a mode can be local
 NEAR_COPY = 2.0  # bandwidths within which a mode may be that of another set-up
 UNSEEN, DEVIATIONS = 0.1, 3.0  # of one mode at a sensor: share of the other mode; its own standard deviations
 PURE = 0.9  # share of n from which a shape is that of a mode
-HALF = 0.5  # of the narrower bandwidth, within which two modes may be one; assurance of shapes more alike than not
+HALF = 0.5  # bandwidths within which two modes may be one; assurance above which shapes are similar
 SAME = 2.0  # standard deviations within which two frequencies do not differ
 
 
@@ -81,21 +81,22 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
 
 
 def without_copies(modes: list[Mode], directions: IntArray) -> list[Mode]:
-    """The modes (ascending); of two close ones that no sensor sees together, the weaker one is doubtful.
+    """The modes (ascending); of two close modes that no sensor sees together, the weaker one is doubtful.
 
-    Two set-ups of few modes look like this. Modes of pure n, and of different `directions` (sensors,), are no copies.
+    Two unrecognised set-ups of few modes give such copies. Modes of pure n, or of different `directions` (sensors,),
+    are no copies.
     """
     text = "no sensor sees both it and the mode at {:.2f} Hz: one mode in two set-ups? Measure all sensors at once"
     return _weaker(modes, lambda k, j: text if _apart(modes[k], modes[j], directions) else "")
 
 
 def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mode]:
-    """The modes (ascending); of two within half of a bandwidth that may be one resonance, the weaker one is doubtful.
+    """Mark the weaker of two modes (ascending) within half a bandwidth that may be one resonance as doubtful.
 
-    A peak that moves from hit to hit, or is not that of a linear resonance, leaves two poles. Their shapes are more
-    alike than not, or their frequencies do not differ. Shapes of normal modes are nearly orthogonal at many sensors:
-    of random ones at 8 sensors 3 % are more alike than not. The modes of a doublet are two, and modes of nodal
-    diameters may have one frequency.
+    A resonance leaves two poles if its peak moves from hit to hit, or if it is not linear. The shapes of the two poles
+    are then similar, or their frequencies do not differ. Shapes of normal modes are nearly orthogonal at many sensors:
+    of random shapes at 8 sensors 3 % have an assurance above 0.5. The two modes of a doublet are kept, and modes of
+    nodal diameters may have one frequency.
     """
 
     def why(k: int, j: int) -> str:
@@ -108,7 +109,7 @@ def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> l
                 "its shape and frequency are nearly those of the stronger mode at {:.2f} Hz: one mode that differs from"
                 " hit to hit or with the force? Check for loose parts or level"
             )
-        waves = min(one.n, other.n) > 0  # of a circle, whose modes come in pairs
+        waves = min(one.n, other.n) > 0  # modes of a circle come in pairs
         same = not waves and gap < SAME * float(np.hypot(one.sigma_freq, other.sigma_freq))
         return (
             "its frequency is that of the stronger mode at {:.2f} Hz within their uncertainty: one peak that is not"
@@ -119,7 +120,7 @@ def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> l
 
 
 def _weaker(modes: list[Mode], why: Callable[[int, int], str]) -> list[Mode]:
-    """The modes (ascending); of two close ones the weaker one has a reason, its own or that of `why` (lower, upper)."""
+    """Give the weaker of two close modes (ascending) a reason, its own or that of `why` (lower, upper)."""
     done = list(modes)
     for k, one in enumerate(modes):
         for j in range(k + 1, len(modes)):
@@ -133,7 +134,7 @@ def _weaker(modes: list[Mode], why: Callable[[int, int], str]) -> list[Mode]:
 
 
 def _apart(one: Mode, other: Mode, directions: IntArray) -> bool:
-    """Whether each sensor sees one of two modes alone, and none of them is the mode of a circle or a direction."""
+    """Whether each sensor sees only one of two modes, and neither is the mode of a circle or of a direction."""
     if min(one.purity, other.purity) > PURE:
         return False
     sizes = [np.abs(mode.shape) for mode in (one, other)]
@@ -146,7 +147,7 @@ def _apart(one: Mode, other: Mode, directions: IntArray) -> bool:
 
 
 def _one_line(fit: PoleFit, k: int) -> bool:
-    """Whether the peak is a single line: its neighbours are not above the residual of the fit."""
+    """Whether the peak is a single line: the neighbouring lines are not above the residual of the fit."""
     at = int(np.argmin(np.abs(2.0 * np.pi * fit.window.freq - fit.poles[k].imag)))
     column = fit.window.resonances(fit.poles[[k]])[0][:, 0]
     size = float(np.sqrt(np.mean(np.abs(fit.A[k]) ** 2) / 2.0))

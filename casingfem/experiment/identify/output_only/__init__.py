@@ -1,1 +1,1 @@
-"""Modes from responses alone, under loads that nobody measured."""
+"""Identification of modes from responses alone, under loads that are not measured."""

@@ -1,11 +1,11 @@
-"""Correlations of responses with those of some reference sensors, block by block, and their part in a band.
+"""Correlate responses with those of reference sensors, block by block, and select their part in a band.
 
     R(tau) = mean of y(t + tau) y_ref(t)^T = sum_k A_k exp(p_k tau) + conjugates,  tau > 0
 
 for loads that are white in the band (James, Carne and Lauffer, Int. J. Anal. Exp. Modal Anal. 10, 1995, 260). Each
-block of the record gives a sum over its own instants, so that the blocks add up to R and their scatter is that of R.
-The part in a band is a complex sequence with one sample for each inverse bandwidth; its first lags have a transient of
-the filter.
+block of the record gives a sum over its own instants. The blocks add up to R, and their scatter gives the uncertainty
+of R. The part in a band is a complex sequence with one sample for each inverse bandwidth; its first lags have a
+transient of the filter.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scipy.linalg import qr
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 BLOCKS = 20  # of a record, whose scatter gives the uncertainty
-REFERENCES, ALL = 4, 6  # sensors taken as references; of so many or fewer all
+REFERENCES, ALL = 4, 6  # sensors taken as references; all sensors, if so many or fewer
 EDGE = 0.12  # of a band, over which its filter rises and falls
 SKIPPED = 8  # lags that the filter's ends reach: one over EDGE
 
@@ -53,7 +53,7 @@ class Zoomed(NamedTuple):
 
 
 def chosen_references(y: FloatArray) -> IntArray:
-    """Sensors whose responses (sensors, samples) explain those of the others best: pivots of the covariance.
+    """Select the sensors whose responses (sensors, samples) best explain the others: pivots of the covariance.
 
     >>> t = np.arange(200.0)
     >>> chosen_references(np.array([k * np.sin(0.1 * t) + (k == 2) * np.cos(t) for k in range(1, 8)])).tolist()[:2]
@@ -66,7 +66,7 @@ def chosen_references(y: FloatArray) -> IntArray:
 
 
 def correlated(y: FloatArray, fs: float, lags: int, references: IntArray) -> Correlations:
-    """Correlations of responses (sensors, samples) without their means, each over its rms."""
+    """Correlate responses (sensors, samples), without their means, each divided by its rms."""
     count = (y.shape[1] - 2 * lags) // BLOCKS
     size = 1 << int(np.ceil(np.log2(count + 2 * lags)))
     R = np.empty((BLOCKS, len(y), len(references), 2 * lags))
@@ -83,7 +83,9 @@ def correlated(y: FloatArray, fs: float, lags: int, references: IntArray) -> Cor
 
 
 def zoomed(R: FloatArray, fs: float, low: float, high: float) -> Zoomed:
-    """The part of correlations (sensors, references, 2 L) from `low` to `high` [Hz], flat but for its ends.
+    """Part of correlations (sensors, references, 2 L) between `low` and `high` [Hz].
+
+    The filter is flat except at its ends.
 
     >>> lag = np.r_[0:2000, -2000:0] / 1000.0
     >>> R = np.exp(-10.0 * abs(lag)) * np.cos(2 * np.pi * 103.0 * lag)

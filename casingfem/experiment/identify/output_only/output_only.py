@@ -1,10 +1,10 @@
 """Frequencies, damping and shapes of the modes in responses to loads that are not measured.
 
-1. `correlations`: of all sensors with some, in blocks of the record.
-2. Bands of a few peaks of the power spectra; `subspace`: poles that recur over the orders by frequency, damping, shape.
-3. The same without each block in turn: the jackknife gives the uncertainty of every number (Efron and Stein, Ann. Stat.
-   9, 1981, 586). It is no less than the true one on average, and larger for the shapes of close pairs.
-4. Pairs, nodal diameters, orientations as of frequency responses; each mode is sure, or doubtful for a reason.
+1. `correlations`: all sensors with some references, in blocks of the record. 2. Bands of a few peaks of the power
+spectra; `subspace`: poles that recur over the orders by frequency, damping, shape. 3. Step 2 is repeated without each
+block in turn: the jackknife gives the uncertainty of every number (Efron and Stein, Ann. Stat. 9, 1981, 586). It is no
+less than the true one on average, and larger for the shapes of close pairs. 4. Pairs, nodal diameters and orientations
+follow as for frequency responses; each mode is sure, or doubtful for a reason.
 """
 
 from __future__ import annotations
@@ -54,24 +54,24 @@ from casingfem.experiment.identify.spectra import Peaks
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-LAG_PART = 4.0  # blocks are so many times as long as the longest lag
+LAG_PART = 4.0  # length of a block in longest lags
 LEAST = 2000  # samples of a record
 PRESENT = 0.8  # of the records without a block, in which a mode must be found again
 KNOWN = 0.5  # of a bandwidth: largest standard deviation of a frequency without a visible peak
 OFTEN = 0.5  # of the model orders, in which a sure mode recurs
-ALIKE = float(chdtri(2, 1e-3))  # chi-squared of the differences of two modes that chance exceeds once in a thousand
-NORMAL = 2.0  # standard deviations that a split exceeds, fewer are noted; that the power of a peak exceeds
+ALIKE = float(chdtri(2, 1e-3))  # largest chi-squared by chance of two modes' differences, once in a thousand
+NORMAL = 2.0  # least standard deviations of a split without a note, and of the power of a peak
 LONGER = "a longer record may resolve it"
-EMPTY = 6  # times the lines around its peaks: a band that is wider is cut
+EMPTY = 6  # a band wider than so many times the lines around its peaks is divided
 LOBES = 1e-8  # of the largest power: ten times the side lobes of the window
 WIDEST = 4.0  # lines: half-power width of the window's main lobe, and more
 MISSED, NAMED = 2.0, 8  # lines within which a peak is that of a mode; peaks that a note names
 MADE = "identified from responses alone: stochastic subspaces of their correlations, jackknife over blocks"
-MARGIN = 1.3  # times the edge of a band's filter that a band is widened by at either end
+MARGIN = 1.3  # widening of a band at each end, in edges of its filter
 
 
 class Estimated(NamedTuple):
-    """A mode, and the share of the orders in which it recurs."""
+    """A mode, and the share of the model orders in which it recurs."""
 
     found: Found
     recurs: float
@@ -152,7 +152,7 @@ def identify_output_only(
 
 
 def _usable(records: FrfSet) -> tuple[FloatArray, float, FrfSet]:
-    """Responses (sensors, samples) without their means, samples a second, and the set without silent sensors."""
+    """Responses (sensors, samples) without their means, the sampling rate [Hz], and the set without silent sensors."""
     if records.kind != "time":
         raise InputError(records.path, found=f"kind {records.kind!r}", expected="time records")
     values, x = np.asarray(records.responses), records.x
@@ -182,7 +182,7 @@ def _references(frfs: FrfSet, y: FloatArray, points: Sequence[int] | None) -> In
 
 
 def _lags(y: FloatArray, fs: float, seconds: float | None, path: str) -> int:
-    """Samples of the longest lag."""
+    """Number of samples of the longest lag."""
     count = y.shape[1]
     lags = round(seconds * fs) if seconds is not None else int(count / (LAG_PART * BLOCKS))
     if not 16 <= lags <= count // (BLOCKS + 2):
@@ -233,7 +233,7 @@ def _power(found: Correlations, R: FloatArray) -> FloatArray:
 
 
 def _peaks(freq: FloatArray, power: FloatArray, scatter: FloatArray, rules: Thresholds) -> Peaks:
-    """Peaks over their surroundings whose power is not zero by its scatter, and which are not too wide for a mode."""
+    """Peaks that are above their surroundings, significant by their scatter, and not too wide for a mode."""
     at, _ = find_peaks(10.0 * np.log10(power), prominence=rules.prominence_db)
     at = at[power[at] > np.maximum(NORMAL * scatter[at], LOBES * power.max())]
     width = peak_widths(power, at)[0] if len(at) else np.zeros(0)
@@ -245,7 +245,7 @@ def _bands(
     found: Correlations, freq: FloatArray, power: FloatArray, peaks: Peaks, order: int | None,
     say: Callable[[str], None], rules: Thresholds,
 ) -> tuple[list[Estimated], Stabilisation]:  # fmt: skip
-    """Modes of all bands, ascending, and their diagram."""
+    """Identify the modes of all bands, in ascending order, with their diagram."""
     data = Responses(freq, np.sqrt(power)[:, None], np.ones(len(freq)), peaks)
     cut = [part for core, _, _ in bands(data, rules) for part in _around(core, peaks.at, rules)]
     modes, diagrams = list[Estimated](), list[Stabilisation]()
@@ -265,9 +265,9 @@ def _bands(
 
 
 def _around(core: slice, at: IntArray, rules: Thresholds) -> list[slice]:
-    """A band, cut into the lines around its peaks and those beyond where the latter are many more.
+    """Divide a band into the lines around its peaks and the lines beyond, if the latter are many more.
 
-    The lags of a band are as many as its inverse width: those of an empty wide band do not resolve close modes.
+    The step between the lags of a band is its inverse width. A wide band with few peaks would not resolve close modes.
     """
     inside = at[(at >= core.start) & (at < core.stop)]
     if not len(inside):
@@ -286,7 +286,7 @@ def _lines(part: slice) -> int:
 def _band(
     found: Correlations, ends: tuple[float, float], most: int, seen: FloatArray, rules: Thresholds
 ) -> tuple[list[Estimated], Stabilisation]:
-    """Modes of one band."""
+    """Identify the modes of one band."""
     zoom = zoomed(found.mean, found.fs, *ends)
     largest = fits_in(zoom, most)
     if largest < 2:
@@ -298,7 +298,7 @@ def _band(
     found_again = [_jackknifed(cluster, whole, parts, len(orders), rules) for cluster in candidates]
     every = [estimated for estimated in found_again if estimated is not None]
     modes = [estimated for estimated in every if _known(estimated.found)]
-    for peak in seen.tolist():  # of a peak without a mode that is known well the nearest one
+    for peak in seen.tolist():  # the nearest mode of each peak without a well-known mode
         near = [each for each in every if abs(each.found.freq - peak) < each.found.zeta * peak]
         if near and not any(each in modes for each in near):
             modes.append(min(near, key=lambda each: abs(each.found.freq - peak)))
@@ -306,7 +306,7 @@ def _band(
 
 
 def _jackknifed(cluster: Cluster, whole: Swept, parts: list[Swept], orders: int, rules: Thresholds) -> Estimated | None:
-    """A mode with its uncertainty; None where too few of the records without a block have it."""
+    """Add the jackknife uncertainty to a mode; return None if too few of the records without a block contain it."""
     mode = again(whole, cluster, rules)
     others = [other for part in parts if (other := again(part, cluster, rules)) is not None]
     count = len(others)
@@ -331,20 +331,20 @@ def _numbers(poles: Array) -> tuple[FloatArray, FloatArray]:
 
 
 def _known(found: Found) -> bool:
-    """Whether a mode without a visible peak is known well enough: its frequency, and that its damping is not zero."""
+    """Whether a mode without a visible peak is well determined: precise frequency, and damping above zero."""
     wide = 2.0 * found.zeta * found.freq
     return found.sigma_freq < KNOWN * wide and ABOVE_ZERO * found.sigma_zeta < found.zeta
 
 
 def _scaled(estimated: Estimated, factors: FloatArray) -> Estimated:
-    """A mode of responses in their own units."""
+    """Scale a mode to the units of the responses."""
     residues, by = estimated.found.residues, factors.ravel()
     scaled = Residues(residues.values * by, residues.direct, residues.moved * by[:, None])
     return estimated._replace(found=estimated.found._replace(residues=scaled))
 
 
 def _modes(estimated: list[Estimated], channels: IntArray, sensors: Sensors, rules: Thresholds) -> list[Mode]:
-    """Modes with shapes, labels and verdicts, ascending; neighbours without a partner may be one."""
+    """Modes with shapes, labels and verdicts, ascending; neighbours without a partner may be merged."""
     estimated = sorted(estimated, key=lambda each: each.found.freq)
     modes = [replace(mode_of(each.found, sensors), split_bound=0.0) for each in estimated]
     gaps = [float(np.hypot(low.sigma_freq, high.sigma_freq)) for low, high in pairwise(modes)]
@@ -362,7 +362,7 @@ def _modes(estimated: list[Estimated], channels: IntArray, sensors: Sensors, rul
 def _chi(low: Mode, high: Mode, gap: float) -> float:
     """Chi-squared of the differences of two modes in frequency, of deviation `gap` [Hz], and damping.
 
-    Infinite beyond a bandwidth. The jackknife does not give less than their deviations.
+    It is infinite beyond a bandwidth. Jackknife deviations are not below the true ones on average.
     """
     if high.freq - low.freq > 2.0 * max(low.zeta * low.freq, high.zeta * high.freq):
         return float("inf")
@@ -371,7 +371,7 @@ def _chi(low: Mode, high: Mode, gap: float) -> float:
 
 
 def _reasons(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
-    """Why a mode is doubtful, "" where it is sure; the shape of a pair that is not resolved may have any phase."""
+    """Why a mode is doubtful, "" where it is sure; the shape of an unresolved pair may have any phase."""
     found = estimated.found
     reasons, wide = list[str](), 2.0 * found.zeta * found.freq
     if found.zeta < ABOVE_ZERO * found.sigma_zeta:
@@ -403,7 +403,7 @@ def _lonely(modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...]) -> lis
 
 
 def _close(modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...]) -> list[str]:
-    """Notes of doublets whose split is below two standard deviations."""
+    """Notes on doublets whose split is below two standard deviations."""
     pairs = [(modes[low], modes[high]) for low, high in doublets]
     splits = [(low, high.freq - low.freq, float(np.hypot(low.sigma_freq, high.sigma_freq))) for low, high in pairs]
     return [
@@ -415,7 +415,7 @@ def _close(modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...]) -> list
 
 
 def _bare(modes: Sequence[Mode], seen: FloatArray, step: float) -> list[str]:
-    """A note of the visible peaks at which no mode is, on lines `step` [Hz] apart."""
+    """Note on visible peaks without a mode, on lines `step` [Hz] apart."""
     near = [np.abs(seen - mode.freq) <= max(2.0 * mode.zeta * mode.freq, MISSED * step) for mode in modes]
     bare = seen[~np.any(near, axis=0)] if near else seen
     if not len(bare):
@@ -428,7 +428,7 @@ def _bare(modes: Sequence[Mode], seen: FloatArray, step: float) -> list[str]:
 def _compared(
     found: Correlations, estimated: list[Estimated], factors: FloatArray, channels: IntArray, low: float, high: float
 ) -> tuple[FloatArray, Array, Array]:
-    """Lines [Hz], and half spectra of the correlations there, measured and of the modes, (channels, lines)."""
+    """Lines [Hz], and half spectra of the correlations, measured and synthesised from the modes, (channels, lines)."""
     lags = found.R.shape[-1] // 2
     R = found.mean[..., :lags] * factors[..., None]
     R[..., 0] *= 0.5

@@ -1,4 +1,4 @@
-"""Poles and residues of growing orders from correlations: covariance-driven stochastic subspace identification.
+"""Compute poles and residues of growing orders from correlations: covariance-driven stochastic subspace identification.
 
 With the block Hankel matrix H of the correlations at steps of lag, H = U S V^H, the observability and controllability
 matrices of order n are O = U_n S_n^1/2 and G = S_n^1/2 V_n^H. The system matrix solves O_up A = O_down; its eigenvalues
@@ -30,12 +30,12 @@ class Swept(NamedTuple):
     order: IntArray
 
     def at(self, kept: BoolArray | IntArray) -> Swept:
-        """Some of the poles."""
+        """The poles with these indices."""
         return Swept(self.poles[kept], self.A[kept], self.order[kept])
 
 
 class Cluster(NamedTuple):
-    """One candidate: the median pole, the mean residues, and the orders in which it recurs."""
+    """Candidate mode: the median pole, the mean residues, and the orders in which it recurs."""
 
     pole: complex
     A: Array
@@ -43,7 +43,7 @@ class Cluster(NamedTuple):
 
 
 def swept(zoom: Zoomed, orders: range) -> Swept:
-    """Stable poles of each order with their residues."""
+    """Stable poles of each order, with their residues."""
     z = zoom.z
     sensors, references = z.shape[:2]
     rows = max(LEAST_ROWS, -(-2 * orders.stop // references))
@@ -66,7 +66,7 @@ def swept(zoom: Zoomed, orders: range) -> Swept:
 
 
 def fits_in(zoom: Zoomed, most: int) -> int:
-    """The largest order, no more than `most`, whose Hankel matrix fits into the lags."""
+    """Largest order up to `most` whose Hankel matrix fits into the lags."""
     references = zoom.z.shape[1]
     half = zoom.z.shape[2] // 2  # positive lags
     for largest in range(most, 0, -1):
@@ -77,7 +77,7 @@ def fits_in(zoom: Zoomed, most: int) -> int:
 
 
 def alike(found: Swept, pole: complex, A: Array, rules: Thresholds, times: float = 1.0) -> tuple[BoolArray, FloatArray]:
-    """Poles that are one with a pole by frequency, damping and shape, and their modal assurance with it."""
+    """Poles that agree with a given pole in frequency, damping and shape, and their modal assurance with it."""
     wide = -2.0 * pole.real
     near = np.abs(found.poles.imag - pole.imag) < times * rules.same_freq * wide
     near &= np.abs(found.poles.real - pole.real) < times * rules.same_zeta * -pole.real
@@ -95,7 +95,8 @@ def assurance(A: Array, B: Array) -> FloatArray:
 def clusters(found: Swept, orders: range, rules: Thresholds) -> tuple[list[Cluster], Stabilisation]:
     """Poles that recur over the orders, ascending, and the diagram of all.
 
-    The pole with the most neighbours in other orders makes a cluster of them, then the next of those that are left.
+    The pole with the most neighbours in other orders forms a cluster with them. The next cluster is formed from the
+    remaining poles.
     """
     zeta = -found.poles.real / np.abs(found.poles)
     free, stable = zeta < rules.zeta_most, np.zeros(len(zeta), bool)
@@ -120,7 +121,7 @@ def _cluster(members: Swept) -> Cluster:
 
 
 def again(found: Swept, cluster: Cluster, rules: Thresholds) -> Cluster | None:
-    """The mode of a cluster in a sweep: of each order the pole most like it; None where there is none."""
+    """Find the mode of a cluster in another sweep: the most similar pole of each order; None if there is none."""
     near, mac = alike(found, cluster.pole, cluster.A, rules, NEAR)
     likely = np.where(near, mac, -1.0)
     best = [
