@@ -7,17 +7,21 @@ from types import ModuleType
 
 PAGE = Path(__file__).parent / "names.md"
 SHORT = {"casingfem": "cf", "contact": "ct"}
+APART = ("contact.gpu",)  # imported by its own name: it asks for an extra
 HEAD = """# Public names
 
 Made by `.venv/bin/python docs/names.py`: every name that `import casingfem as cf` and `import contact as ct` give, each
-once, in the module nearest to the top. `help(cf.modes)` shows parameters, errors and an example.
+once, in the module nearest to the top; and those of `contact.gpu`, which is imported by its own name. `help(cf.modes)`
+shows parameters, errors and an example.
 """
 
 
 def public_modules() -> dict[str, ModuleType]:
     """The packages and their public modules by address, the nearest to the top first."""
     found: dict[str, ModuleType] = {}
-    waiting = [(short, importlib.import_module(name)) for name, short in SHORT.items()]
+    waiting = [
+        (short, importlib.import_module(name)) for name, short in (*SHORT.items(), *zip(APART, APART, strict=True))
+    ]
     while waiting:
         address, module = waiting.pop(0)
         if module not in found.values():

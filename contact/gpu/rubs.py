@@ -37,6 +37,16 @@ class DeviceRuns:
     impulse, work, rotation, friction, damping, peak, penetration, residual : sums as of `ct.record`
     stopped : why a run ended early, "" for whole runs
     seconds : time of the launches
+
+    Examples
+    --------
+    >>> zero = np.zeros(2)
+    >>> sums = dict.fromkeys(("impulse", "work", "rotation", "friction", "damping", "peak"), zero)
+    >>> whole = dict.fromkeys(("steps", "contact_steps"), zero.astype(int))
+    >>> runs = DeviceRuns(q=np.zeros((2, 42)), d=np.zeros((2, 42)), penetration=zero, residual=zero, seconds=0.1,
+    ...     stopped=("", "the rim may pass its limit"), **sums, **whole)
+    >>> [number for number, why in enumerate(runs.stopped) if why]
+    [1]
     """
 
     q: Array
