@@ -105,9 +105,9 @@ def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
 
 
 def between(amplitude: Callable[[Array], Any], dt: float, t_end: float) -> float:
-    """Deviation of a load from linear interpolation between steps, at half steps: rms over its own rms.
+    """Relative error (rms) at half steps if a load is interpolated linearly between steps.
 
-    1 - cos(pi/N) for a harmonic with N steps a period.
+    For a harmonic with N steps a period it is 1 - cos(pi/N).
 
     >>> round(between(lambda t: np.cos(2 * np.pi * 5.0 * t), 0.02, 3.0), 4)  # ten steps a period
     0.0489

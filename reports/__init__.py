@@ -1,10 +1,10 @@
 """Tables and figures, each a script with `main(out, quick=False)`.
 
-`verification`: is it right? `benchmarks`: how fast is it? `studies`: what does the chain give? `tools`: for
-maintainers.
+`verification` compares results with references. `benchmarks` measures times. `studies` runs the whole chain. `tools`
+are for maintainers.
 
-BLAS keeps to one thread by default otherwise, as the command line does: factorisations here are small, and beside
-other work two threads that wait for each other take ten times as long.
+BLAS uses one thread unless the environment sets another number, as on the command line. The factorisations are small.
+On a busy machine two threads that wait for each other take ten times as long.
 """
 
 import os

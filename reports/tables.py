@@ -1,4 +1,4 @@
-"""Print a table and write it as CSV; read the command line every report shares."""
+"""Print a table and write it as CSV; parse the command line that all reports share."""
 
 import argparse
 import csv
@@ -45,9 +45,9 @@ def check(
 ) -> Row:
     """A row of a verification: error and allowed error in per cent, and the verdict.
 
-    "pass" within `allowed`; the `reason` why not up to `gap`, a bound of its own, so that a known gap cannot grow
-    unseen; else "FAIL". Where the reference is zero, the error is the computed value in per cent. "bound %" is what
-    decides, the larger of the two where there is a reason: `loose` holds it against what is seen.
+    The verdict is "pass" up to `allowed`, the `reason` up to `gap`, and "FAIL" above. The bound `gap` detects when a
+    known difference grows. If the reference is zero, the error is the computed value in per cent. "bound %" is the
+    larger of the two if there is a reason, else `allowed`; `loose` compares it with the error.
     """
     error = 100.0 * (computed / reference - 1.0 if reference else computed)
     verdict = "pass" if abs(error) <= allowed else reason if reason and abs(error) <= gap else "FAIL"
@@ -64,9 +64,9 @@ def check(
 
 
 def loose(rows: Sequence[Row], most: float = MARGIN) -> list[str]:
-    """Bounds larger than `most` times what is seen: of each row with a reason, of rows alike by the largest of them.
+    """Bounds larger than `most` times the error: of each row with a reason, and of similar rows by their largest error.
 
-    Rows are alike that share source and bound. Bounds that are at rounding level, 1e-6 % and less, are left alone.
+    Rows are similar if they have the same source and bound. Bounds at rounding level, 1e-6 % and less, are ignored.
     """
     seen: dict[tuple[str, float], float] = {}
     found = []
@@ -85,7 +85,7 @@ def loose(rows: Sequence[Row], most: float = MARGIN) -> list[str]:
 
 
 def failures(rows: object) -> int:
-    """How many rows of a report say that something is wrong: by their verdict, or by a count of faults."""
+    """Number of rows of a report that state a failure, by their verdict or by a count of faults."""
     if not isinstance(rows, Sequence):
         return 0
     tables = [row for row in rows if isinstance(row, dict)]
@@ -113,7 +113,7 @@ def show_all(out: Path, prefix: str, tables: Mapping[str, tuple[str, Sequence[Ro
 
 
 def unread(flag: str, value: object) -> str:
-    """Why a report cannot read the folder of a flag; "" if it can, or if the flag is no folder.
+    """Why a report cannot read the folder of a flag; "" if it can, or if the flag names no folder.
 
     >>> unread("folder", ROOT / "nowhere").replace(str(ROOT), "")
     "found no folder '/nowhere', expected one that exists"

@@ -230,7 +230,7 @@ def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
 
 @jit
 def turned(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
-    """Time of an extreme between two times from the slopes at both, at the ends of a phase; inf if there is none."""
+    """Time of an extreme between two times at an end of a phase, if the slopes at both differ in sign; else inf."""
     _value, first = watched_at(p, y, row, t, low)
     _value, last = watched_at(p, y, row, t, high)
     if first * last >= 0.0:

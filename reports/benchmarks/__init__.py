@@ -1,1 +1,1 @@
-"""How fast is it? Time of each step, of sweeps and of starting, and error against time."""
+"""Benchmarks: time of each step, of sweeps and of start-up, and error against time."""

@@ -1,4 +1,4 @@
-"""What `python -m reports.benchmarks` runs: steps.py."""
+"""Runs steps.py for `python -m reports.benchmarks`."""
 
 from reports.benchmarks import steps
 from reports.tables import command_line

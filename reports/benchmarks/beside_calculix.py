@@ -2,7 +2,7 @@
 
 `python -m reports.benchmarks.beside_calculix [--quick] [--out DIR]` gives CalculiX a mesh of S8R, 160 x 24 with rows
 graded towards both edges (--quick: 48 x 6), if `ccx` is installed, and this package its default mesh and a coarser one.
-Seconds are the processor's, of one thread each: what reading, assembly and modes take together. Errors are against 3-D
+Times are processor seconds of one thread each, for reading, assembly and modes together. Errors are against 3-D
 elasticity. Writes beside_calculix.csv.
 """
 
@@ -36,7 +36,7 @@ def heights(rows: int) -> FloatArray:
 
 
 def deck(around: int, rows: int) -> str:
-    """The frustum as quadratic shells of reduced integration, clamped at its base."""
+    """The CalculiX input: the frustum as quadratic shells with reduced integration, clamped at its base."""
     shell = reference_frustum()
     theta = np.pi * np.arange(2 * around) / around
     numbers = np.arange(1, 2 * around * (2 * rows + 1) + 1).reshape(2 * rows + 1, 2 * around)
@@ -62,7 +62,7 @@ def deck(around: int, rows: int) -> str:
 
 
 def calculix_row(around: int, rows: int) -> Row:
-    """What CalculiX needs, and how far off it is."""
+    """Time and error of CalculiX, a row of the table."""
     name = f"CalculiX S8R {around} x {rows}"
     if shutil.which("ccx") is None:
         return {"code": name, "unknowns": None, "seconds": None, "worst error": None}
@@ -82,7 +82,7 @@ def worst(freq: FloatArray) -> float:
 
 
 def own_row(mesh: ShellMesh | None) -> Row:
-    """The same for this package's shell in two dimensions."""
+    """Time and error of this package's two-dimensional shell, a row of the table."""
     shell = reference_frustum(mesh)
     found = modes(shell, COUNT, method="shell")
     seconds = best(lambda: modes(shell, COUNT, method="shell"), 3, process_time)

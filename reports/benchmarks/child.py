@@ -1,4 +1,7 @@
-"""Work in a child process, with limits on its memory and time: what it takes, or what it reached when stopped."""
+"""Work in a child process with limits on its memory and time.
+
+The cost of the work, or what was reached before the stop.
+"""
 
 import resource
 import sys
@@ -17,7 +20,7 @@ GIGABYTE = 2**30
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a child may take: seconds of wall time, bytes of address space."""
+    """Limits of a child process: seconds of wall time, bytes of address space."""
 
     seconds: float = 540.0
     memory: int = 14 * GIGABYTE
@@ -25,7 +28,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What the child told, the largest memory it had [MB], and how it ended: "done", or what stopped it."""
+    """What the child sent, its largest memory [MB], and how it ended: "done", or the limit that stopped it."""
 
     numbers: Numbers = field(default_factory=dict)
     peak: float | None = None
@@ -39,14 +42,14 @@ def peak_memory() -> float:
 
 
 def peak_of(child: int | None) -> float | None:
-    """The same of a child that still runs; None where the system does not tell."""
+    """Largest resident memory [MB] of a child that still runs; None if the system does not give it."""
     status = Path(f"/proc/{child}/status")
     lines = status.read_text(encoding="ascii").splitlines() if status.exists() else []
     return next((1e-6 * 1024 * float(line.split()[1]) for line in lines if line.startswith("VmHWM")), None)
 
 
 def tell(pipe: Connection, work: Callable[[], Iterator[Numbers]], limits: Limits) -> None:
-    """The child: send each part of the work as it comes, and how it ended."""
+    """In the child: send each part of the work as it is computed, and how the work ended."""
     resource.setrlimit(resource.RLIMIT_AS, (limits.memory, limits.memory))
     ended = "done"
     try:
@@ -62,7 +65,7 @@ def tell(pipe: Connection, work: Callable[[], Iterator[Numbers]], limits: Limits
 
 
 def in_child(work: Callable[[], Iterator[Numbers]], limits: Limits) -> Outcome:
-    """Run work, which yields numbers as it reaches them, in a fork of this process.
+    """Run work, a generator of numbers, in a fork of this process.
 
     >>> def work():
     ...     yield {"half": 1}

@@ -1,4 +1,4 @@
-"""What one core can do: multiply-adds and cached memory, and the least time of some calls."""
+"""Limits of one core: multiply-adds, cached memory, and the least time of some calls."""
 
 import time
 from collections.abc import Callable
@@ -24,7 +24,7 @@ def best_of(
     repeats: int,
     clock: Callable[[], float] = time.thread_time,
 ) -> float:
-    """Least seconds of some calls of `task` on what `prepare` makes anew for each; making it is not counted.
+    """Least seconds of some calls of `task` on an object that `prepare` makes for each call; `prepare` is not timed.
 
     By the thread's clock: under a limit of processor time the process's goes on in ticks, longer than a short loop.
     What BLAS may share among threads is timed with `process_time`.
@@ -40,7 +40,7 @@ def best_of(
 
 @jit_entry
 def multiply_add(factor: float, add: float, rounds: int, found: np.ndarray) -> None:
-    """Ten independent chains of multiply-adds, eight wide, which stay in the registers."""
+    """Ten independent chains of multiply-adds on vectors of eight numbers, which stay in the registers."""
     x, y = same(factor), same(add)
     a, b, c, d, e = same(0.10), same(0.11), same(0.12), same(0.13), same(0.14)
     f, g, h, i, j = same(0.15), same(0.16), same(0.17), same(0.18), same(0.19)
@@ -52,7 +52,7 @@ def multiply_add(factor: float, add: float, rounds: int, found: np.ndarray) -> N
 
 @jit_entry
 def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray, rounds: int) -> None:
-    """A = b + s c, again and again, eight wide."""
+    """Repeat a = b + s c on vectors of eight numbers."""
     for r in range(rounds):
         s = same(1.0 + 1e-9 * r)
         for i in range(0, a.size, WIDTH):
@@ -60,7 +60,7 @@ def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray, rounds: int) -> None:
 
 
 def limits(repeats: int) -> dict[str, float]:
-    """Flops [GFlop/s], and bytes read and written [GB/s] in the first-level cache and in the second."""
+    """Flops [GFlop/s], and bytes read and written [GB/s] in the first-level and second-level caches."""
     rounds, last = 1_000_000, np.zeros(WIDTH)
     seconds = best(lambda: multiply_add(0.999, 1e-3, rounds, last), repeats + 1)
     found = {"GFlop/s": 2e-9 * 10 * WIDTH * rounds / seconds}

@@ -1,10 +1,10 @@
-"""How long the first run of each shipped scene takes, with nothing compiled yet, and how long the next one does.
+"""Time of the first run of each shipped scene, with nothing compiled, and of the next run.
 
-`python -m reports.benchmarks.first_use [--quick] [--out DIR] [--beside CHECKOUT]`. User and system seconds of the whole
-command as a reader types it, with an empty cache of machine code and then with the full one; their difference is what
-compiling costs once. Where a limit is set the lesser of two, since others use the machine. Bases that a scene needs are
-made before, and not counted. Scenes that differ in numbers alone share their loops: one of section_44 and of abradable
-represents its like. A checkout beside is run in turns with this one, by the same Python.
+`python -m reports.benchmarks.first_use [--quick] [--out DIR] [--beside CHECKOUT]`. Each time is user and system seconds
+of the whole command, with an empty cache of machine code and then with the full one. The difference is the time of
+compiling. If a limit is set, the smaller of two times counts, since the machine may be busy. Bases of a scene are made
+before and are not timed. Scenes that differ in numbers only use the same loops, so one scene of section_44 and one of
+abradable are run. A checkout beside is run in turns with this one, by the same Python.
 """
 
 import os
@@ -36,7 +36,7 @@ RODS = 6.0  # every other scene of rods
 
 
 def wanted(scene: Example) -> float | None:
-    """Processor seconds that the first run of a scene should stay below; None where nothing is asked."""
+    """Limit of the processor seconds of the first run of a scene; None without a limit."""
     return WANTED.get(scene.name, RODS if scene.tables["scene"]["kind"] == "rods" else None)
 
 
@@ -49,12 +49,12 @@ def scenes(quick: bool) -> list[Example]:
 
 
 def seconds(command: str, folder: Path, checkout: Path) -> float:
-    """User and system seconds of a command of a checkout's casingfem and its children, run in `folder`."""
+    """User and system seconds of a command of a checkout's casingfem and its child processes, run in `folder`."""
     return spent(command, folder, checkout)[0]
 
 
 def spent(command: str, folder: Path, checkout: Path) -> tuple[float, float]:
-    """The same, and seconds by the clock."""
+    """User and system seconds, and seconds by the clock."""
     words = [sys.executable, "-m", *shlex.split(command)]
     there = {
         **os.environ, "PYTHONPATH": str(checkout), "NUMBA_CACHE_DIR": str(folder / CACHE),
@@ -69,7 +69,7 @@ def spent(command: str, folder: Path, checkout: Path) -> tuple[float, float]:
 
 
 def prepared(scene: Example, folder: Path, checkout: Path) -> str:
-    """The command that runs a scene from `folder`, where it and its bases stand then."""
+    """The command that runs a scene from `folder`, after its scene file and bases are put there."""
     folder.mkdir(parents=True)
     seconds(f"casingfem example {scene.name}", folder, checkout)
     *before, run = scene.commands(Path("data"))
@@ -79,7 +79,7 @@ def prepared(scene: Example, folder: Path, checkout: Path) -> str:
 
 
 def row_of(scene: Example, folder: Path, checkouts: Sequence[Path]) -> Row:
-    """First and next run of one scene by this checkout, and by that beside it."""
+    """First and next run of one scene by this checkout, and by the other one."""
     limit = wanted(scene)
     folders = [folder / str(k) for k in range(len(checkouts))]
     runs = [prepared(scene, *where) for where in zip(folders, checkouts, strict=True)]

@@ -1,12 +1,12 @@
 """Growth: 40 modes of the reference frustum on finer and finer meshes: seconds, memory, share of the machine's dgemm.
 
 `python -m reports.benchmarks.growth [--quick | --large] [--out DIR]` takes meshes of order 7 with 10,000 to 200,000
-unknowns (--quick: 4,000; --large: 500,000 too) and writes growth.csv. Each runs in a child process of its own, with 25
-minutes and 14 GB; the row of one that does not end states it. Seconds are the processor's, of one thread where
-OPENBLAS_NUM_THREADS=1 is set: assembly, plan and factor of K - sigma M, the whole of `modes` beside them. "GF/s" counts
-the factor's multiplications and additions, "of dgemm" sets them against a product of two dense matrices of 1,500 rows.
+unknowns (--quick: 4,000; --large: 500,000 too) and writes growth.csv. Each mesh has a child process with limits of 25
+minutes and 14 GB; its row states whether it ended. Times are processor seconds (of one thread if
+OPENBLAS_NUM_THREADS=1) of assembly, of plan and factor of K - sigma M, and of the whole of `modes`. "GF/s" counts the
+factor's multiplications and additions, "of dgemm" sets them against a product of two dense matrices of 1,500 rows.
 "Leaf unknowns" and "leaf work" are the shares of the factor's first fronts: the interiors of elements, most of them.
-"Factor MB" is what the plan foresees, "peak MB" all that the child had.
+"Factor MB" is the plan's estimate, "peak MB" the largest memory of the child.
 """
 
 from collections.abc import Iterator
@@ -74,7 +74,7 @@ def solution(rows: int, around: int) -> Iterator[Numbers]:
 
 
 def row(case: tuple[int, int]) -> Row:
-    """What one mesh took."""
+    """Times and memory of one mesh."""
     outcome = in_child(partial(solution, *case), Limits(seconds=1500.0))
     numbers = {name: outcome.numbers.get(name) for name in ("unknowns", *COLUMNS)}
     return {"rows x around": f"{case[0]} x {case[1]}", **numbers, "peak MB": outcome.peak, "ended": outcome.ended}

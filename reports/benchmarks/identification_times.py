@@ -2,9 +2,9 @@
 
 `python -m reports.benchmarks.identification_times [--quick] [--out DIR]` makes rims of
 `reports.verification.updating.unkind` without troubles, with noise 40 dB below each channel's rms, identifies each
-without help in one process, and prints a row as soon as a set is done: channels, lines, modes, what was found, seconds,
-the limit, and the largest memory of the process so far. `--size K` times the Kth set alone. Every set is identified
-once; a small one before starts the libraries. It writes identification_times.csv. With `--beside FOLDER`, a checkout of
+without help in one process, and prints a row after each set: channels, lines, modes, the modes found, seconds, the
+limit, and the largest memory of the process so far. `--size K` times the Kth set alone. Every set is identified once,
+after a small set that loads the libraries. It writes identification_times.csv. With `--beside FOLDER`, a checkout of
 another commit, each set is identified there too, in a process of its own after a small one; `ratio` is the time there
 over the time here.
 """

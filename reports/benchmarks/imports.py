@@ -1,11 +1,11 @@
-"""From a mesh file to a basis with 20 tip nodes: processor time and memory of each step, and what ends it beyond.
+"""From a mesh file to a basis with 20 tip nodes: processor time and memory of each step, and the limits reached.
 
 `python -m reports.benchmarks.imports [--quick | --large] [--out DIR]` writes imports.csv. A twisted blade of 20-noded
 bricks, a casing of nine-noded quadrilaterals and a thick block of ten-noded tetrahedra, each of some 300,000 unknowns
 (--quick: 2,000; --large: 600,000 and 1,200,000 too), are written as Abaqus input files. Each goes through the study
 that an engineer writes: read and checked, assembled, 8 modes kept, residual compliance at 20 nodes (`at`, 60 channels),
-saved. Every part has a child process with 15 minutes and 10 GB, so that "ended" says in the package's own words what is
-missing where it does not fit; the numbers reached are in its row.
+saved. Every part has a child process with limits of 15 minutes and 10 GB. "ended" gives the package's own message if a
+limit is reached; the row has the numbers up to there.
 """
 
 import tempfile

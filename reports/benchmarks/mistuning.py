@@ -1,9 +1,9 @@
-"""Draws near a perfect casing against their full solutions: what is left of the error, and what it costs.
+"""Draws near a perfect casing against their full solutions: remaining error, and time.
 
 `python -m reports.benchmarks.mistuning [--quick] [--out DIR]`. The casing of data/studies/mistuning.toml with its
 random radius and wall, 24 modes, at several sizes of the imperfections. Errors are those of draws that count as near,
 against the full solution on the default mesh: of a frequency the worst, of a split its 99 % quantile relative to the
-split itself. "bound" is the largest estimate that was made of them. Seconds are of the processor for a draw.
+split itself. "bound" is the largest estimated error. Times are processor seconds for one draw.
 """
 
 import time
@@ -29,7 +29,7 @@ def casing(size: float) -> Shell:
 
 
 def row_of(size: float, draws: int, count: int) -> Row:
-    """One size: how many draws count as near, their errors and times."""
+    """One size: the number of draws that count as near, their errors and times."""
     shell = casing(size)
     started = time.process_time()
     family = Family.of(shell, count)

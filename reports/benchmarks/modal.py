@@ -1,4 +1,4 @@
-"""Modal speed: error against time over meshes and orders, and where the time goes.
+"""Modal speed: error against time over meshes and orders, and the time of each part of a solution.
 
 `python -m reports.benchmarks.modal [--quick] [--out DIR]` takes the first 40 modes of the reference frustum: by the
 two-dimensional shell on several meshes, perfect and with cos 8 theta of 0.2 % in the radius, with strong waves 8, 20
@@ -91,7 +91,7 @@ def harmonic_row() -> Row:
 
 
 def part_rows(quick: bool) -> list[Row]:
-    """Where the time of one solution on the default mesh goes, as parts of the whole."""
+    """Shares of each part in the time of one solution on the default mesh."""
     shell, repeats = reference_frustum(MESHES["6, one row, 21"] if quick else None), 1 if quick else 3
     grid, system = make_grid(shell.chart, shell.mesh), assemble(shell)
     shift = -((SHIFT * frequency_scale(shell)) ** 2)

@@ -1,4 +1,4 @@
-"""What each piece of physics costs a run: steps per second with it and without, and what a run loads.
+"""Cost of each piece of physics in a run: steps per second with and without it, and the packages that a run loads.
 
 `python -m reports.benchmarks.physics [--quick] [--out DIR]` prints and writes contact_physics.csv and
 contact_physics_modal.csv. Every row adds one thing: to a bar of 100 elements on a wall; to a blade pressed on a ring of

@@ -1,6 +1,6 @@
-"""Time runs of tips on a rim as they are asked for on stdin; for `reports.benchmarks.tips_beside`, in any checkout.
+"""Time runs of tips on a rim as requested on stdin; used by `reports.benchmarks.tips_beside`, in any checkout.
 
-It imports `contact` alone, from wherever PYTHONPATH says, and knows what former versions of it do not have.
+It imports `contact` only, from PYTHONPATH, and takes account of features that former versions do not have.
 """
 
 import json
@@ -20,7 +20,7 @@ ROUGH = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})
 
 
 def scene(asked: dict[str, Any]) -> ct.Scene:
-    """The rub that is asked for: a rim with one tip, or as many blades as tips."""
+    """The rub of a request: a rim with one tip, or as many blades as tips."""
     casing, blade = (ct.ModalBody.load(Path(asked["folder"]) / f"{name}.npz") for name in asked["bodies"])
     blade = blade.truncated(float(sorted(blade.omega)[1]) * 1.01)
     what: Any

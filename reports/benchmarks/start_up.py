@@ -1,9 +1,9 @@
-"""What starting costs: processor seconds and modules of `casingfem --help` and of importing the packages.
+"""Cost of start-up: processor seconds and modules of `casingfem --help` and of importing the packages.
 
-`python -m reports.benchmarks.start_up [--quick] [--out DIR]`. Each command runs in a process of its own, on warm files;
-user and system seconds of the process are its own and do not count what else the machine does, though a busy machine
-makes them longer. The first rows are the bounds of what Python, numpy and click take alone. Importing a package loads
-none of its modules: each name is loaded when it is first used, so the last rows use one.
+`python -m reports.benchmarks.start_up [--quick] [--out DIR]`. Each command runs in a process of its own, with its files
+in the disk cache. Times are user and system seconds of that process; a busy machine makes them longer. The first rows
+give the times of Python, numpy and click alone, as lower bounds. Importing a package loads none of its modules: each
+name is loaded when it is first used, so the last rows use one.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Speed: what each step of the chain costs, in one run, as ratios to the assembly of the reference frustum.
+"""Speed: time of each step of the chain in one run, as ratios to the assembly of the reference frustum.
 
 `python -m reports.benchmarks [--quick] [--out DIR]` prints the table and writes speed.csv. Every figure is the best of
 three on the same machine in the same run, in seconds of the processor; ratios change least with its load. The last

@@ -1,8 +1,8 @@
-"""Speed of many rubs: one run, eight in slots, contact-free time skipped, and what the core's limits are.
+"""Speed of many rubs: one run, eight in slots, contact-free time skipped, and the limits of the core.
 
 `python -m reports.benchmarks.sweeps [--quick] [--out DIR]`. Times are processor seconds, the best of several, all of
-one process on one core unless the row says two; on a machine that others use they are upper bounds, ratios within the
-report hold better. The casing is the rig's: a frustum R .50 -> .45 m, 3 mm, the blade's first mode near 380 Hz.
+one process on one core unless the row says two; on a busy machine they are upper bounds, and ratios within the report
+are more reliable. The casing is the rig's: a frustum R .50 -> .45 m, 3 mm, the blade's first mode near 380 Hz.
 """
 
 import os
@@ -53,7 +53,7 @@ def bodies(folder: Path, modes: int, defect: Mapping[int, complex] = ONE) -> tup
 
 def rub(pair: tuple[ct.ModalBody, ct.ModalBody], *, clearance: float = 0.0, speed_hz: float = 5.0, mu: float = 0.3,
         rough: bool = True, t_end: float = 1.0, skip: bool = False) -> ct.Scene:  # fmt: skip
-    """The rig's rub; the clearance counts from the first touch."""
+    """The rub of the rig; the clearance counts from the first touch."""
     terms = ROUGH if rough else ()
     theta = np.linspace(0.0, 2.0 * np.pi, 3601)
     low = float(np.min(sum((t["cos"] * np.cos(t["p"] * theta) for t in terms), np.zeros(theta.size))))
@@ -81,7 +81,7 @@ def physics(pair: tuple[ct.ModalBody, ct.ModalBody], steps: int, repeats: int, p
 
 
 def faster(one: Row, other: Row) -> Row:
-    """The lesser times of two rounds, the greater rates."""
+    """The smaller times and the larger rates of two rounds."""
     return {key: min(one[key], other[key]) if key.startswith("us/") else max(one[key], other[key]) for key in one}
 
 

@@ -58,7 +58,7 @@ def least(what: ct.Rub, mu: float, steps: int, repeats: int) -> tuple[float, flo
 
 
 def shares(what: ct.Rub, mu: float, closed: float, taken: float, peak: dict[str, float]) -> Row:
-    """Per cent of the core's flops and of its cached memory that a step of `taken` us comes to."""
+    """Shares of the core's flops and of its cached memory [%] that a step of `taken` us uses."""
     law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
     stepper = ct.ExactModal().prepare(what, law, dt=DT, courant=None)
     assert isinstance(stepper, RubStepper)

@@ -1,4 +1,4 @@
-"""What a person waits for: each command on shipped inputs and on six ordinary ones, with and without machine code.
+"""Waiting times: each command on shipped inputs and on six ordinary ones, with and without machine code.
 
 `python -m reports.benchmarks.waiting [--quick] [--out DIR] [--beside CHECKOUT] [--only WORD]`. Processor seconds (user
 and system, children included) and seconds by the clock of the whole command as a user types it: "first" with an empty
@@ -58,7 +58,7 @@ to_hz = 0.50
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """One thing that a person waits for: a command, what makes its input in a folder, an example that it needs."""
+    """One command to time: how its input is made in a folder, and an example that it needs."""
 
     name: str
     command: str
@@ -145,7 +145,7 @@ WAITS = (
 
 
 def prepared(wait: Wait, folder: Path, checkout: Path) -> None:
-    """What a command needs, in `folder`."""
+    """The input of a command, made in `folder`."""
     folder.mkdir(parents=True)
     if wait.make is not None:
         wait.make(folder)
@@ -156,7 +156,7 @@ def prepared(wait: Wait, folder: Path, checkout: Path) -> None:
 
 
 def row_of(wait: Wait, folder: Path, checkouts: Sequence[Path]) -> Row:
-    """First and next run by this checkout, and by that beside it; what fails is said in its row."""
+    """First and next run by this checkout, and by the other one; a failure is stated in the row."""
     row: Row = {"command": wait.name}
     least = np.full((len(checkouts), 4), np.inf)
     failed = ""

@@ -1,4 +1,4 @@
-"""What accuracy costs: error against run time of every method on every scene, over meshes and over steps.
+"""Error against run time of every method on every scene, over meshes and over steps.
 
 `python -m reports.benchmarks.work_precision [--quick] [--out DIR]` prints and writes work_precision.csv (every run),
 work_precision_winners.csv (the quickest method within an error) and one picture a scene. Scenes: six impacts of rods

@@ -1,1 +1,1 @@
-"""What the chain gives: rubs of the source study, coatings that wear, jumps, the rig from a test to the rub."""
+"""Studies of the whole chain: rubs of the source study, coatings that wear, jumps, the rig from a test to the rub."""

@@ -37,7 +37,7 @@ EVERY = 5  # steps
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """What is varied from one run to the next."""
+    """The quantities that vary from one run to the next."""
 
     blades: int = 36
     thickness: float = 8e-3
@@ -69,7 +69,7 @@ class Bases:
         self.made: dict[tuple[str, float, int], ct.ModalBody] = {}
 
     def body(self, name: str, thickness: float | None = None, modes: int | None = None) -> ct.ModalBody:
-        """The basis of a study, its wall or its number of modes changed."""
+        """The basis of a study with another wall or another number of modes."""
         study = load_shell_study(DATA / "scenes" / "blade_off" / f"{name}.toml")
         assert study.interface is not None
         assert study.file.reduce is not None
@@ -123,7 +123,7 @@ def ran(bases: Bases, case: Case, end: float) -> Ran:
 
 
 def row(name: str, one: Ran) -> Row:
-    """What a run shows, with its cost."""
+    """Results of a run, and its time."""
     result, history, spin = one.result, one.history, one.result.notes.spin
     assert spin is not None
     assert history.bearings is not None
@@ -170,7 +170,7 @@ def choices(quick: bool) -> Mapping[str, Case]:
 
 
 def compared(runs: Mapping[str, Ran]) -> Iterator[Row]:
-    """Errors of speed, impulse and orbit of each run against the first, with its time."""
+    """Errors of speed, impulse and orbit of each run against the first, and its time."""
     first = next(iter(runs.values()))
     fallen, impulse = abs(first.history.speed_hz[-1]) - SPEED, first.result.impulse.sum()
     orbit = np.hypot(*first.history.disk.T).max()
@@ -191,7 +191,7 @@ def windowed(one: Ran) -> float:
 
 @contextmanager
 def told(name: str) -> Iterator[None]:
-    """Say which run is under way, and how long it took."""
+    """Print which run is under way, and its time."""
     began = time.perf_counter()
     yield
     print(f"{name}: {time.perf_counter() - began:.0f} s", flush=True)

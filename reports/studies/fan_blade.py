@@ -1,4 +1,4 @@
-"""A model-updating script to copy: a measured table, a model, what may vary, and how far to trust the answer.
+"""A model-updating script to copy: a measured table, a model, its free parameters, and the reliability of the answer.
 
 `python -m reports.studies.fan_blade [--quick] [--out DIR]`. The fan blade of Olson and Lindberg (MEASURED), its
 thickness and its clamp. Replace the table, the shell and the parameters by your own.
@@ -11,7 +11,7 @@ from reports.tables import DATA, Row, command_line
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
-    """Fit, judge, predict what was left out; write the answer."""
+    """Fit, judge, predict the rows left out; write the answer."""
     table = cf.FrequencyTable.from_csv(DATA / "experiments" / "olson_lindberg.csv")
     blade = cf.Shell(
         chart=cf.Panel(radius=0.6096, length=0.3048, angle=0.5),

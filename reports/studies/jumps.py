@@ -1,4 +1,4 @@
-"""Where a rub jumps over its speed, and where it comes back: a branch with its folds beside slow ramps up and down.
+"""Speeds at which a rub jumps up and down: a branch with its folds, compared with slow ramps up and down.
 
 `python -m reports.studies.jumps [--quick] [--out DIR]`. The study's frustum (one order of n <= 20) turns before its
 trailing blade, friction 0.15. A soft coating is worn in at 100 turns/s until nothing more is worn; then the gap closes
@@ -72,7 +72,7 @@ def pair(folder: Path) -> ct.Rub:
 
 
 def worn_in(rub: ct.Rub) -> tuple[ct.Result, Row]:
-    """A run of a second at one speed, and what it says: what was worn, when the last of it."""
+    """A run of one second at one speed; returns how much was worn, and when wear ended."""
     result = ct.run(rub, law=COATING, scheme=ct.ExactModal(), t_end=1.0, dt=2e-6, record=ct.Record(every=10))
     wear = result.wear
     assert wear is not None  # the law is a coating's
@@ -86,7 +86,7 @@ def worn_in(rub: ct.Rub) -> tuple[ct.Result, Row]:
 
 
 def ramp(rub: ct.Rub, at: Orbit, to_hz: float, rate: float, dt: float) -> Ramp:
-    """A run from an orbit to another speed, on the coating as it is, which wears no more."""
+    """A run from an orbit to another speed on the worn coating, without further wear."""
     m, omega = rub.casing.omega.size, np.concatenate([body.omega for body in rub.bodies])
     q, v = np.split(np.asarray(at.x), 2)
     v = v * omega
@@ -111,7 +111,7 @@ def ramp(rub: ct.Rub, at: Orbit, to_hz: float, rate: float, dt: float) -> Ramp:
 
 
 def jumps(found: Cycles, up: Ramp, down: Ramp, allowed: float) -> list[Row]:
-    """The four folds beside the speeds at which runs leave them."""
+    """The four folds, compared with the speeds at which runs leave them."""
     folds = sorted((fold for part in found.branches for fold in part.of("fold")), key=lambda fold: fold.orbit.value)
     if len(folds) != len(JUMPS):
         raise ct.NumericsError(f"found {len(folds)} folds, expected those of {len(JUMPS)} jumps")

@@ -1,4 +1,4 @@
-"""Section 4.4 of the source study: when n = 10 dominates a rub, and what is left when a cause is taken away.
+"""Section 4.4 of the source study: when n = 10 dominates a rub, and the effect of removing each cause.
 
 `python -m reports.studies.section_44 [--quick] [--out DIR]` runs the scenes of data/scenes/section_44: four rubs, each
 with three controls; the casing turns before a fixed blade. Level of n = 10 over the next nodal diameter, with half the

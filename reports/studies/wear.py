@@ -1,10 +1,9 @@
 """Abradable coating: machined or worn in, the contact stays closed; a digging blade cuts itself free.
 
 `python -m reports.studies.wear [--quick] [--out DIR]` runs the scenes of data/scenes/abradable on the frustum of
-section_44: how long the contact is closed in the first and the last turn, how far the tip then stands past the first
-touch of what is left, what is worn, and how the energy that the coating's law dissipated compares with the worn
-profile. In the last three scenes the gap closes slowly. Then worn volumes by step, bars and modes. Pictures go to
-DIR/abradable.
+section_44: how long the contact is closed in the first and the last turn, how far the tip is past the first touch of
+the remaining coating, the worn depth, and the energy dissipated by the coating's law against that of the worn profile.
+In the last three scenes the gap closes slowly. Then worn volumes by step, bars and modes. Pictures go to DIR/abradable.
 """
 
 from dataclasses import replace
@@ -48,7 +47,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
 
 
 def told(body: ct.ModalBody, scene: ct.Scene, result: ct.Result) -> Row:
-    """What a run shows of contact, motion and wear."""
+    """Contact, motion and wear of a run."""
     wear = result.wear
     assert wear is not None  # every scene here is coated
     end = result.steps * result.dt
@@ -66,7 +65,7 @@ def told(body: ct.ModalBody, scene: ct.Scene, result: ct.Result) -> Row:
 
 
 def past_touch(scene: ct.Scene, wear: Wear, end: float) -> float:
-    """How far the tip at rest stands past the first touch of the coating as it is left [m]."""
+    """Distance [m] of the tip at rest past the first touch of the remaining coating."""
     what = scene.what
     assert isinstance(what, ct.RotatingRim | ct.Rub)
     closing = what.closing.at(end) if isinstance(what, ct.Rub) else 0.0

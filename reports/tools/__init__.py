@@ -1,1 +1,1 @@
-"""For maintainers: which campaigns are due, which small faults the tests see, how the packages are built."""
+"""Tools for maintainers: campaigns that are due, small faults that tests detect, structure of the packages."""

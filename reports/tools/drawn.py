@@ -1,6 +1,6 @@
 """Twenty passages of pages, forty docstrings and forty messages at random, to be read as a new user would.
 
-`.venv/bin/python -m reports.tools.drawn --seed 7` prints them with their places. A sentence that must be read twice is
+`.venv/bin/python -m reports.tools.drawn --seed 7` prints them with their places. Sentences that must be read twice are
 rewritten; then another seed is drawn.
 """
 
@@ -85,7 +85,7 @@ def messages(root: Path = ROOT) -> list[Passage]:
 
 
 def texts(node: ast.AST) -> Iterator[ast.AST]:
-    """The strings below a node; one with values filled in is one string."""
+    """The strings below a node; a string with filled-in values is one string."""
     for part in ast.iter_child_nodes(node):
         if text_of(part):
             yield part
@@ -94,7 +94,7 @@ def texts(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def called(node: ast.Call) -> str:
-    """The last name of what is called."""
+    """The last name of the called function."""
     return getattr(node.func, "attr", getattr(node.func, "id", ""))
 
 
@@ -110,7 +110,7 @@ def text_of(node: ast.AST) -> str:
 
 
 def drawn(seed: int, root: Path = ROOT) -> dict[str, list[Passage]]:
-    """What is to be read: one passage of each drawn page, docstrings, messages."""
+    """The passages to read: one of each drawn page, docstrings, messages."""
     chance = random.Random(seed)
     return {
         "pages": [chance.choice(page) for page in some(chance, pages(root), PAGES)],
@@ -120,12 +120,12 @@ def drawn(seed: int, root: Path = ROOT) -> dict[str, list[Passage]]:
 
 
 def some(chance: random.Random, things: Sequence[T], count: int) -> list[T]:
-    """So many of some things, all if there are fewer."""
+    """Some items at random; all if there are fewer."""
     return chance.sample(list(things), min(count, len(things)))
 
 
 def main() -> None:
-    """Print what a seed draws."""
+    """Print the passages that a seed draws."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, required=True)
     for kind, passages in drawn(parser.parse_args().seed).items():

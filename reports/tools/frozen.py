@@ -2,8 +2,8 @@
 
 `python -m reports.tools.frozen OTHER [--only PATTERN] [--out DIR]`. OTHER is a checkout of another commit (`git
 worktree add ../before COMMIT`). Each command runs in both, on this machine and these libraries, and all numbers and
-words of its JSON document, or of its CSV table, are compared: equal to the bit, how far apart, or what is missing. What
-a machine decides, times and versions, is left out.
+words of its JSON document, or of its CSV table, are compared: equal to the bit, how far apart, or what is missing.
+Times, versions and other properties of the machine are left out.
 """
 
 import argparse
@@ -67,7 +67,7 @@ def cases() -> Iterator[Case]:
 
 
 def numbers_of(case: Case, tree: Path, folder: Path) -> Any:
-    """Run a case with the packages of a checkout; its document, or the reason why there is none."""
+    """The document of a case run with the packages of a checkout, or the reason why there is none."""
     folder.mkdir(parents=True)
     for name, content in case.files:
         (folder / name).write_text(content, encoding="utf-8")

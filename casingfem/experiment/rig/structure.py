@@ -50,7 +50,7 @@ class Place:
 def circle(
     height: float, count: int, *, first_angle: float = 0.0, direction: str = "radial", mass: float = 0.0
 ) -> list[Place]:
-    """Evenly spaced places around a casing.
+    """Evenly spaced points around a casing.
 
     >>> [round(float(place.at[1]), 4) for place in circle(0.25, 4)]
     [0.0, 1.5708, 3.1416, 4.7124]

@@ -125,8 +125,8 @@ class ModalBody:
         """Out-of-roundness of a rim line, terms {p, cos, sin} [m]; raises InputError where the basis has none."""
         if self.out_of_roundness is None:
             raise InputError(
-                "out_of_roundness: found a basis without it, expected one of casingfem reduce of a whole casing, or "
-                "harmonics [{p = ..., cos = ..., sin = ...}]"
+                "out_of_roundness: found a basis without it, expected a basis of a whole casing from casingfem reduce, "
+                "or harmonics [{p = ..., cos = ..., sin = ...}]"
             )
         c, N = self.out_of_roundness[line], self.n_max
         return [{"p": p, "cos": float(c[p]), "sin": float(c[N + p])} for p in range(1, N + 1) if c[p] or c[N + p]]

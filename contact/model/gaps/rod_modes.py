@@ -198,7 +198,7 @@ class Cantilever:
     def before_stop(self, *, clearance: float, load: float = 0.0, velocity: float = 0.0, modes: int = 20) -> PointGap:
         """The beam with its tip `clearance` [m] from a rigid stop.
 
-        Line `load` [N/m] and `velocity` [m/s] of all points towards it.
+        `load` [N/m] is a uniform line load, `velocity` [m/s] the initial velocity of all points; both towards the stop.
 
         At rest it is a propped cantilever: the reaction of the stop is 3 load L/8 - 3 E I clearance/L^3 if that is
         positive.

@@ -210,7 +210,7 @@ class Rub:
         for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
             if body.participation is None and (force.on == "both" or (force.on == "casing") == (k == 0)):
                 found = "a basis without participation, which gravity and whirl need"
-                raise InputError(f"{name}: found {found}, expected one of casingfem reduce")
+                raise InputError(f"{name}: found {found}, expected a basis made by casingfem reduce")
 
     def _require_tip(self, j: int, tip: ContactPoint) -> None:
         if not _counts(tip.blade, len(self.blades)):

@@ -193,7 +193,7 @@ class RimProfile:
         return self.smooth(phi) + hermite(self.table, phi)
 
     def smooth(self, phi: float) -> float:
-        """Part of the Fourier terms [m]."""
+        """Contribution of the Fourier terms to the depth at one angle [m]."""
         return sum(a * math.cos(p * phi) + b * math.sin(p * phi) for p, a, b in self.terms)
 
     @property

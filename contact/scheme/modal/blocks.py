@@ -1,4 +1,4 @@
-"""Arrays over modes and sums of waves in the form of the compiled loops: whole blocks of eight."""
+"""Pad arrays over modes, and sums of waves, to whole blocks of eight for the compiled loops."""
 
 from __future__ import annotations
 

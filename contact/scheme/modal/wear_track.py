@@ -44,7 +44,7 @@ class Track:
     ) -> Track:
         """The machined coating on a rim whose radius deviates by `profile` of the angle [m].
 
-        Raises InputError if the tip is longer than a quarter of the rim, or so short that there are too many bars.
+        Raises InputError if the tip exceeds a quarter of the circumference, or is so short that bars are too many.
         """
         from contact.solver.abradable.tips import Coating
 

@@ -1,1 +1,1 @@
-"""What the whole chain gives, from a test to the rub."""
+"""The whole chain on the rig, from a test to the rub."""

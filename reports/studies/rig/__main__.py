@@ -1,4 +1,4 @@
-"""What `python -m reports.studies.rig` runs: chain.py."""
+"""Runs chain.py for `python -m reports.studies.rig`."""
 
 from reports.studies.rig import chain
 from reports.tables import command_line

@@ -1,4 +1,4 @@
-"""What is on the virtual test bench: a casing and a blade whose models the updater does not have. SYNTHETIC.
+"""The objects on the virtual test bench: a casing and a blade whose models the updater does not have. SYNTHETIC.
 
 The casing is that of data/studies/rig_test.toml with its true radius put in place of the survey's fit: harmonics up to
 32, each with a trend along the axis. The blade is thicker at its root than at its tip, of another steel, and its root
@@ -31,7 +31,7 @@ COARSE, FEW = cf.ShellMesh(order=6, rows=1, around=24), 6  # quick: a bolt to ea
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BladeTest:
-    """A blade's responses to a hammer at its tip, and what they are made of."""
+    """Responses of a blade to a hammer at its tip, and the true model behind them."""
 
     frfs: cf.frf.FrfSet
     truth: cf.FrequencyTable
@@ -52,7 +52,7 @@ def casing_study(quick: bool) -> Study:
 
 
 def casing_test(quick: bool) -> RigTest:
-    """Two shakers, 36 laser spots, one circle scan: as the study says."""
+    """The casing's test as the study describes it: two shakers, 36 laser spots, one circle scan."""
     return run_rig(casing_study(quick))
 
 
@@ -77,7 +77,7 @@ def scan_at(test: RigTest, snr_db: float | None, tones: list[float], seed: int =
 
 
 def pair_from_scan(test: RigTest, n: int, snr_db: float) -> Pair:
-    """A close pair, both members excited, from one scan at 13 tones across it."""
+    """A close pair with both members excited, from one scan at 13 tones across it."""
     members = np.flatnonzero(test.truth.n == n)[:2]
     freq = test.truth.freq_hz[members]
     beyond = 3.0 * float(np.max(freq * test.truth.zeta[members]))  # 1.5 half-power bandwidths

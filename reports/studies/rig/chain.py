@@ -26,7 +26,7 @@ CHAIN = DATA / "studies" / "rig.toml"
 
 
 def read_chain(path: Path) -> tuple[dict[str, Study], rig_tuning.RubPlan]:
-    """The studies and the rub that rig.toml names."""
+    """The studies and the rub named in rig.toml."""
     tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     studies = {key: load_shell_study(path.parent / name) for key, name in tables["chain"].items()}
     return studies, rig_tuning.RubPlan(**tables["tuning"], **tables["rub"])

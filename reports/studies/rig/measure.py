@@ -1,4 +1,4 @@
-"""The virtual test rig, from the bench to the updated model: what is measured, identified, scanned and predicted.
+"""The virtual test rig, from the bench to the updated model: measurement, identification, scans and predictions.
 
 `python -m reports.studies.rig.measure [--quick] [--out DIR]`. Everything it measures is SYNTHETIC: a casing on a steel
 ring with loose bolts, with a finer mesh, true radius and spread damping, and a blade; the updater has neither model.
@@ -26,7 +26,7 @@ DRAWS = 20
 
 
 def agreement(test: RigTest) -> Row:
-    """Responses from time records against the rig's own, exact to its modes."""
+    """Responses from time records against the rig's own responses, which are exact for its modes."""
     assert test.frfs is not None
     layout = test.layout
     exact = test.rig.frfs(test.frfs.x, sensors=layout.sensors, drives=layout.drives, quantity="mobility").responses
@@ -36,7 +36,7 @@ def agreement(test: RigTest) -> Row:
 
 
 def nearest(truth: cf.FrequencyTable, freq: float) -> int:
-    """The row of the truth nearest to a frequency."""
+    """The true row that is nearest to a frequency."""
     return int(np.abs(truth.freq_hz - freq).argmin())
 
 
@@ -47,7 +47,7 @@ def turn(angle: float, other: float, n: int) -> float:
 
 
 def identified(found: cf.Identified, truth: cf.FrequencyTable) -> tuple[list[Row], Row]:
-    """What identification found against the truth, mode by mode, and in one line."""
+    """Identified modes against the truth, mode by mode, and a summary in one line."""
     rows: list[Row] = []
     for k, freq in enumerate(found.freq.tolist()):
         at = nearest(truth, freq)
@@ -136,7 +136,7 @@ def pairs_by_scan(test: RigTest, quick: bool) -> list[Row]:
 
 
 def marked(rows: list[Row]) -> list[Row]:
-    """Rows that say what they come from."""
+    """Rows with a column for their origin."""
     return [{"data": "SYNTHETIC", **row} for row in rows]
 
 

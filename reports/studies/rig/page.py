@@ -1,4 +1,4 @@
-"""Sections of the rig's report: what leads, the casing, the reduction, the rubs, where it all comes from."""
+"""Sections of the rig's report: main figures, casing, reduction, rubs, provenance."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -54,7 +54,7 @@ def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], pl
 
 
 def of_rub(rub: Rub, plan: RubPlan) -> tuple[tuple[str, str], ...]:
-    """What an engineer asks first of a rub: force, deflection, which nodal diameter leads."""
+    """Main results of a rub: force, deflection, leading nodal diameter."""
     return (
         (f"rub {rub.name}, largest force, averaged", f"{rub.ran.force:.0f} N"),
         (f"rub {rub.name}, largest deflection of the rim", deflection(rub)),
@@ -69,7 +69,7 @@ def deflection(rub: Rub) -> str:
 
 
 def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], speed_hz: float) -> Verdict:
-    """What became of each rub, how hard it hits, at which speeds; how sure that is; what would make it surer."""
+    """Outcome of each rub, its force and its speeds; the uncertainty, and how to reduce it."""
     states = [outcome(rub.ran) for rub in rubs]
     facts = tuple(
         (capital(rub.name), f"{sentence} {' '.join(speed_words(rub.speeds))}")
@@ -164,7 +164,7 @@ def reduction(files: tuple[Path, Path], tuning: Tuning, plan: RubPlan) -> Sectio
 
 
 def causes(rows: Sequence[Row], rubs: Sequence[Rub], plan: RubPlan) -> Section:
-    """Levels of n with the defect and without, and with a cause of the growth taken away."""
+    """Levels of n with the defect, without it, and without one cause of the growth."""
     columns = tuple(rows[0])
     table = Table(
         f"Level of n = {plan.n} over the next nodal diameter, last quarter of the run.", columns,

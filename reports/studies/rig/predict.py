@@ -1,4 +1,4 @@
-"""Identified frequencies update a model; it predicts those it has not seen: before and after, in sigma."""
+"""Identified frequencies update a model, which then predicts the frequencies left out: before and after, in sigma."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,7 +28,7 @@ def rows_of(table: cf.FrequencyTable, rows: BoolArray) -> cf.FrequencyTable:
 
 
 def casing_models(quick: bool) -> dict[str, tuple[cf.Shell, list[cf.Parameter]]]:
-    """What the updater starts from: the study's elastic edge, and the embedding as it is, a ring on bolts."""
+    """Initial models of the update: the study's elastic edge, and the true embedding, a ring on bolts."""
     study = load_shell_study(DATA / "studies" / "rig_casing.toml")
     start = replace(study.start, mesh=cf.ShellMesh(order=6, rows=1, around=23)) if quick else study.start
     steel = [p for p in study.parameters if p.name in ("material.E", "shell.thickness")]

@@ -1,4 +1,4 @@
-"""The rub: a blade tuned to the casing, both reduced, runs with the surveyed out-of-roundness and without."""
+"""The rub: a blade tuned to the casing, both reduced, run with the surveyed out-of-roundness and without."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -88,7 +88,7 @@ def bodies(
 
 
 def scene_of(files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, float]]) -> ct.RotatingRim:
-    """The rim before its blade, which is advanced past its first touch and starts opposite to it."""
+    """The rim and its blade, which is advanced past its first touch and starts opposite to it."""
     casing, blade = (ct.ModalBody.load(file) for file in files)
     theta = np.linspace(0.0, 2.0 * np.pi, 3601)
     d = deviation(terms, theta)

@@ -80,7 +80,7 @@ def survey_lines(radius: cf.FourierField, rng: np.random.Generator) -> list[str]
 
 
 def measured_pair(f: np.ndarray, n: int, angle_deg: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """A doublet as a test sees it: noise on the mean and on both parts of the split vector."""
+    """A doublet as measured: noise on the mean and on both components of the split vector."""
     mean, split = f.mean(), f[1] - f[0]
     sigma = FREQ_SIGMA * mean
     mean = mean + rng.normal(0.0, sigma / np.sqrt(2.0))

@@ -1,4 +1,4 @@
-"""Where the rig's blade is tuned to: frequencies at which n nodal diameters lead the motion of a contact that grows.
+"""Tuning of the rig's blade: frequencies at which n nodal diameters lead the motion of a contact that grows.
 
 The bodies are those of the run, reduced, and the casing turns. The growth of a contact that stays closed is the real
 part of its leading pole, and the motion that grows is the shape of that pole (`contact.stability.closed_contact`).
@@ -21,7 +21,7 @@ REACH, STEPS, HALVINGS = 0.06, 49, 20  # of the free coincidence to both sides; 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RubPlan:
-    """How the rub is run: [tuning] and [rub] of rig.toml."""
+    """Settings of the rub: [tuning] and [rub] of rig.toml."""
 
     n: int
     speed_hz: float
@@ -35,7 +35,7 @@ class RubPlan:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tuning:
-    """Where the blade's first mode was put [Hz]: the free coincidence, the band, the target in it, what grows there."""
+    """Tuning of the blade's first mode [Hz]: free coincidence, band, target in the band, leading motion."""
 
     coincidence: float
     low: float
@@ -54,7 +54,7 @@ class Leading(NamedTuple):
 
     @property
     def of_n(self) -> bool:
-        """Whether it grows, and n has the largest radial motion."""
+        """Whether the motion grows and its largest radial motion is at n."""
         return self.growth > 0.0 and self.excess_db > 0.0
 
 
@@ -115,7 +115,7 @@ def _edge(
 
 
 def tuned(blade: cf.Shell, target: float) -> cf.Shell:
-    """The blade with the thickness that puts its first mode at `target` [Hz]."""
+    """The blade with the thickness at which its first mode is at `target` [Hz]."""
 
     def error(scale: float) -> float:
         """Frequencies grow nearly as the thickness: of their logarithms a secant meets the root in a few steps."""

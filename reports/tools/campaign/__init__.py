@@ -1,1 +1,1 @@
-"""When each report was last run in full, and whether the pages quote what it printed."""
+"""When each report was last run in full, and whether the pages quote its figures."""

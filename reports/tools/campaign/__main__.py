@@ -1,4 +1,4 @@
-"""What `python -m reports.tools.campaign` runs: run.py."""
+"""Runs run.py for `python -m reports.tools.campaign`."""
 
 import sys
 

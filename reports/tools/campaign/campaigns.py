@@ -1,4 +1,4 @@
-"""The campaigns: every report in full, what it proves, and the paths whose change asks for another run."""
+"""The campaigns: every report in full, its subject, and the paths whose change requires another run."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ class Campaign:
 
     @property
     def command(self) -> str:
-        """What a reader types."""
+        """The command as a reader types it."""
         return " ".join(("python", "-m", f"reports.{self.name}", *self.flags))
 
 

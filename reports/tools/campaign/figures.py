@@ -1,4 +1,4 @@
-"""Figures that pages quote: kept in docs/figures.csv as a run printed them, found again in the pages, renewed there.
+"""Figures quoted by pages: docs/figures.csv keeps them as a run printed them; they are found and renewed in the pages.
 
 A page marks where it quotes a run by a comment, which no reader sees: `<!-- verification.cylinder: 0.005 -->` behind a
 row of a table or within a paragraph says that the figures of that row of the store are in this line of the table, or
@@ -30,7 +30,7 @@ Store = dict[str, Figures]  # report -> its figures
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number of a page, `below` if it is there as a bound."""
+    """A number of a page; `below` if the page gives it as a bound."""
 
     start: int
     text: str
@@ -38,16 +38,16 @@ class Number:
 
     @property
     def value(self) -> float:
-        """What it says."""
+        """The value of the number."""
         return float(self.text.replace(",", ""))
 
     @property
     def decimals(self) -> int:
-        """Digits behind the point."""
+        """Digits after the decimal point."""
         return len(self.text.partition("e")[0].partition(".")[2])
 
     def says(self, figure: float) -> bool:
-        """Whether it is this figure at the precision printed, or a bound of it."""
+        """Whether the number is this figure at the precision printed, or a bound of it."""
         if self.below:
             return abs(figure) < self.value
         unit = 10.0 ** (int(self.text.partition("e")[2] or 0) - self.decimals)
@@ -56,7 +56,7 @@ class Number:
         return off <= 0.5 * unit * (1.0 + 1e-6) and (not whole or off <= 0.1 * abs(figure) or abs(figure) < 1e-9)
 
     def saying(self, figure: float) -> str:
-        """Another figure in the same form."""
+        """Another figure in the same format."""
         if self.below:
             return self.text if self.says(figure) else f"{10.0 * abs(figure):.0e}".replace("e-0", "e-")
         if "e" in self.text:
@@ -68,7 +68,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A mark of a page and the text in which its figures stand, from `start` of the page."""
+    """A mark of a page and the text that contains its figures, from `start` of the page."""
 
     start: int
     block: str
@@ -77,13 +77,13 @@ class Mark:
     names: tuple[str, ...]
 
     def figures(self, store: Mapping[str, Figures]) -> dict[str, float]:
-        """The figures that it names; KeyError where the store has no such row or name."""
+        """The figures that a mark names; KeyError if the store has no such row or name."""
         row = store[self.report][self.row]
         return {name: row[name] for name in self.names} if self.names else row
 
 
 def numbers(text: str) -> Iterator[Number]:
-    """The numbers that a reader sees, but for those in code and in addresses."""
+    """The numbers that a reader sees, without those in code and in addresses."""
     seen = UNSEEN.sub(lambda found: " " * len(found[0]), text)
     for found in NUMBER.finditer(seen):
         if found["digits"].strip("+-"):
@@ -100,7 +100,7 @@ def marks(page: str) -> Iterator[Mark]:
 
 
 def placed(mark: Mark, figures: Mapping[str, float]) -> list[Number]:
-    """Where the figures stand, in order; ValueError names the first that does not."""
+    """Positions of the figures, in order; ValueError names the first one that is missing."""
     rest = numbers(mark.block)
     places = []
     for name, figure in figures.items():
@@ -114,7 +114,7 @@ def placed(mark: Mark, figures: Mapping[str, float]) -> list[Number]:
 
 
 def renewed(page: str, report: str, old: Store, new: Store) -> str:
-    """The page with the old figures of a report replaced by new ones, each in the form in which it stood."""
+    """The page with the old figures of a report replaced by new ones, each in its former format."""
     changes: dict[int, tuple[int, str]] = {}
     for mark in marks(page):
         if mark.report == report and mark.row in old.get(report, {}):
@@ -128,7 +128,7 @@ def renewed(page: str, report: str, old: Store, new: Store) -> str:
 
 
 def read_store(root: Path = ROOT) -> Store:
-    """What docs/figures.csv has."""
+    """The contents of docs/figures.csv."""
     store: Store = {}
     with (root / STORE).open(newline="", encoding="utf-8") as stream:
         for line in csv.DictReader(stream):
@@ -148,7 +148,7 @@ def write_store(store: Store, root: Path = ROOT) -> None:
 
 
 def adopt(report: str, figures: Figures, root: Path = ROOT, pages: Sequence[str] = PAGES) -> list[str]:
-    """Take over what a report printed, into the store and the pages; the pages that changed."""
+    """Put the figures that a report printed into the store and the pages; returns the pages that changed."""
     old = read_store(root)
     new = old | {report: figures}
     texts = {name: (root / name).read_text(encoding="utf-8") for name in pages}

@@ -1,4 +1,4 @@
-"""Which cells of the tables that reports write are quoted by README and docs, and in which unit.
+"""The cells of reports' tables that README and docs quote, and their units.
 
 A row's name is what is in its `keys`; a figure's is its column, with "%" where a relative value is quoted in per
 cent. A report that changes its columns must be changed here: the campaign fails otherwise.

@@ -1,4 +1,4 @@
-"""Every report in full, each in a process of its own, with a record of when each was last run.
+"""Run every report in full, each in a process of its own, and record when each was last run.
 
 `python -m reports.tools.campaign [NAME ...]` runs the named ones, or all; it goes on after a failure and ends with 1 if
 one failed. Of each it writes command, commit, date, verdict and seconds to reports/campaigns.csv, and the figures that
@@ -33,19 +33,19 @@ KEPT = {  # tables that docs keep whole
 
 
 def git(*words: str) -> str:
-    """What git prints; nothing where it fails, as it does outside a repository or of a commit it does not know."""
+    """Output of git; empty if git fails, as outside a repository or for an unknown commit."""
     done = subprocess.run(("git", *words), cwd=ROOT, capture_output=True, text=True, check=False)
     return done.stdout.strip() if done.returncode == 0 else ""
 
 
 def commit_of(subject: Sequence[str]) -> str:
-    """The commit at hand, "+" behind it if a path of the subject differs from it."""
+    """The current commit, with "+" if a path of the subject differs from it."""
     changed = git("status", "--porcelain", "--", *subject, "reports/*.py")
     return git("rev-parse", "--short=10", "HEAD") + ("+" if changed else "")
 
 
 def since(commit: str, subject: Sequence[str]) -> str:
-    """How many commits after it changed the subject, in words for the table."""
+    """Number of commits after it that changed the subject, as text of the table."""
     known = commit.rstrip("+")
     count = git("rev-list", "--count", f"{known}..HEAD", "--", *subject) if known else ""
     return count or ("commit unknown here" if known else "never run")
@@ -109,7 +109,7 @@ def keep(row: Row, root: Path = ROOT) -> None:
 
 
 def last() -> list[Row]:
-    """The last run of every campaign, and how many commits ago its subject was what it tested."""
+    """The last run of every campaign, and how many commits have changed its subject since."""
     record = read_record()
     never: Row = dict.fromkeys(COLUMNS, "")
     return [

@@ -1,1 +1,1 @@
-"""Which small faults, put in one at a time, the tests see."""
+"""Which small faults, introduced one at a time, the tests detect."""

@@ -1,4 +1,4 @@
-"""What `python -m reports.tools.mutants` runs: share.py."""
+"""Runs share.py for `python -m reports.tools.mutants`."""
 
 from reports.tools.mutants.share import command_line, main
 

@@ -1,4 +1,4 @@
-"""Mutants of the packages: which are drawn, and what a source becomes."""
+"""Mutants of the packages: which are drawn, and their sources."""
 
 import fnmatch
 import random

@@ -1,4 +1,4 @@
-"""Which tests run a function: recorded while all of them run once, for each file of tests."""
+"""Which tests run each function, recorded while all tests run once, for each file of tests."""
 
 import json
 import sys
@@ -75,7 +75,7 @@ class Recorder:
             threading.setprofile(None)
 
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
-        """Write it down."""
+        """Write the record."""
         root = session.config.rootpath
         inside = tuple(f"{root / name}/" for name in self.packages)
         record = {
@@ -90,5 +90,5 @@ class Recorder:
 
 
 def read_executed(paths: Iterable[Path]) -> Executed:
-    """What recorders wrote."""
+    """The record as written before."""
     return Executed.of(json.loads(path.read_text(encoding="utf-8")) for path in paths)

@@ -1,10 +1,10 @@
 """How many random mutants of both packages the tests kill: small faults put in one at a time, tests near them run.
 
 `python -m reports.tools.mutants --seed N --count 120 [--jobs J] [--only PATTERN] [--out DIR] [--record]`. Plots are
-left out. A rerun continues: each mutant's verdict is a file of its own, valid as long as packages, tests and data stay
-as they are. With --record all tests run once before, to see which functions they run; what was seen is kept and used
-later. mutants_survivors.csv has a column `note` for what would kill a mutant or why it is none; what is there is
-kept, and mutants whose note begins with "equivalent" are left out of the second share.
+left out. A rerun continues: each mutant's verdict is a file of its own, valid while packages, tests and data are
+unchanged. With --record all tests run once before, to record which functions they run; the record is kept for later
+calls. mutants_survivors.csv has a column `note` for what would kill a mutant or why it is none; what is there is kept,
+and mutants whose note begins with "equivalent" are left out of the second share.
 """
 
 import argparse
@@ -173,7 +173,7 @@ def collected(tree: Tree, tests: Iterable[str]) -> None:
 
 
 def main(campaign: Campaign) -> list[Row]:
-    """Draw, judge, print the share killed and the survivors."""
+    """Draw mutants, judge them, print the share killed and the survivors."""
     folder = campaign.folder / f"verdicts-{contents(campaign.root)}"
     trees = campaign.trees
     for tree in trees:
