@@ -33,8 +33,11 @@ def read_lines(path: Path, read: Collection[str] | None = None) -> list[Numbered
 
     `read` names the keywords or cards whose content is read, by default all.
 
-    Raises ------ ModelError An included file is missing or includes itself, or a last line without an end may be
-    truncated (`check_last_line`).
+    Raises
+    ------
+    ModelError
+        An included file is missing or includes itself, or a last line without an end may be truncated
+        (`check_last_line`).
     """
     return [line for _, lines in _files(path, path, (), read) for line in lines]
 

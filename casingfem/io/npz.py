@@ -16,8 +16,11 @@ def read_npz(
 ) -> dict[str, Array]:
     """All arrays of a file by name.
 
-    Raises ------ InputError The file is missing, of another kind, or lacks a required array; `expected` states the
-    expectation. With `kinds`, an array is of another kind; arrays that it does not name must be real numbers.
+    Raises
+    ------
+    InputError
+        The file is missing, of another kind, or lacks a required array; `expected` states the expectation. With
+        `kinds`, an array is of another kind; arrays that it does not name must be real numbers.
     """
     try:
         stored = load_npz(path)

@@ -62,8 +62,13 @@ def is_workbook(path: str) -> bool:
 def read_sheet(data: bytes, path: str, name: str | None) -> Sheet:
     """Read a sheet of a workbook, the first visible one if `name` is None.
 
-    Raises ------ MissingExtraError openpyxl is not installed. InputError The workbook cannot be read or unpacks to too
-    much data, the sheet does not exist, or a formula has no stored value.
+    Raises
+    ------
+    MissingExtraError
+        openpyxl is not installed.
+    InputError
+        The workbook cannot be read or unpacks to too much data, the sheet does not exist, or a formula has no stored
+        value.
     """
     try:
         from openpyxl import load_workbook

@@ -98,10 +98,19 @@ def solve_modes(
 ) -> EigenResult:
     """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
 
-    Parameters ---------- K, mass Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M
-    itself, positive definite except on unknowns without mass, on which K must be. count Number of modes. shift Negative
-    shift [rad^2/s^2], small compared with the first elastic eigenvalue; makes free bodies solvable. extra Modes
-    computed beyond `count`, so that the count ends in a gap. direct Kind of factorisation, as in `factorise`.
+    Parameters
+    ----------
+    K, mass
+        Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M itself, positive definite except
+        on unknowns without mass, on which K must be.
+    count
+        Number of modes.
+    shift
+        Negative shift [rad^2/s^2], small compared with the first elastic eigenvalue; makes free bodies solvable.
+    extra
+        Modes computed beyond `count`, so that the count ends in a gap.
+    direct
+        Kind of factorisation, as in `factorise`.
 
     Raises
     ------

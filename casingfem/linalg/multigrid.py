@@ -141,9 +141,15 @@ def multigrid_modes(
 ) -> EigenResult:
     """Lowest `count` modes by LOBPCG and multigrid, complete by a Sturm count or a search; else by `solve_modes`.
 
-    Parameters ---------- K, mass, count, shift, extra As in `solve_modes`. near_null The rigid motions on the free
-    dofs, (free, 6). counted Whether a Sturm count verifies them, in the time of one factor; otherwise, or if that does
-    not fit into memory, `sturm_count` is None.
+    Parameters
+    ----------
+    K, mass, count, shift, extra
+        As in `solve_modes`.
+    near_null
+        The rigid motions on the free dofs, (free, 6).
+    counted
+        Whether a Sturm count verifies them, in the time of one factor; otherwise, or if that does not fit into memory,
+        `sturm_count` is None.
 
     Raises
     ------

@@ -122,8 +122,11 @@ def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
 
     With a sum of elements, M must be diagonal.
 
-    Raises ------ NumericsError If the sizes do not fit, or the diagonal of M is not positive; with a sparse M it may be
-    0 where K's is positive.
+    Raises
+    ------
+    NumericsError
+        If the sizes do not fit, or the diagonal of M is not positive; with a sparse M it may be 0 where K's is
+        positive.
 
     >>> make_pencil(csc_array(np.diag([8.0, 2.0])), np.array([2.0, 1.0])).count_below(3.0)
     1

@@ -87,15 +87,33 @@ MASSES = columns_of(
 class Localisation(Reported):
     """The smallest set of changes that explains a table.
 
-    Attributes ---------- among "bolts" or "mass". angles_deg Angles of the candidates, (candidates,). best The
-    explanation with the least chi^2. others Explanations that the table does not exclude, including rotated ones. chi2,
-    chi2_start, rows Sum of squared weighted residuals of the best and of no change at all; number of residuals. All
-    three, and `scale`, refer to the rows that pair. scale s = sqrt(max(1, chi^2/dof)): ratio of the residuals to their
-    stated sigma; sigma includes it. smallest (candidates,) Smallest detectable change at each place alone, in the
-    value's unit. alike Groups of places that this table cannot distinguish. calibrated Whether there was a baseline.
-    misfit The last misfit: the calibrated model, and the table with the added uncertainty.
-    unpaired Mode numbers of the table's rows without a computed mode; other results do not depend on them.
-    baseline_unpaired Mode numbers of such rows of the baseline.
+    Attributes
+    ----------
+    among
+        "bolts" or "mass".
+    angles_deg
+        Angles of the candidates, (candidates,).
+    best
+        The explanation with the least chi^2.
+    others
+        Explanations that the table does not exclude, including rotated ones.
+    chi2, chi2_start, rows
+        Sum of squared weighted residuals of the best and of no change at all; number of residuals. All three, and
+        `scale`, refer to the rows that pair.
+    scale
+        s = sqrt(max(1, chi^2/dof)): ratio of the residuals to their stated sigma; sigma includes it.
+    smallest
+        (candidates,) Smallest detectable change at each place alone, in the value's unit.
+    alike
+        Groups of places that this table cannot distinguish.
+    calibrated
+        Whether there was a baseline.
+    misfit
+        The last misfit: the calibrated model, and the table with the added uncertainty.
+    unpaired
+        Mode numbers of the table's rows without a computed mode; other results do not depend on them.
+    baseline_unpaired
+        Mode numbers of such rows of the baseline.
 
     Examples
     --------

@@ -34,28 +34,50 @@ ARRAYS = (
 class ModalBasis(Reported):
     """A reduced body with its interface.
 
-    Attributes ---------- omega, zeta Angular frequencies [rad/s] and damping ratios, (modes,). channels Names of the
-    interface displacements, (channels,). rows Interface displacement of each mode, (channels, modes). S Residual
-    compliance [m/N], (channels, channels), symmetric. kind "rim": Fourier amplitudes around an edge; "point":
-    displacements of one place. n_max, radius, thickness Of a rim: highest harmonic, mean radius of its lines and least
-    thickness of the wall there [m], 0 if that is unknown. recovery, recovery_S, recovery_points, recovery_cells
-    Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels), (points, 3); the
-    cells between the points, each with its VTK cell type and nodes; empty unless requested. lines Of a rim: axial place
-    and radius of each of its lines [m], (lines, 2). line_thickness Of a rim: least thickness of the wall on each of its
-    lines [m], (lines,); empty if that is unknown. outputs, output_rows, output_S Names of displacements and strains at
-    chosen places, and output_rows q + output_S lam that gives them. gyroscopic, stiffness_by_speed, spin For a body
-    that rotates at Omega [rad/s], in its own frame: the left side of the equation gets Omega gyroscopic q', and its
-    stiffness (Omega^2 - spin^2) stiffness_by_speed, both (modes, modes). `spin` is the speed [rad/s] at which the modes
-    were computed. Omega is positive from x to y about the axis of a casing, for other parts in the direction of the
-    study's rotation. known_speeds Lowest and highest speed [rad/s] at which `stiffness_by_speed` is valid, (2,), for a
-    part whose steady shape depends on the speed; empty if it is valid at every speed. Contact refuses other speeds.
-    damping, stiffness Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes). A reduced structure
-    has no `damping`, and `stiffness` only with modes at a speed: the effect of its Coriolis forces through omitted
-    motions. participation Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis
-    of a casing, along span, flap and chord of a blade, (3, modes); empty if unknown. sectors Of a wheel: number of
-    sectors, with channels sector0.*, sector1.*, ...; else 0. out_of_roundness Of a rim: deviation of each line's radius
-    from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1). provenance Origin: method, versions, hash of
-    the matrices.
+    Attributes
+    ----------
+    omega, zeta
+        Angular frequencies [rad/s] and damping ratios, (modes,).
+    channels
+        Names of the interface displacements, (channels,).
+    rows
+        Interface displacement of each mode, (channels, modes).
+    S
+        Residual compliance [m/N], (channels, channels), symmetric.
+    kind
+        "rim": Fourier amplitudes around an edge; "point": displacements of one place.
+    n_max, radius, thickness
+        Of a rim: highest harmonic, mean radius of its lines and least thickness of the wall there [m], 0 if that is
+        unknown.
+    recovery, recovery_S, recovery_points, recovery_cells
+        Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels), (points, 3);
+        the cells between the points, each with its VTK cell type and nodes; empty unless requested.
+    lines
+        Of a rim: axial place and radius of each of its lines [m], (lines, 2).
+    line_thickness
+        Of a rim: least thickness of the wall on each of its lines [m], (lines,); empty if that is unknown.
+    outputs, output_rows, output_S
+        Names of displacements and strains at chosen places, and output_rows q + output_S lam that gives them.
+    gyroscopic, stiffness_by_speed, spin
+        For a body that rotates at Omega [rad/s], in its own frame: the left side of the equation gets Omega gyroscopic
+        q', and its stiffness (Omega^2 - spin^2) stiffness_by_speed, both (modes, modes). `spin` is the speed [rad/s] at
+        which the modes were computed. Omega is positive from x to y about the axis of a casing, for other parts in the
+        direction of the study's rotation.
+    known_speeds
+        Lowest and highest speed [rad/s] at which `stiffness_by_speed` is valid, (2,), for a part whose steady shape
+        depends on the speed; empty if it is valid at every speed. Contact refuses other speeds.
+    damping, stiffness
+        Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes). A reduced structure has no `damping`,
+        and `stiffness` only with modes at a speed: the effect of its Coriolis forces through omitted motions.
+    participation
+        Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
+        span, flap and chord of a blade, (3, modes); empty if unknown.
+    sectors
+        Of a wheel: number of sectors, with channels sector0.*, sector1.*, ...; else 0.
+    out_of_roundness
+        Of a rim: deviation of each line's radius from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1).
+    provenance
+        Origin: method, versions, hash of the matrices.
 
     Examples
     --------

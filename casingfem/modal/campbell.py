@@ -54,10 +54,17 @@ SPARE = 6  # modes computed beyond those followed, so that one may leave the ran
 class Campbell(Reported):
     """Frequencies over speed; each column follows one mode by its shape.
 
-    Attributes ---------- omega Speeds [rad/s], (speeds,). freq Frequencies [Hz] in the rotating frame, without Coriolis
-    forces, (speeds, modes), ascending at the first speed. southwell d(omega_k^2)/d(Omega^2) = phi_k^T K1 phi_k for the
-    shapes at the first speed, (modes,): Southwell coefficients, exact slopes if that speed is 0. overlap |phi^T M
-    phi_before| of each mode with itself at the previous speed, (speeds, modes): 1 without mixing.
+    Attributes
+    ----------
+    omega
+        Speeds [rad/s], (speeds,).
+    freq
+        Frequencies [Hz] in the rotating frame, without Coriolis forces, (speeds, modes), ascending at the first speed.
+    southwell
+        d(omega_k^2)/d(Omega^2) = phi_k^T K1 phi_k for the shapes at the first speed, (modes,): Southwell coefficients,
+        exact slopes if that speed is 0.
+    overlap
+        |phi^T M phi_before| of each mode with itself at the previous speed, (speeds, modes): 1 without mixing.
 
     Examples
     --------
@@ -164,9 +171,15 @@ def zero_crossings(speed: FloatArray, gap: FloatArray) -> list[tuple[int, float]
 def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArray, count: int = 6) -> Campbell:
     """Follow the lowest `count` modes of a structure over speeds [rad/s], one assembly and one static solution for all.
 
-    Parameters ---------- structure A supported `Shell`, `Solid` or `MeshShell` with a `rotation`; its own speed is not
-    used. For large displacements a solid is linearised about its steady shape at each speed. omega Speeds [rad/s],
-    ascending. count Number of modes followed, the lowest at the first speed.
+    Parameters
+    ----------
+    structure
+        A supported `Shell`, `Solid` or `MeshShell` with a `rotation`; its own speed is not used. For large
+        displacements a solid is linearised about its steady shape at each speed.
+    omega
+        Speeds [rad/s], ascending.
+    count
+        Number of modes followed, the lowest at the first speed.
 
     Raises
     ------

@@ -137,12 +137,18 @@ def interactions(
 ) -> Interactions:
     """Every speed in a range at which a casing's pair coincides with a blade: f_b = |f_c -+ n f|, or f_c + f_b = n f.
 
-    Parameters ---------- casing Modes of a casing (with the mean frequency of each doublet), or frequencies [Hz] by
-    nodal diameters. blade Frequencies [Hz] of one blade, which can coincide with every n; or over speed, from
-    `campbell`; or a bladed disk, whose n diameters coincide only with those of the casing. speed_hz First and last
-    speed f [Hz], 0 <= first < last; with a `Campbell` limited to its speeds. turning The rotating side: "blade" or
-    "casing". A rotating casing has the frequencies of ring theory, from those at rest; `contact.stability.interactions`
-    uses the matrices of its reduced basis.
+    Parameters
+    ----------
+    casing
+        Modes of a casing (with the mean frequency of each doublet), or frequencies [Hz] by nodal diameters.
+    blade
+        Frequencies [Hz] of one blade, which can coincide with every n; or over speed, from `campbell`; or a bladed
+        disk, whose n diameters coincide only with those of the casing.
+    speed_hz
+        First and last speed f [Hz], 0 <= first < last; with a `Campbell` limited to its speeds.
+    turning
+        The rotating side: "blade" or "casing". A rotating casing has the frequencies of ring theory, from those at
+        rest; `contact.stability.interactions` uses the matrices of its reduced basis.
 
     Raises
     ------

@@ -25,17 +25,35 @@ RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
 class ModeSet(Reported):
     """Modes of a structure, ascending, mass-normalised, with labels.
 
-    Attributes ---------- freq Frequencies [Hz], (modes,). fields Shapes at the nodes: u_x, u_y, u_z, and w_1, w_2 on
-    shells, (nodes, 3 or 5, modes), phi^T M phi = 1. nodal_diameters Dominant circumferential order n (waves around, by
-    arc length on a closed chart that is not axisymmetric), -1 on open shells, (modes,). purity Share of the dominant
-    order in the shape's circumferential energy, nan on open shells. meridional Rank m = 1, 2, ... among the modes of
-    the same n in this set, a doublet counted once. doublets Index pairs (lower, upper). angle_deg Orientation: an
-    antinode of the radial displacement, in [0, 180/n); nan if it is undefined, as for a perfect double mode, and on
-    surfaces that are not of revolution. rigid Number of rigid motions that the supports allow; they come first.
-    sturm_count Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the list ends
-    within a pair. None for solids too large to count (`mesh_modes`), and if round-off is too large for a count. dofs
-    Unknowns of the eigenproblem (over all harmonics for a perfect casing). rings Circumferential Fourier amplitudes of
-    the shapes, None on open shells. seconds Run time by part.
+    Attributes
+    ----------
+    freq
+        Frequencies [Hz], (modes,).
+    fields
+        Shapes at the nodes: u_x, u_y, u_z, and w_1, w_2 on shells, (nodes, 3 or 5, modes), phi^T M phi = 1.
+    nodal_diameters
+        Dominant circumferential order n (waves around, by arc length on a closed chart that is not axisymmetric), -1 on
+        open shells, (modes,).
+    purity
+        Share of the dominant order in the shape's circumferential energy, nan on open shells.
+    meridional
+        Rank m = 1, 2, ... among the modes of the same n in this set, a doublet counted once.
+    doublets
+        Index pairs (lower, upper).
+    angle_deg
+        Orientation: an antinode of the radial displacement, in [0, 180/n); nan if it is undefined, as for a perfect
+        double mode, and on surfaces that are not of revolution.
+    rigid
+        Number of rigid motions that the supports allow; they come first.
+    sturm_count
+        Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the list ends within a
+        pair. None for solids too large to count (`mesh_modes`), and if round-off is too large for a count.
+    dofs
+        Unknowns of the eigenproblem (over all harmonics for a perfect casing).
+    rings
+        Circumferential Fourier amplitudes of the shapes, None on open shells.
+    seconds
+        Run time by part.
     """
 
     COLUMNS: ClassVar = COLUMNS

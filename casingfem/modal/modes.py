@@ -72,13 +72,22 @@ def modes(
     K phi = omega^2 M phi, phi^T M phi = 1. A rotating shell has the stiffness at its speed; for Coriolis forces use
     `whirl_modes`.
 
-    Parameters ---------- shell The structure: a shell on a chart, an imported `Solid` or `MeshShell`, or any
-    `MeshStructure`. Without supports the rigid motions come first and are marked. count Number of modes; by default 40
-    without a band. band Lower and upper frequency [Hz], instead of a count. A mode on an end belongs to it, as does its
-    double. method "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings.
-    "auto": "fourier" if nothing varies around, else "shell". Imported structures allow only "auto". system The
-    assembled structure, if it exists already. direct The factorisation: "multifrontal", "superlu", or "pardiso" if
-    pypardiso is installed.
+    Parameters
+    ----------
+    shell
+        The structure: a shell on a chart, an imported `Solid` or `MeshShell`, or any `MeshStructure`. Without supports
+        the rigid motions come first and are marked.
+    count
+        Number of modes; by default 40 without a band.
+    band
+        Lower and upper frequency [Hz], instead of a count. A mode on an end belongs to it, as does its double.
+    method
+        "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings. "auto":
+        "fourier" if nothing varies around, else "shell". Imported structures allow only "auto".
+    system
+        The assembled structure, if it exists already.
+    direct
+        The factorisation: "multifrontal", "superlu", or "pardiso" if pypardiso is installed.
 
     Raises
     ------

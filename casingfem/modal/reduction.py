@@ -79,9 +79,13 @@ def reduce(
     system
         The assembled structure, if it exists already.
 
-    Raises ------ ValueError The method is unknown, damping is negative, the structure does not have the interface,
-    there are rigid motions, or the axis of rotation differs from that of a rim. NumericsError If the stiffness is
-    singular.
+    Raises
+    ------
+    ValueError
+        The method is unknown, damping is negative, the structure does not have the interface, there are rigid motions,
+        or the axis of rotation differs from that of a rim.
+    NumericsError
+        If the stiffness is singular.
 
     Examples
     --------

@@ -33,8 +33,11 @@ def solve_static(structure, loads, *, system=None):  # type: ignore[no-untyped-d
     system
         The assembled structure, if it exists already.
 
-    Raises ------ ModelError load-none without loads; load-edge for a load that the structure does not support;
-    static-loose if a rigid motion is not restrained; structure-unknown for another object.
+    Raises
+    ------
+    ModelError
+        load-none without loads; load-edge for a load that the structure does not support; static-loose if a rigid
+        motion is not restrained; structure-unknown for another object.
 
     Examples
     --------

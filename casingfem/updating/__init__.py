@@ -1,4 +1,4 @@
-"""Least-squares updating of a model from measured frequencies."""
+"""Update a model by least squares to measured frequencies and shapes."""
 
 import lazy_loader
 

@@ -31,7 +31,7 @@ HARMONIC = re.compile(r"p(\d+)$")
 
 
 def address_of(shell: ShellParts | MeshStructure, name: str) -> numbers.Address:
-    """The number that a name means on this shell or imported part.
+    """Find the number that a name means on this shell or imported part.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def of_part(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
 
 
 def place_in(word: str, count: int) -> int:
-    """An index counted from 1 to `count`; 0 if the word is none."""
+    """An index counted from 1 to `count`; 0 if the word is no such index."""
     return int(word) if word.isdecimal() and 1 <= int(word) <= count else 0
 
 
@@ -166,7 +166,7 @@ def require_series(name: str, field: Field | None) -> None:
 
 
 def get_value(shell: ShellParts | MeshStructure, name: str) -> Any:
-    """The present value of a named number of a shell or an imported part.
+    """Current value of a named number of a shell or an imported part.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A reduced casing matched to its own baseline: the pairs measured before bolts were loosened or masses added.
+"""Match a reduced casing to its baseline: the pairs measured before bolts were loosened or masses added.
 
 Manufacturing splits and shifts every pair. If this was measured before, the modal stiffness in the plane of a pair is
 set to the values of the table,
@@ -118,7 +118,7 @@ def paired_by_shares(found: ModeSet, table: FrequencyTable, reach: float) -> tup
 
 
 def match_of(found: ModeSet, table: FrequencyTable, rows: list[int], modes: list[int], n: int) -> Match:
-    """A match of rows and modes, each ascending."""
+    """Match of rows and modes, each in ascending order."""
     return Match(
         rows=tuple(rows),
         modes=tuple(modes),

@@ -1,4 +1,4 @@
-"""The columns of an update: its parameters, and the rows of the table with the modes they are paired with."""
+"""Table columns of an update: its parameters, and the paired rows with their modes."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -26,7 +26,7 @@ class PairedRows(NamedTuple):
 
 
 def changed(change: float) -> str:
-    """A relative change in words.
+    """Text for a relative change.
 
     >>> changed(-0.0232), changed(2999.0)
     ('-2.32 %', '3e+03 times')

@@ -38,7 +38,7 @@ class LostModeError(ValueError):
 
 
 def overlaps(old: Modes | MeshModes, new: Modes | MeshModes) -> FloatArray:
-    """(phi_i^T M phi_j)^2 of old and new modes over their norms, (old, new); of imported parts by displacements."""
+    """(phi_i^T M phi_j)^2 of old and new modes over their norms, (old, new); for imported parts by displacements."""
     weigh: Callable[[FloatArray], FloatArray]
     if isinstance(old, MeshModes):
         inertia = np.zeros((old.fields.shape[0], old.fields.shape[1]))
@@ -53,7 +53,7 @@ def overlaps(old: Modes | MeshModes, new: Modes | MeshModes) -> FloatArray:
 
 
 def nodal_inertia(modes: MeshModes) -> FloatArray:
-    """Mass of the nodes, that of every cell in equal parts, for comparing shapes, (nodes,)."""
+    """Mass of each node for comparing shapes, (nodes,): the mass of every cell is divided equally among its nodes."""
     mesh = modes.structure.mesh
     density = modes.structure.density()
     total = np.zeros(len(mesh.points))
@@ -63,7 +63,7 @@ def nodal_inertia(modes: MeshModes) -> FloatArray:
 
 
 def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, table: FrequencyTable) -> Pairing:
-    """The pairing of old modes with rows, transferred to new ones.
+    """Transfer the pairing of old modes with rows to new modes.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, t
 
 
 def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
-    """The modes of a match; for one member of a doublet both, if the other has no row of its own."""
+    """Modes of a match; for one member of a doublet both members, if the other has no row of its own."""
     if len(match.modes) == 2:
         return match.modes
     whole = next((pair for pair in modes.doublets if match.modes[0] in pair), match.modes)
@@ -100,7 +100,7 @@ def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
 
 
 def moved(match: Match, modes: list[int], whole: bool, new: ModeSet, table: FrequencyTable) -> Match:
-    """A match with other modes; for one member of a doublet, the member that its row represents."""
+    """A match transferred to other modes; for one member of a doublet, the member that its row represents."""
     if whole:
         pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))
         modes = [member_of(pair, new, table, match.rows[0]) if len(pair) == 2 else pair[0]]

@@ -1,7 +1,7 @@
 """Identifiability of parameters: singular values of the Jacobian, scaled by the prior widths of the parameters.
 
-With J the derivatives of the weighted residuals and D the width of each parameter before the test (its prior's sigma,
-else that of a number anywhere between its bounds, their distance over sqrt 12),
+J are the derivatives of the weighted residuals. D is the width of each parameter before the test: its prior's sigma, or
+without a prior the standard deviation of a uniform distribution between the bounds, their distance over sqrt 12.
 
     J D = U S V^T:   a singular value s reduces the width along V to 1/sqrt(1 + s^2) of its prior value.
 
@@ -53,7 +53,8 @@ class Identifiability(Reported):
     directions
         Their directions as columns, in widths of the parameters, (parameters, parameters).
     left
-        Standard deviation of each parameter after the test over that before, data and width together, (parameters,).
+        Ratio of each parameter's standard deviation after the test, from data and prior width, to that before,
+        (parameters,).
     """
 
     COLUMNS: ClassVar = COLUMNS
@@ -74,7 +75,7 @@ class Identifiability(Reported):
         return tuple(name for name, left in zip(self.names, self.left, strict=True) if left > 0.9)
 
     def words(self, k: int) -> str:
-        """One direction in words: its main parameters with their shares."""
+        """Text for one direction: its main parameters with their shares."""
         column = self.directions[:, k]
         column = column * np.sign(column[np.abs(column).argmax()])
         shown = [i for i in np.argsort(-np.abs(column)) if abs(column[i]) > NAMED]

@@ -1,7 +1,8 @@
 """The numbers that an update may vary: their kinds, with functions to read and replace them, and a list.
 
-Of an imported part: material.E | nu | rho; shell.thickness; solid.material.<group>.E, shell.material.<group>.rho
-(groups of cells with a material of their own); shell.thicknesses.<group>; support.<group>.k_face.
+Numbers of an imported part: material.E | nu | rho; shell.thickness; solid.material.<group>.E,
+shell.material.<group>.rho (groups of cells with a material of their own); shell.thicknesses.<group>;
+support.<group>.k_face.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -34,7 +35,7 @@ NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law h
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """A number given by the fields, keys and indices that lead to it from the shell."""
+    """A number given by the fields, keys and indices that lead to it from the structure."""
 
     path: tuple[str | int, ...]
 
@@ -112,12 +113,12 @@ class HeldNumber:
     path: tuple[str, ...]
 
     def value(self, shell: Any) -> Any:
-        """The number; KeyError if the support has none of this name."""
+        """The number; raises KeyError if the support has none of this name."""
         held: Any = shell.supports[self.edge]
         return held.number(self.path)
 
     def renewed(self, shell: Any, value: Any) -> Any:
-        """The shell with this number replaced; KeyError if it cannot be changed."""
+        """The shell with this number replaced; raises KeyError if it cannot be changed."""
         held: Any = shell.supports[self.edge]
         return Plain(("supports", self.edge)).renewed(shell, held.with_number(self.path, value))
 
@@ -126,12 +127,12 @@ Address: TypeAlias = Plain | FieldHarmonic | SpringHarmonic | HeldNumber
 
 
 def series(field: Field | None) -> Any:
-    """The Fourier series behind a field, empty without a field; other objects unchanged."""
+    """Fourier series of a field, empty if there is none; other objects unchanged."""
     return FourierField.of({}) if field is None else getattr(field, "fit", field)
 
 
 def put_in(owner: Any, path: tuple[str | int, ...], value: Any) -> Any:
-    """The same value, mapping or tuple with the entry at a path replaced."""
+    """The same object, mapping or tuple with the entry at a path replaced."""
     if not path:
         return value
     step, rest = path[0], path[1:]
@@ -146,14 +147,14 @@ Numbers = Iterator[tuple[str, str]]  # address, unit
 
 
 def named_numbers(structure: ShellParts | MeshStructure) -> dict[str, str]:
-    """The unit of every number of a structure, by its address; only existing harmonics are listed."""
+    """Unit of every number of a structure, by its address; only existing harmonics are listed."""
     if isinstance(structure, ShellParts):
         return dict(_of_shell(structure))
     return {name: unit_of(name) for name in mesh_numbers(structure)}
 
 
 def unit_of(name: str) -> str:
-    """The unit of an address by its last word.
+    """Unit of an address, from its last word.
 
     >>> names = "material.E", "chart.height", "chart.twist.2", "support.base.k_face", "support.base.k_face.p8.cos"
     >>> [unit_of(name) for name in names]
@@ -219,7 +220,7 @@ def _of_support(support: Any) -> Numbers:
 
 
 def mesh_numbers(structure: MeshStructure) -> dict[str, Plain]:
-    """Every number of an imported part that may be varied, by its address."""
+    """Addresses and units of the numbers of an imported part that may be varied."""
     if not isinstance(structure, Solid | MeshShell):
         raise ModelError("structure-chart", f"update: found {type(structure).__name__}, expected a Solid or MeshShell")
     word = "solid" if isinstance(structure, Solid) else "shell"

@@ -6,10 +6,10 @@ split of a pair, its orientation. For a set S of shifts delta (Cook & Weisberg, 
 
     chi^2(S) = min |r + J d + U_S delta|^2 = |P r|^2 - b^T (U_S^T P U_S)^-1 b,   b = U_S^T P r,   P = 1 - J J^+,
 
-with J and r including the priors. Sets grow one by one, each member exchanged for any other that fits better, so that
-wrong rows do not mask each other. The result is the largest set whose members are all significant given the rest:
-Student's t of its shift, at LEVEL over the number of tried shifts, with the remaining scatter, or the stated sigma if
-larger.
+with J and r including the priors. Sets grow by one shift at a time. Each member is exchanged for any other that fits
+better, so that wrong rows do not mask each other. The result is the largest set whose members are all significant given
+the rest: Student's t of its shift, at LEVEL over the number of tried shifts, with the remaining scatter, or the stated
+sigma if larger.
 """
 
 from collections.abc import Sequence
@@ -76,7 +76,7 @@ class Outlier:
 
 
 def named(found: Sequence[Found], table: FrequencyTable) -> tuple[Outlier, ...]:
-    """The shifts with the table's own numbers."""
+    """The shifts with the table's own numbers of modes."""
     return tuple(
         Outlier(
             modes=tuple(table.mode[list(one.rows)].tolist()),
@@ -127,7 +127,8 @@ def step_without(
 def strongest(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray) -> Found:
     """The single shift that lowers chi^2 most, significant or not; its deviation is in stated sigma.
 
-    If the parameters can fit every shift, as with equally many residuals, they are kept constant.
+    If the parameters can fit every shift, for example with as many residuals as parameters, the parameters are kept
+    constant.
     """
     left, r, usable = projected(shifts, residual, jacobian)
     if not usable:

@@ -97,7 +97,7 @@ def parameters(structure: Shell | MeshStructure) -> NamedNumbers:
 
 
 def check_parameters(shell: Shell | MeshStructure, vary: Sequence[Parameter]) -> None:
-    """Refuse parameters that repeat an address, start outside their bounds, or have impossible bounds.
+    """Refuse parameters that repeat an address, start outside their bounds, or have invalid bounds.
 
     Raises
     ------

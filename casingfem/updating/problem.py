@@ -30,7 +30,7 @@ Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted resi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """One evaluated point; `solution` is None for perfect casings, which are solved harmonic by harmonic."""
+    """One evaluated point; `solution` is None for perfect casings, whose harmonics are solved separately."""
 
     shell: Shell | MeshStructure
     modes: Modes | MeshModes
@@ -43,7 +43,7 @@ class State:
 class Given:
     """Inputs of a problem, frozen; a result keeps them to set up the problem again after the fit.
 
-    `prior` and `exact` are those with which the fit ended, the others are as in `Problem`.
+    `prior` and `exact` are the final ones of the fit; the others are as in `Problem`.
     """
 
     shell: Shell | MeshStructure
@@ -65,7 +65,7 @@ class Given:
         return np.concatenate([values, away]), np.vstack([jacobian, np.diag(self.prior)[held]])
 
     def problem(self) -> "Problem":
-        """A problem without evaluated points."""
+        """Set up a problem without evaluated points."""
         made = Problem(self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact)
         made.prior = self.prior
         return made
@@ -73,7 +73,7 @@ class Given:
 
 @dataclass(eq=False)
 class Problem:
-    """Residuals and Jacobian in the form for least_squares.
+    """Residuals and Jacobian of an update, in the form that least-squares solvers need.
 
     The last evaluated point is kept, since the Jacobian is needed after the residual. `anchor` is the last point with a
     Jacobian, which the solver has accepted; modes are tracked and restarted from there. `prior` is one over the
@@ -143,7 +143,7 @@ class Problem:
         return self._state
 
     def paired_anew(self, x: FloatArray) -> State:
-        """The point x with new pairing by label and frequency, from which modes are tracked from now on."""
+        """Evaluate x with new pairing by label and frequency; modes are tracked from there from now on."""
         state = self.state(x)
         self.anchor = None
         fresh = self._make(state.modes, state.solution, self._pairing(state.modes))
@@ -156,7 +156,7 @@ class Problem:
         self.exact, self.anchor, self._state = True, None, None
 
     def counted(self, x: FloatArray) -> State | None:
-        """The point x with its modes counted; None if some are missing."""
+        """Evaluate x with its modes counted; return None if some are missing."""
         state = self.state(x)
         if state.solution is None:
             return state
@@ -164,12 +164,12 @@ class Problem:
         return None if whole is None else replace(state, solution=whole, modes=whole.modes)
 
     def fun(self, x: FloatArray) -> FloatArray:
-        """Weighted residuals, those of the priors last."""
+        """Weighted residuals, followed by those of the priors."""
         held = self.prior > 0.0
         return np.concatenate([self.state(x).values, (self.prior * (x - self.start))[held]])
 
     def jac(self, x: FloatArray) -> FloatArray:
-        """Their derivatives."""
+        """Derivatives of the residuals of `fun`."""
         return np.vstack([self.data_jacobian(x), np.diag(self.prior)[self.prior > 0.0]])
 
     def data_jacobian(self, x: FloatArray) -> FloatArray:
@@ -195,9 +195,9 @@ class Problem:
         return self._rates[2]
 
     def _evaluated(self, shell: Shell | MeshStructure) -> State:
-        """A structure's modes, tracked from the anchor; with half as many more modes if one is not found at first.
+        """Modes of a structure, tracked from the anchor; with half as many more modes if one is not found at first.
 
-        If new pairing in the same groups fits better, it is used: labels decide if two modes have mixed.
+        A new pairing in the same groups is used if it fits better: if two modes have mixed, their labels decide.
         """
         found, solution = self._solve(shell, self.count)
         fresh = self._make(found, solution, self._pairing(found))
@@ -258,5 +258,5 @@ class Problem:
         return State(found.structure, found, solution, pairing, residual)
 
     def adopt(self, x: FloatArray, state: State) -> None:
-        """Set a point as the evaluated one."""
+        """Make a point the current one."""
         self._key, self._state, self._jacobian = np.asarray(x, dtype=float).tobytes(), state, None

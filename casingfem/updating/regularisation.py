@@ -2,9 +2,10 @@
 
     min |r(x)|^2 + w^2 |(x - x0)/D|^2 over the parameters that are regularised, D their widths
 
-- discrepancy (Morozov): the largest w at which the residuals are as large as their noise, |r|^2 = m; correct if the
-table's sigma are. If the misfit is larger for every w, the L-curve is used. - l-curve (Hansen, SIAM Review 34, 1992,
-561): the corner, the largest curvature of log |r| against log |(x - x0)/D|; it does not need the sigma.
+- discrepancy (Morozov): the largest w at which the residuals are as large as their noise, |r|^2 = m; valid if the
+  table's sigma are. If the misfit is larger for every w, the L-curve is used.
+- l-curve (Hansen, SIAM Review 34, 1992, 561): the corner, the largest curvature of log |r| against log |(x - x0)/D|; it
+  does not need the sigma.
 
 Both examine the problem linearised at the last solution; the update is solved again until w does not change.
 """
@@ -77,7 +78,7 @@ def is_harmonic(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Regularised:
-    """The chosen weight and its rule; `curve` has w, |r|, |(x - x0)/D| of the last linearisation."""
+    """The chosen weight and its rule; `curve` contains w, |r| and |(x - x0)/D| of the last linearisation."""
 
     rule: Rule
     weight: float
@@ -96,7 +97,8 @@ def trade_off(
 ) -> FloatArray:
     """|r| and |(x - x0)/D| of the linearised problem at each of WEIGHTS, rows (w, |r|, |D^-1 (x - x0)|).
 
-    `away` is x - x0 now, `prior` one over the sigma of parameters with priors, `inverse` 1/D of what is regularised.
+    `away` is the present x - x0. `prior` is one over the sigma of parameters with priors. `inverse` is 1/D of the
+    regularised parameters.
     """
     held = prior > 0.0
     J = np.vstack([jacobian, np.diag(prior)[held]])
@@ -122,7 +124,7 @@ def corner(curve: FloatArray) -> float:
 
 
 def chosen_weight(rule: Rule, curve: FloatArray, residuals: int) -> tuple[float, Rule, str]:
-    """The weight, the rule that chose it, and a note on it.
+    """Choose the weight; return it with the rule that chose it and a note.
 
     >>> curve = np.column_stack([WEIGHTS, 10.0 * WEIGHTS / (1.0 + WEIGHTS), 1.0 / (1.0 + WEIGHTS)])
     >>> round(chosen_weight("discrepancy", curve, 25)[0], 2)  # |r| = 5

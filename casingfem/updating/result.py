@@ -1,4 +1,4 @@
-"""Result of an update: values with uncertainties, before and after, and undetermined parameters."""
+"""Result of an update: values with uncertainties, frequencies before and after, and undetermined parameters."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -33,7 +33,7 @@ UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data s
 
 
 def weak_priors(vary: Sequence[Parameter], jacobian: FloatArray) -> tuple[bool, ...]:
-    """Parameters with a prior that the data alone determine worse than the prior does."""
+    """Parameters whose prior constrains them more than the data do."""
     information = np.sum(jacobian**2, axis=0)
     return tuple(
         p.sigma is not None and info < (1.0 / p.sigma**2) * (1.0 / UNINFORMED**2 - 1.0)
@@ -43,7 +43,7 @@ def weak_priors(vary: Sequence[Parameter], jacobian: FloatArray) -> tuple[bool, 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class UpdateResult(Reported):
-    """An updated structure and how sure it is.
+    """An updated structure and the uncertainty of its parameters.
 
     Attributes
     ----------
@@ -54,22 +54,22 @@ class UpdateResult(Reported):
     covariance
         (J^T J)^-1 in the solver's variables (decades for log parameters), (parameters, parameters).
     at_bound
-        Parameters that ended on a bound: the model or the bound is wrong.
+        Parameters that ended on a bound, which indicates a wrong model or a wrong bound.
     values, jacobian
-        Weighted residuals of the data at the solution, and their derivatives by the solver's variables.
+        Weighted residuals of the data at the solution, and their derivatives with respect to the solver's variables.
     history
         RMS of the weighted residuals at each evaluation.
     lost
-        Rows of the table whose mode a refused step could not follow; empty mostly.
+        Rows of the table whose mode could not be tracked in a rejected step; usually empty.
     seconds
-        Run time by part.
+        Run time of each part [s].
     regularised
-        The weight of the regularisation and the rule that chose it; None without.
+        The weight of the regularisation and the rule that chose it; None without regularisation.
     x, lower, upper, given
-        Solution and bounds in the solver's variables, and what the problem was made of, for what comes after the fit:
-        `leave_one_out`, `laplace`, `sample_posterior`.
+        Solution and bounds in the solver's variables, and the inputs of the problem. `leave_one_out`, `laplace` and
+        `sample_posterior` use them.
     outliers, plain
-        Rows set aside because they contradict all others, and the fit of all rows; empty and None mostly.
+        Rows excluded because they contradict all others, and the fit of all rows; usually empty and None.
 
     Examples
     --------
@@ -113,19 +113,22 @@ class UpdateResult(Reported):
 
     @property
     def problem(self) -> Problem:
-        """The least-squares problem anew; its modes are followed from the solution, which it solves when asked to."""
+        """Set up the least-squares problem again.
+
+        Its modes are tracked from the solution, which is solved on first use.
+        """
         problem = self.given.problem()
         problem.anchor = State(self.structure, self.after, None, self.pairing, self.values)
         return problem
 
     @property
     def measured(self) -> FrequencyTable:
-        """The measured table with the rows that were set aside; `table` contains the others."""
+        """The measured table with the excluded rows; `table` contains the others."""
         return self.table if self.plain is None else self.plain.table
 
     @property
     def set_aside(self) -> tuple[int, ...]:
-        """Mode numbers of the measured table's rows that were set aside."""
+        """Mode numbers of the excluded rows of the measured table."""
         return tuple(mode for mode in self.measured.mode.tolist() if mode not in self.table.mode)
 
     @property
@@ -140,27 +143,30 @@ class UpdateResult(Reported):
 
     @property
     def sigma(self) -> FloatArray:
-        """Standard deviations (parameters,), in decades for log parameters; times the misfit if it is above chance."""
+        """Standard deviations (parameters,), in decades for log parameters.
+
+        Multiplied by the misfit if that exceeds chance.
+        """
         return self.inflation * self.stated_sigma
 
     @property
     def stated_sigma(self) -> FloatArray:
-        """Standard deviations if model and stated sigma are right, (parameters,)."""
+        """Standard deviations if the model and the stated sigma are right, (parameters,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def inflation(self) -> float:
-        """The misfit where chi^2 is larger than chance leaves it in 1 of 20, else 1."""
+        """The misfit if chance gives so large a chi^2 in less than 1 of 20 fits, else 1."""
         return self.misfit if self.chi2 > chdtri(self.free, 0.05) else 1.0
 
     @property
     def arrived(self) -> bool:
-        """Whether it is converged and near its rows: no other way down need be tried."""
+        """Whether the fit has converged with small residuals, so that no other start of the solver is tried."""
         return float(np.sqrt(np.mean(self.values**2))) <= POOR and self.stopped.startswith("converged")
 
     @property
     def overstated(self) -> bool:
-        """Whether the residuals are smaller than the stated sigma leave them in 1 of 100."""
+        """Whether chance gives so small residuals in less than 1 of 100 fits, if the stated sigma are right."""
         return bool(self.chi2 < chdtri(self.free, 0.99))
 
     @property
@@ -171,7 +177,7 @@ class UpdateResult(Reported):
 
     @property
     def misfit(self) -> float:
-        """sqrt(chi^2 / degrees of freedom): 1 when model and stated sigma agree; inflate sigma by it above 1."""
+        """sqrt(chi^2 / degrees of freedom): 1 if model and stated sigma agree; above 1, multiply sigma by it."""
         return float(np.sqrt(self.chi2 / self.free))
 
     @property
@@ -184,7 +190,7 @@ class UpdateResult(Reported):
     def model_floor(self) -> float:
         """Relative error of the model that explains the residual scatter beyond the stated sigma; 0 for none.
 
-        With s f added to every sigma in squares, chi^2 falls to the degrees of freedom.
+        If s f is added in squares to the sigma of every frequency f, chi^2 equals the degrees of freedom.
         """
         table = self.given.table
         frequencies = self.values[: sum(self.residuals_of())]
@@ -212,36 +218,36 @@ class UpdateResult(Reported):
         return tuple(f"{p.name} at its {side} bound {value:.6g}" for p, (side, value), bound in found if bound)
 
     def worst(self) -> tuple[int, float]:
-        """The table's mode number that alone explains most of the misfit, and its deviation [sigma]."""
+        """Mode number of the row that alone explains most of the misfit, and its deviation [sigma]."""
         found = self.worst_shift
         return found.modes[0], -float(np.sign(found.shift)) * found.deviation
 
     @property
     def worst_shift(self) -> Outlier:
-        """The frequency, split or orientation of which a change alone would lower chi^2 most."""
+        """The change of one frequency, split or orientation that would lower chi^2 most."""
         shifts = shifts_of(self.after, self.given.table, self.pairing.matches)
         residual, jacobian = self.given.with_priors(self.x, self.values, self.jacobian)
         free = ~np.array(self.at_bound)  # what is on a bound gives no way
         return named([strongest(shifts, residual, jacobian * free)], self.table)[0]
 
     def residuals_of(self) -> list[int]:
-        """Number of residuals of each match, those of shapes apart, which follow them all."""
+        """Number of residuals of each match without those of shapes, which come after them."""
         return [residual_count(match, self.table) for match in self.pairing.matches]
 
     def rows(self, pairing: Pairing, modes: ModeSet) -> dict[int, float]:
-        """Table row -> computed frequency [Hz] under a pairing."""
+        """Computed frequency [Hz] of each paired row of the table."""
         pairs = [pair for match in pairing.matches for pair in zip(match.rows, match.modes, strict=False)]
         return {row: float(modes.freq[mode]) for row, mode in pairs}
 
     def rms(self, pairing: Pairing, modes: ModeSet) -> float:
-        """RMS relative frequency error over the rows that pair before and after; nan without any."""
+        """RMS relative frequency error over the rows that pair before and after; nan if there are none."""
         both = self.rows(self.pairing_before, self.before).keys() & self.rows(self.pairing, self.after).keys()
         errors = [f / self.table.freq_hz[row] - 1.0 for row, f in self.rows(pairing, modes).items() if row in both]
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
     @property
     def rms_before(self) -> float:
-        """RMS relative frequency error of the model as it came."""
+        """RMS relative frequency error of the model before the update."""
         return self.rms(self.pairing_before, self.before)
 
     @property
@@ -251,11 +257,11 @@ class UpdateResult(Reported):
 
     @property
     def unpaired(self) -> tuple[int, ...]:
-        """Mode numbers of the table's rows that no computed mode was paired with: they took no part."""
+        """Mode numbers of the table's rows without a computed mode: they are not fitted."""
         return modes_of(self.table, self.pairing.unpaired_rows)
 
     def paired(self) -> PairedRows:
-        """The paired rows of the table, ascending."""
+        """Paired rows of the table, in ascending order."""
         before, after = self.rows(self.pairing_before, self.before), self.rows(self.pairing, self.after)
         sure = {row: match.confidence for match in self.pairing.matches for row in match.rows}
         rows, table = np.array(sorted(after), dtype=int), self.table
@@ -267,7 +273,7 @@ class UpdateResult(Reported):
         )  # fmt: skip
 
     def pairs(self) -> list[dict[str, Any]]:
-        """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence, errors."""
+        """A dictionary for each paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence, errors."""
         return records_of(PAIRS, self.paired())
 
     def indistinct(self) -> list[tuple[str, str, float]]:
@@ -286,7 +292,7 @@ class UpdateResult(Reported):
         return [*(f"set aside: {outlier!r}" for outlier in self.outliers), f"without: {values}"]
 
     def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a parameter; those of the paired rows are `pairs`."""
+        """One plain dictionary for each parameter; `pairs` has those of the paired rows."""
         return records_of(self.COLUMNS, self)
 
     def to_json(self) -> dict[str, object]:

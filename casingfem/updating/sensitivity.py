@@ -1,4 +1,4 @@
-"""Exact derivatives of the eigenvalue problem restricted to some modes, without assembling a matrix.
+"""Exact derivatives of the eigenvalue problem restricted to some modes, without assembled matrices.
 
 For modes Phi the products Phi^T K(p) Phi and Phi^T M(p) Phi are sums over quadrature points of strain and
 kinetic energies. They are analytic in every parameter, so one evaluation at p + i h gives
@@ -9,8 +9,8 @@ to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for modu
 of any field and springs alike. Where a parameter moves the surface, the directions that a diaphragm or a plane of
 symmetry fixes turn with it, and the modes with them.
 
-Of an imported part they are central differences of the assembled matrices: K and M are linear in moduli, densities and
-foundations and at most cubic in a thickness, so that the step of `MESH_STEP` leaves 1e-8 of them.
+For an imported part the derivatives are central differences of the assembled matrices: K and M are linear in moduli,
+densities and foundations and at most cubic in a thickness, so the relative error with the step `MESH_STEP` is 1e-8.
 """
 
 from collections.abc import Sequence
@@ -55,7 +55,7 @@ def product_derivatives(
 
 
 def of_mesh(modes: MeshModes, vary: Sequence[Parameter], fields: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The same for an imported part, through its assembled matrices; one that rotates is refused."""
+    """The same derivatives for an imported part, by its assembled matrices; a rotating part is refused."""
     if rotation_of(modes.structure) is not None:
         raise ModelError("rotation-update", "update: found a rotating part")
     K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))

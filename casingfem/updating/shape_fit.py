@@ -1,4 +1,4 @@
-"""Comparison of the shapes before and after an update: MAC of each, of planes of pairs, by sensor."""
+"""Compare measured shapes with the models before and after an update: MAC of shapes and of planes, by sensor."""
 
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
@@ -19,7 +19,7 @@ WORST = 6  # sensors named
 
 
 class ShapeMatch(NamedTuple):
-    """A row with its shape: the mode it pairs with, MAC with that and with its plane; None and nan where unpaired."""
+    """A row with its shape: the paired mode, the MAC with this mode and with its plane; None and nan if unpaired."""
 
     mode: int | None
     mac: float
@@ -33,15 +33,15 @@ class ShapeComparison:
     Attributes
     ----------
     modes, pairing
-        The model and how the table pairs with it.
+        Modes of the model, and their pairing with the table.
     rows
         Rows of the table that have a shape, (shapes,).
     mac
-        Of every shape with every mode, (shapes, modes).
+        MAC of every shape with every mode, (shapes, modes).
     found
-        What each shape pairs with, in the order of the rows.
+        The match of each shape, in the order of the rows.
     comac
-        Of each sensor over the paired shapes, (sensors,); nan without any.
+        COMAC of each sensor over the paired shapes, (sensors,); nan if there are none.
     """
 
     modes: Modes
@@ -53,13 +53,13 @@ class ShapeComparison:
 
     @property
     def mean_plane(self) -> float:
-        """Mean MAC of planes over the paired shapes; nan without any."""
+        """Mean MAC of planes over the paired shapes; nan if there are none."""
         planes = [match.plane for match in self.found if match.mode is not None]
         return float(np.mean(planes)) if planes else float("nan")
 
 
 def matched(side: str) -> tuple[Column, ...]:
-    """The columns of the models before or after the fit."""
+    """Table columns of the comparison with the model before or after the fit."""
     when = "before the fit" if side == "before" else "after it"
 
     def found(fit: "ShapeFit") -> tuple[ShapeMatch, ...]:
@@ -100,7 +100,7 @@ class ShapeFit(Reported):
     after: ShapeComparison
 
     def worst_sensors(self, count: int = WORST) -> list[tuple[int, float, float]]:
-        """Label and COMAC before and after of the sensors that agree least after it."""
+        """Label, and COMAC before and after, of the sensors that agree least after the fit."""
         order = np.argsort(self.after.comac, kind="stable")[:count]
         columns = (self.shapes.labels, self.before.comac, self.after.comac)
         return [(int(k), float(a), float(b)) for k, a, b in zip(*(c[order] for c in columns), strict=True)]
@@ -117,7 +117,7 @@ class ShapeFit(Reported):
         }
 
     def __repr__(self) -> str:
-        """MAC of planes before and after, the least one, the shapes that took no part."""
+        """MAC of planes before and after, the least one, and the shapes that were not fitted."""
         count, total = len(self.after.rows), len(self.fit.measured)
         lines = [f"shapes of {count} of {total} rows: MAC of planes {self.before.mean_plane:.3f} -> "
                  f"{self.after.mean_plane:.3f} in the mean"]  # fmt: skip
@@ -133,7 +133,7 @@ class ShapeFit(Reported):
 
 
 def shape_fit(fit: UpdateResult) -> ShapeFit | None:
-    """Compare the shapes of an update with both its models; None for one without shapes."""
+    """Compare the shapes of an update with both its models; return None if it has no shapes."""
     shapes = fit.given.shapes
     if shapes is None or not (isinstance(fit.before, Modes) and isinstance(fit.after, Modes)):
         return None
@@ -142,7 +142,7 @@ def shape_fit(fit: UpdateResult) -> ShapeFit | None:
 
 
 def compared(shapes: SensorShapes, modes: Modes, pairing: Pairing) -> ShapeComparison:
-    """The shapes against one model."""
+    """Compare the shapes with one model."""
     rows = np.flatnonzero(~np.isnan(shapes.shapes).any(axis=0))
     computed = shapes.readings(modes)
     likeness = seen_mac(shapes.shapes[:, rows], computed)
@@ -161,7 +161,7 @@ def compared(shapes: SensorShapes, modes: Modes, pairing: Pairing) -> ShapeCompa
 
 
 def only_seen(match: Match, rows: IntArray) -> Match | None:
-    """A match with those of its rows that have shapes, None without any."""
+    """Reduce a match to its rows with shapes; return None if there are none."""
     kept = [k for k, row in enumerate(match.rows) if row in rows]
     if not kept:
         return None

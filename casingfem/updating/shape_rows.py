@@ -1,6 +1,6 @@
 """Assign measured shapes to rows of a frequency table: by frequency, and by n where both sides state it.
 
-Shapes go to rows at the least sum of |log f_shape/f_row|, none further apart than `reach`. If another choice costs less
+Shapes go to rows at the least sum of |log f_shape/f_row|, none farther apart than `reach`. If another choice costs less
 than twice as much, the choice is uncertain and is refused; but the two rows of a doublet share one plane of shapes.
 """
 
@@ -21,7 +21,7 @@ EXACT = 1e-6  # relative distances of less than this are none: six digits of a u
 
 
 def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: float = REACH) -> IntArray:
-    """The row of each shape, (shapes,), -1 for those that no row is near.
+    """The row of each shape, (shapes,); -1 for shapes without a row nearby.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
 
 
 def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) -> InputError:
-    """Return the error of shapes that fit no row: they come from another test, or their frequencies are not in Hz."""
+    """Error for shapes that fit no row: they come from another test, or their frequencies are not in Hz."""
     for unit, factor in UNITS.items():
         if np.mean(np.abs(np.log(factor * measured.freq_hz[:, None] / table.freq_hz)).min(axis=1) <= reach) > 0.5:
             found = f"no shape of a row of {table.path}, whose freq_hz is {factor:.4g} times that of the shapes"
@@ -70,7 +70,7 @@ def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) 
 
 
 def labelled(n: int) -> str:
-    """An n in words, nothing where there is none."""
+    """Text for a number n; empty if there is none."""
     return f" (n = {n})" if n >= 0 else ""
 
 
@@ -102,7 +102,7 @@ def refuse_doubtful(apart: FloatArray, rows: IntArray, measured: MeasuredShapes,
 
 
 def columns(values: FloatArray, rows: Sequence[int] | IntArray, count: int) -> FloatArray:
-    """Values of shapes, last axis, put where their rows are: (..., count), nan elsewhere."""
+    """Values of shapes (last axis) in the columns of their rows: (..., count), nan elsewhere."""
     spread = np.full((*values.shape[:-1], count), np.nan)
     at = np.asarray(rows)
     spread[..., at[at >= 0]] = values[..., at >= 0]

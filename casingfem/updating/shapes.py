@@ -1,13 +1,14 @@
-"""Mode shapes where they were measured: the part of a measured shape that the model's modes cannot make.
+"""Residuals of mode shapes at sensors: the part of a measured shape that the model's modes cannot represent.
 
     r = (1 - P) psi/sigma,   P = Phi Phi^+ the projector on the computed mode, or on both of a doublet, at the sensors
 
-with |psi| = 1. Neither sign, scale nor a doublet's turn matters. Its derivative needs that of the computed shapes,
+with |psi| = 1. The residual does not depend on sign, scale or the rotation of a doublet. Its derivative needs that of
+the computed shapes,
 
     dr = -((1 - P) dPhi Phi^+ psi + (Phi^+)^T dPhi^T (1 - P) psi)/sigma,
 
-whose part inside the plane drops out; the rest is exact by the adjoints of the sensors (`modal.adjoint`). Each shape
-gives as many residuals as sensors, of which one, or two for a doublet, are no information.
+The part of dPhi inside the plane drops out; the rest is exact by the adjoints of the sensors (`modal.adjoint`). Each
+shape gives as many residuals as sensors. One of them, or two for a doublet, has no information.
 """
 
 from collections.abc import Sequence
@@ -43,20 +44,20 @@ class SensorShapes:
     a, b
         Chart parameters of the sensors, (sensors,).
     directions
-        Unit vectors they measure along, (sensors, 3).
+        Unit vectors of the measured directions, (sensors, 3).
     shapes
-        (sensors, rows), any scale; a column of nan where a row has no shape.
+        Shapes of any scale, (sensors, rows); a column of nan for a row without a shape.
     sigma
         Standard deviation of each component of a shape of unit norm, one number or (rows,).
     labels
-        Number of every sensor's point, from 1 if left out, (sensors,).
+        Number of every sensor's point, (sensors,); by default counted from 1.
     unused_hz
         Frequencies of measured shapes that belong to no row [Hz].
 
     Raises
     ------
     ValueError
-        Arrays that do not fit, a shape that is zero or partly nan, sigma that is not positive.
+        Arrays of inconsistent shapes, a mode shape that is zero or partly nan, sigma that is not positive.
 
     Examples
     --------
@@ -98,7 +99,7 @@ class SensorShapes:
 
     @classmethod
     def on_edge(cls, shell: Shell, edge: str, theta: ArrayLike, shapes: ArrayLike, sigma: float) -> "SensorShapes":
-        """Radial sensors at angles [rad] on an edge of a casing, as a circle of accelerometers has them."""
+        """Radial sensors at angles [rad] on an edge of a casing, like a circle of accelerometers."""
         held, end = shell.chart.edges.get(edge, (1, 0))
         if not shell.chart.periodic or held != 0:
             raise ValueError(f"shapes: {edge!r} is no closed edge of this chart")
@@ -118,23 +119,23 @@ class SensorShapes:
         sigma: float | None = None,
         error: float = 0.0,
     ) -> "SensorShapes":
-        """Measured shapes at their places on a shell, each with the row of the table that it belongs to.
+        """Place measured shapes on a shell, and assign each to a row of the table.
 
         Parameters
         ----------
         reach
             Largest relative distance of a shape's frequency from its row's (`rows_of_shapes`).
         sigma
-            Noise of the shapes, rms over a shape's own rms; that of `measured` if left out.
+            Noise of the shapes, its rms over the rms of the shape; by default that of `measured`.
         error
-            What the model's shapes may be off by, in the same measure, added in squares.
+            Error of the model's shapes, in the same measure, added in squares.
 
         Raises
         ------
         InputError
-            No noise is known; shapes that belong to no row or could belong to several.
+            No noise is known; shapes that fit no row or more than one.
         ModelError
-            sensor-far.
+            `sensor-far` for a sensor that is not on the shell.
         """
         if sigma is None and np.isnan(measured.sigma).any():
             raise measured.error("no uncertainty of the shapes", "a sigma, relative, for shapes whose file states none")
@@ -161,7 +162,7 @@ class SensorShapes:
         return np.asarray(np.asarray(self.sigma)[list(rows)])
 
     def loads(self, grid: Grid) -> FloatArray:
-        """The sensors as nodal loads: their readings of nodal fields, (nodes, 5, sensors)."""
+        """Nodal loads that read nodal fields at the sensors, (nodes, 5, sensors)."""
         nodes, weights = interpolation(grid, self.a, self.b)
         loads = np.zeros((grid.nodes.shape[1], 5, len(self.a)))
         sensors = np.arange(len(self.a))[:, None]
@@ -173,26 +174,29 @@ class SensorShapes:
         return np.asarray(np.einsum("ncs,ncm->sm", self.loads(modes.grid), modes.fields))
 
     def mac(self, modes: Modes) -> FloatArray:
-        """MAC of measured with computed shapes, (rows, modes); 0 for rows without a shape and modes not seen."""
+        """MAC of measured with computed shapes, (rows, modes).
+
+        0 for rows without a shape and modes that no sensor sees.
+        """
         found = np.zeros((self.shapes.shape[1], len(modes)))
         known = ~np.isnan(self.shapes).any(axis=0)
         found[known] = seen_mac(self.shapes[:, known], self.readings(modes))
         return found
 
     def seen(self, match: Match) -> list[int]:
-        """The rows of a match that have a shape."""
+        """Rows of a match that have a shape."""
         return [row for row in match.rows if not np.isnan(self.shapes[0, row])]
 
 
 def plane_at(modes: Modes, match: Match, readings: FloatArray) -> tuple[list[int], FloatArray]:
-    """The modes that may make a match's shapes, both of a doublet, and their readings (sensors, 1 or 2)."""
+    """Modes that represent a match's shapes, both of a doublet, and their readings (sensors, 1 or 2)."""
     whole = next((pair for pair in modes.doublets if match.modes[0] in pair), match.modes)
     plane = list(match.modes if len(match.modes) == 2 else whole)
     return plane, readings[:, plane]
 
 
 def shape_values(modes: Modes, measured: SensorShapes, matches: Sequence[Match]) -> FloatArray:
-    """The parts of measured shapes outside the modes that they pair with, over sigma, (rows times sensors,)."""
+    """Parts of measured shapes outside the plane of their paired modes, over sigma, (rows times sensors,)."""
     readings = measured.readings(modes)
     parts = [np.zeros(0)]
     for match in matches:

@@ -1,13 +1,13 @@
-"""The ways down to the least squares of an update: rows paired anew, modes counted, the weight of a regularisation.
+"""Solve the least-squares problem of an update: steps within bounds, new pairing, counted modes, regularisation.
 
 Each step is one of Levenberg and Marquardt's method within bounds,
 
     min over d of |r + J d|^2 + mu |D d|^2,   lower <= x + d <= upper
 
-D are the largest column norms of J so far (Moré, LNM 630, 1978, 105), mu follows the gain, what a step brought over
-what it predicted (Nielsen, IMM-REP-1999-05, Technical University of Denmark). The step is the exact solution of the
-bounded linear problem, so that a bound is met in one step. A point that cannot be evaluated is a step without gain. It
-ends where the best step promises nothing more: no evaluation is spent on seeing that nothing changes.
+D are the largest column norms of J so far (Moré, LNM 630, 1978, 105). The damping mu follows the gain, the ratio of the
+actual to the predicted decrease (Nielsen, IMM-REP-1999-05, Technical University of Denmark). The step is the exact
+solution of the bounded linear problem, so that a bound is reached in one step. A point that cannot be evaluated counts
+as a step without gain. The iteration ends when the best step predicts no further decrease, without another evaluation.
 """
 
 import math
@@ -47,22 +47,22 @@ def levenberg_marquardt(
     damping: float = DAMPING,
     enough: float = 0.0,
 ) -> tuple[FloatArray, str]:
-    """The minimum of |fun(x)|^2 within bounds, and why it stopped there.
+    """Minimise |fun(x)|^2 within bounds; return the minimum and the reason for stopping.
 
     Parameters
     ----------
     fun
-        Residuals; a ValueError where there are none.
+        Residuals; raises ValueError at a point that cannot be evaluated.
     jac
-        Their derivatives, asked for only where a step was taken.
+        Derivatives of the residuals; evaluated only after an accepted step.
     x, lower, upper
-        Where to begin, and the bounds, (parameters,).
+        Start and bounds, (parameters,).
     max_evaluations
-        Of `fun`, that of the start not counted.
+        Largest number of evaluations of `fun` after the start.
     damping
-        mu to begin with.
+        Initial value of mu.
     enough
-        A sum of squares that is small enough: the descent ends there.
+        The iteration ends below this sum of squares.
 
     >>> bowl = np.diag([1.0, 10.0])
     >>> x, _ = levenberg_marquardt(lambda x: bowl @ (x - 3.0), lambda x: bowl, np.zeros(2), np.zeros(2),
@@ -122,7 +122,7 @@ def require_enough(residuals: int, parameters: int, without: str = "") -> None:
 
 
 def covariance(jacobian: FloatArray) -> FloatArray:
-    """(J^T J)^-1 with columns scaled to one first; directions the data do not see are left at zero."""
+    """(J^T J)^-1, with columns scaled to one first; 0 for directions that the data do not determine."""
     norms = np.linalg.norm(jacobian, axis=0)
     scale = 1.0 / np.where(norms > 0.0, norms, 1.0)
     columns = jacobian * scale
@@ -132,7 +132,7 @@ def covariance(jacobian: FloatArray) -> FloatArray:
 def solve_regularised(
     problem: Problem, by: Regularisation, lower: FloatArray, upper: FloatArray, max_iterations: int
 ) -> tuple[FloatArray, str, Regularised]:
-    """Solve, choose the weight at the solution, and solve again from there until the weight does not change."""
+    """Solve, choose the weight at the solution, and solve again from there until the weight is constant."""
     inverse = by.among(problem.vary)
     held = np.where(inverse > 0.0, 0.0, problem.prior)
     weight, x = 1.0, problem.start
@@ -157,7 +157,10 @@ def solve(
     begin: FloatArray | None = None,
     ways: Sequence[float] = WAYS,
 ) -> tuple[FloatArray, str]:
-    """The best of the ways down, one if it arrives: modes that mix make a landscape of several valleys."""
+    """Solve from several initial dampings unless the first solution is good, and return the best.
+
+    Mixed modes cause local minima.
+    """
     ends: list[tuple[float, FloatArray, str, State]] = []
     for damping in ways:
         x, message = descend(problem, lower, upper, max_iterations, damping, begin)
@@ -171,9 +174,9 @@ def solve(
 
 
 def stepped(problem: Problem, x: FloatArray, step: FloatArray) -> FloatArray:
-    """End of a step, halved until the structure there can be solved: not every point within the bounds has one.
+    """End of a step, halved until the structure there can be solved: some points within the bounds have no solution.
 
-    Where even its eighth is too long, x itself.
+    If an eighth of the step is still too long, x itself is returned.
     """
     for share in SHORTER:
         try:
@@ -192,13 +195,14 @@ def descend(
     damping: float,
     begin: FloatArray | None = None,
 ) -> tuple[FloatArray, str]:
-    """Descend with the rows that pair at the start; again from the end where they pair better there.
+    """Minimise with the rows that pair at the start; repeat from the end if the rows pair better there.
 
-    With shapes the frequencies go first, if there are enough, until they agree to their noise: shapes that mix on the
-    way are a maze from far away, frequencies within their noise are one where shapes know more.
+    With shapes the frequencies are fitted first, if there are enough, until they agree within their noise. Far from the
+    solution shapes of modes that mix cause many local minima. Frequencies below their noise add such minima where
+    shapes determine more.
 
-    The modes at the end are counted. Should one have been missed on the way, the update is done once more with every
-    point from nothing.
+    The modes at the end are counted. If one was missed, the update is repeated and every point is solved without a
+    restart.
     """
     x, message = np.clip(problem.start if begin is None else begin, lower, upper), ""
     problem.paired_anew(x)
@@ -223,6 +227,6 @@ def descend(
 
 
 def lower_misfit(old: State, new: State) -> bool:
-    """Whether rows paired anew are more, or as many and nearer, than those followed so far."""
+    """Whether a new pairing has more rows, or as many with smaller residuals, than the rows tracked so far."""
     rows = [sum(map(len, paired_rows(state.pairing))) for state in (old, new)]
     return rows[1] > rows[0] or (rows[1] == rows[0] and new.pairing.rms < 0.999 * old.pairing.rms)

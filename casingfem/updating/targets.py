@@ -4,13 +4,13 @@ A single mode gives (f_c - f_m)/sigma. A doublet gives the mean, f = sqrt((f1^2 
 
     d = (f2^2 - f1^2)/(2 f) (cos 2 n psi, sin 2 n psi),  psi the antinode of the lower member,
 
-because f1 and f2 themselves have a cone at zero split, while d is linear in the 2n harmonics of whatever
-splits the pair. A table without angles gives the length of d only.
+because f1 and f2 themselves are not differentiable at zero split, while d is linear in the 2n harmonics that split the
+pair. A table without angles gives the length of d only.
 
-The split vector turns with the phase 2 n psi: with the ring amplitudes c of the lower member at n, 2 n psi =
--arg(sum c^2) and d(2 n psi) = -2 Im(sum c dc/sum c^2), linear in the change of the shape. Two parts of that change: the
-partner's, which grows as the split goes to zero but stays finite times the split, and that of all other modes, by the
-adjoint of the reading (`modal.adjoint`).
+The split vector turns with the phase 2 n psi: with the ring amplitudes c of the lower member at n, 2 n psi = -arg(sum
+c^2) and d(2 n psi) = -2 Im(sum c dc/sum c^2), linear in the change of the shape. That change has two parts. The
+partner's part grows as the split goes to zero, but its product with the split is finite. The part of all other modes
+follows from the adjoint of the reading (`modal.adjoint`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,7 +35,7 @@ HERTZ2 = 4.0 * np.pi**2  # rad^2/s^2 per Hz^2
 
 
 def pair_state(f1: float, f2: float) -> tuple[float, float]:
-    """Mean frequency and split [Hz] of a pair: sqrt of the mean square, and difference of squares over 2 mean."""
+    """Mean frequency and split [Hz] of a pair: root mean square, and difference of squares over twice the mean."""
     mean = float(np.sqrt(0.5 * (f1**2 + f2**2)))
     return mean, (f2**2 - f1**2) / (2.0 * mean)
 
@@ -46,7 +46,7 @@ def split_vector(split: float, phase: float) -> FloatArray:
 
 
 def lower_angle(angles: FloatArray, n: int) -> float:
-    """Antinode of the lower member [deg] from the angles of (lower, upper), either of which may be nan.
+    """Antinode of the lower member [deg] from the angles of (lower, upper), one of which may be nan.
 
     The upper member's antinodes lie a quarter wave, 90/n deg, from the lower's.
     """
@@ -55,7 +55,7 @@ def lower_angle(angles: FloatArray, n: int) -> float:
 
 
 def lower_phase(modes: ModeSet, low: int, high: int, n: int) -> float:
-    """2 n psi [rad] of the lower member's antinode; 0 for a perfect pair, which has none."""
+    """2 n psi [rad] of the lower member's antinode; 0 for a perfect pair, which has no antinode."""
     if modes.rings is None or modes.freq[high] - modes.freq[low] <= DOUBLE * modes.freq[high]:
         return 0.0
     return 2.0 * n * orientation(modes.rings.profile(low, n), n)
@@ -93,15 +93,15 @@ def partner_turn(modes: ModeSet, low: int, high: int, n: int) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """Derivatives of modes by the parameters.
+    """Derivatives of modes with respect to the parameters.
 
     Attributes
     ----------
     G
         phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
     turning
-        For doublets with a measured angle, by their modes: how the phase 2 n psi of the lower member changes through
-        all modes but its partner, (parameters,) [rad per unit].
+        For each doublet with a measured angle, by its modes: change of the phase 2 n psi of the lower member due to all
+        modes except its partner, (parameters,) [rad per unit].
     """
 
     G: FloatArray
@@ -114,7 +114,7 @@ def is_doublet(match: Match) -> bool:
 
 
 def has_angle(match: Match, table: FrequencyTable) -> bool:
-    """Whether a match is a doublet of measured orientation."""
+    """Whether a match is a doublet with a measured orientation."""
     return is_doublet(match) and bool(np.isfinite(table.angle_deg[list(match.rows)]).any())
 
 
@@ -130,9 +130,9 @@ def rates(
     table: FrequencyTable,
     matches: Sequence[Match],
 ) -> Rates:
-    """Quantities for the derivatives of all residuals, from one evaluation of the energies for each parameter.
+    """Derivatives that all residuals need, from one evaluation of the energies for each parameter.
 
-    Without a solution pairs are taken as perfect: only their partners turn them.
+    Without a solution pairs are taken as perfect: only the partner changes their orientation.
     """
     turned = [match for match in matches if has_angle(match, table)]
     if not turned or solution is None:
@@ -171,8 +171,8 @@ def doublet_values(modes: ModeSet, table: FrequencyTable, match: Match) -> Float
 def doublet_jacobian(modes: ModeSet, table: FrequencyTable, match: Match, at: Rates) -> FloatArray:
     """Derivatives of `doublet_values`, (2 or 3, parameters).
 
-    Along the split vector the difference of the members' rates, across it the split times the turning; the partner's
-    share of that is G_12 without a quotient.
+    Along the split vector the derivative is the difference of the members' rates. Across it the derivative is the split
+    times the rate of the phase. The partner's part of the latter is G_12, without a division by the split.
     """
     low, high = match.modes
     mean, split = pair_state(modes.freq[low], modes.freq[high])
@@ -218,7 +218,7 @@ def with_model_error(table: FrequencyTable, model_error: float) -> FrequencyTabl
     Raises
     ------
     InputError
-        If a sigma reaches its frequency that way.
+        A sigma would then be as large as its frequency.
     """
     sigma = np.hypot(table.sigma_hz, model_error * table.freq_hz)
     large = np.flatnonzero(~(sigma < table.freq_hz))

@@ -42,12 +42,12 @@ def mode_count(table: FrequencyTable, shell: Shell | MeshStructure, system: Syst
 
 
 def require_few(table: FrequencyTable, count: int) -> None:
-    """Refuse a row that asks for more than MOST_MODES modes, as one with a digit too many does.
+    """Refuse a row that needs more than MOST_MODES modes, for example one with an extra digit.
 
     Raises
     ------
     InputError
-        Naming the row, and that below it.
+        The row, and the row below it.
     """
     if count > MOST_MODES:
         *lower, highest = np.sort(table.freq_hz)
@@ -75,7 +75,7 @@ def update(
 ) -> UpdateResult:
     """Fit named numbers of a shell to a frequency table.
 
-    Rows that contradict all others beyond chance are set aside, and named with what the fit with them gives.
+    Rows that contradict all others beyond chance are excluded. The result names them and includes the fit with them.
 
     Parameters
     ----------
@@ -83,22 +83,22 @@ def update(
         The model; its present values are the start and the centres of the priors. An imported part is fitted to its
         frequencies, means and splits of pairs; not to shapes nor to the angles of pairs, which need a chart.
     table
-        Measured frequencies with their sigma; doublets and orientations are used where they are given.
+        Measured frequencies with their sigma; doublets and orientations are used if given.
     vary
-        What may change, within which bounds.
+        Parameters that may change, with their bounds.
     count
-        Modes computed at each step; by default enough to reach 15 % above the table, if those are not too many.
+        Modes computed at each step; by default enough to reach 15 % above the table, up to MOST_MODES.
     reach
         Largest relative frequency error at which a row may pair with a mode.
     model_error
-        Relative frequency error to allow the model itself, added to each sigma in squares: 0 trusts it fully.
+        Relative frequency error of the model itself, added to each sigma in squares; 0 for an exact model.
     shapes
         Mode shapes at sensors, a column for each row of the table; they pair rows and are fitted too.
     regularise
-        Regularise ill-posed parameters, mostly many harmonics, by a strength that the data choose; their prior
-        gives its shape, not its strength.
+        Regularise ill-posed parameters, usually many harmonics, with a weight that the data determine; their priors
+        give the relative widths only.
     max_iterations
-        Limit on evaluations of a run; there may be a second where rows pair better after the first.
+        Largest number of evaluations of a run; a second run follows if rows pair better after the first.
     progress
         Called after each evaluation with its number and the RMS of the weighted residuals.
     outliers
@@ -165,7 +165,7 @@ def fitted(
     begin: tuple[FloatArray, FloatArray] | None = None,
     ways: Sequence[float] = WAYS,
 ) -> UpdateResult:
-    """Solve a problem; `table` is its table without the model's error, `begin` a point that was solved and a step."""
+    """Solve a problem; `table` is its table without the model's error, `begin` a solved point and a step from it."""
     vary = problem.vary
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
@@ -208,9 +208,9 @@ def fitted(
 
 
 def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> FrequencyTable:
-    """The table without the angles of pairs, which an imported part is not fitted to; shapes are refused.
+    """Remove the angles of pairs, to which an imported part is not fitted, from the table; refuse shapes.
 
-    Warns `update-angles` where there are some.
+    If the table has angles, the warning `update-angles` is given.
     """
     if shapes is not None:
         raise ModelError("structure-chart", "update: found shapes to fit on an imported part")
@@ -224,11 +224,11 @@ def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> Freque
 def without_outliers(
     whole: Problem, fit: UpdateResult, regularise: Regularisation | None, max_iterations: int
 ) -> UpdateResult:
-    """The fit without rows that contradict the others; each round examines all rows from the fit of the last.
+    """Repeat the fit without rows that contradict the others; each round examines all rows from the last fit.
 
-    Rows are paired anew for that. Where this finds nothing more, the rows are examined as the fit itself pairs them:
-    a wrong row may represent another mode nearby, beside which no other row contradicts it. The same rows may be set
-    aside twice, from two fits: the first may have ended in another valley.
+    Rows are paired anew for that. If this finds nothing more, the rows are examined with the pairing of the fit: a
+    wrong row may represent another mode nearby, and no other row then contradicts it. The same rows may be excluded
+    twice, from two fits, since the first may have ended in another local minimum.
     """
     best = fit
 
@@ -265,12 +265,12 @@ def without_outliers(
 def contradicting(
     shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray, fit: UpdateResult, table: FrequencyTable
 ) -> tuple[tuple[Outlier, ...], FloatArray]:
-    """Rows that contradict the rest of a table, and the linearised step of the fit without them."""
+    """Find rows that contradict the rest of a table, and the linearised step of the fit without them."""
     free = jacobian * ~np.array(fit.at_bound)  # what is on a bound gives no way
     found = outlying(shifts, residual, free, len(table))
     return named(found, table), step_without(found, shifts, residual, free)
 
 
 def modes_of(outliers: Sequence[Outlier]) -> tuple[int, ...]:
-    """Mode numbers of the rows that are set aside, each once."""
+    """Mode numbers of the excluded rows, each once."""
     return tuple(sorted({mode for outlier in outliers for mode in outlier.modes}))

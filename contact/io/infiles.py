@@ -49,8 +49,11 @@ class TextError(ValueError):
 def open_file(path: str | os.PathLike[str], *, most: float = MOST) -> IO[bytes]:
     """Open a file for reading, seekable; of a pipe, its whole content.
 
-    Raises ------ OSError The file is unreadable or larger than `most` bytes, or a pipe is empty or endless. The error
-    has the number of the system, and in `strerror` a sentence: what was found and what is expected.
+    Raises
+    ------
+    OSError
+        The file is unreadable or larger than `most` bytes, or a pipe is empty or endless. The error has the number of
+        the system, and in `strerror` a sentence: what was found and what is expected.
     """
     name = os.fspath(path)
     require_whole(name)

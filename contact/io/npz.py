@@ -54,8 +54,11 @@ def save_npz(stream: IO[bytes], arrays: Mapping[str, ArrayLike], *, compressed: 
 def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     """All arrays of a file by name.
 
-    Raises ------ ValueError The file does not exist or is of another kind, or a member is damaged, encrypted,
-    compressed too strongly, or not plain numbers or text. The message names the member.
+    Raises
+    ------
+    ValueError
+        The file does not exist or is of another kind, or a member is damaged, encrypted, compressed too strongly, or
+        not plain numbers or text. The message names the member.
     """
     name = ""
     try:

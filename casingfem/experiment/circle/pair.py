@@ -58,8 +58,11 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     n
         The pair's order, 1 or more.
 
-    Raises ------ InputError There are too few tones, the order was not fitted, or the data do not distinguish two
-    members: a single frequency and damping fits equally well within noise.
+    Raises
+    ------
+    InputError
+        There are too few tones, the order was not fitted, or the data do not distinguish two members: a single
+        frequency and damping fits equally well within noise.
 
     Examples
     --------

@@ -53,11 +53,23 @@ class Wave(NamedTuple):
 class CircleScan(Reported):
     """Result of a circle scan; arrays are read-only.
 
-    Attributes ---------- tones, n Frequencies [Hz] (tones,) and orders, negative ones first, (lines,). V Complex
-    amplitudes V_n of each tone, (tones, lines). sigma Standard uncertainty of their real and of their imaginary parts,
-    (tones, lines). floor Amplitude spectrum of the noise beside each line: rms in one bin of the record, (tones,
-    lines). rate Mean rate of the spot [turns/s]. left Rms of the residual over that of the noise alone; above 1.5,
-    orders or tones that were not fitted leak into the fitted ones. card Source lines of the record.
+    Attributes
+    ----------
+    tones, n
+        Frequencies [Hz] (tones,) and orders, negative ones first, (lines,).
+    V
+        Complex amplitudes V_n of each tone, (tones, lines).
+    sigma
+        Standard uncertainty of their real and of their imaginary parts, (tones, lines).
+    floor
+        Amplitude spectrum of the noise beside each line: rms in one bin of the record, (tones, lines).
+    rate
+        Mean rate of the spot [turns/s].
+    left
+        Rms of the residual over that of the noise alone; above 1.5, orders or tones that were not fitted leak into the
+        fitted ones.
+    card
+        Source lines of the record.
 
     Examples
     --------

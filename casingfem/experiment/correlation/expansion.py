@@ -72,9 +72,13 @@ def expand(
 ) -> Expansion:
     """Expand measured shapes (channels, measured) by the model's shapes at the channels (channels, modes).
 
-    Parameters ---------- labels Sensor number of each channel, (channels,); the channels of a sensor are left out
-    together. modes Modes to use; by default as many of the lowest as keep the condition number below 100, at most two
-    thirds of the number of channels.
+    Parameters
+    ----------
+    labels
+        Sensor number of each channel, (channels,); the channels of a sensor are left out together.
+    modes
+        Modes to use; by default as many of the lowest as keep the condition number below 100, at most two thirds of the
+        number of channels.
 
     Raises
     ------

@@ -139,8 +139,11 @@ class MeasuredShapes:
 
         Translations x, y, z; directions without motion in any mode count as not measured and are left out.
 
-        Raises ------ InputError The file is damaged; it has no modes or no nodes, nodes in local coordinate systems, or
-        shapes at different nodes.
+        Raises
+        ------
+        InputError
+            The file is damaged; it has no modes or no nodes, nodes in local coordinate systems, or shapes at different
+            nodes.
         """
         return uff_shapes(read_uff(path))
 

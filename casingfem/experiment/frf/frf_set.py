@@ -33,12 +33,25 @@ _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
 class FrfSet:
     """Measured functions over one abscissa; arrays are read-only.
 
-    Parameters ---------- kind : "frf" or "spectrum" over frequencies [Hz], or "time" over seconds x : abscissa
-    (lines,), ascending responses : (channels, lines), complex; real for time records. Over frequencies, nan means a
-    missing number response_point, response_direction, reference_point, reference_direction Place of response and
-    reference of each channel, (channels,): node; and direction 1, 2, 3 for x, y, z, 4, 5, 6 for rotations, 0 without
-    direction, with sign. unit : unit of the responses, as the file has it form : "receptance", "mobility" or
-    "accelerance" if the file states it besides a unit, else "" card : source lines path : the file that was read
+    Parameters
+    ----------
+    kind
+        "frf" or "spectrum" over frequencies [Hz], or "time" over seconds.
+    x
+        Abscissa (lines,), ascending.
+    responses
+        (channels, lines), complex; real for time records. Over frequencies, nan means a missing number.
+    response_point, response_direction, reference_point, reference_direction
+        Place of response and reference of each channel, (channels,): node; and direction 1, 2, 3 for x, y, z, 4, 5, 6
+        for rotations, 0 without direction, with sign.
+    unit
+        Unit of the responses, as in the file.
+    form
+        "receptance", "mobility" or "accelerance" if the file states it besides a unit, else "".
+    card
+        Source lines.
+    path
+        The file that was read.
 
     Raises
     ------

@@ -37,8 +37,11 @@ EXPECTED = "freq_hz (lines,) and frf (channels, lines) or (channels, references,
 def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = False) -> FrfSet | None:
     """The responses in named arrays, or their coherence; None if there is none.
 
-    Raises ------ InputError There are no frequencies or responses (the message lists the names found), two arrays have
-    the same meaning, or shapes do not fit.
+    Raises
+    ------
+    InputError
+        There are no frequencies or responses (the message lists the names found), two arrays have the same meaning, or
+        shapes do not fit.
     """
     arrays = by_meaning(stored, NAMES, path)
     if coherence and "coherence" not in arrays:

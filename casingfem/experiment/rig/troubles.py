@@ -38,16 +38,35 @@ HIT_DELAY = 0.023  # s, from the first to the second hit
 class Troubles:
     """Imperfections of a simulated test; by default none.
 
-    Parameters ---------- snr_db : level of noise below the rms of each channel [dB] colour : the noise's amplitude
-    falls as f^-colour coherent : share of the noise power that is common to all channels of a drive setups, shift :
-    number of groups in which sensors are measured; the frequency of each mode differs between groups by up to `shift`
-    (relative: a roving mass, a moved hammer) half_rim : keep only the first half of the sensors dead, noisy, swapped,
-    flipped : channels without signal, with ten times the noise, exchanged in pairs, with wrong sign double_hit : size
-    of a second hit over the first; noise rises where their spectra cancel exponential : time constant of an exponential
-    window [s] cut_off : records last one over the line spacing and end before the ringing has decayed pre_trigger :
-    time that such a record has before the hit [s] leakage : leakage of a Hann window, as with random forces fixture :
-    number of local modes, each at a few neighbouring sensors phase_deg : rms phase of the shapes' components, as with
-    nonproportional damping
+    Parameters
+    ----------
+    snr_db
+        Level of noise below the rms of each channel [dB].
+    colour
+        The noise's amplitude falls as f^-colour.
+    coherent
+        Share of the noise power that is common to all channels of a drive.
+    setups, shift
+        Number of groups in which sensors are measured. The frequency of each mode differs between groups by up to
+        `shift` (relative: a roving mass, a moved hammer).
+    half_rim
+        Keep only the first half of the sensors.
+    dead, noisy, swapped, flipped
+        Channels without signal, with ten times the noise, exchanged in pairs, with wrong sign.
+    double_hit
+        Size of a second hit over the first; noise rises where their spectra cancel.
+    exponential
+        Time constant of an exponential window [s].
+    cut_off
+        Records last one over the line spacing and end before the ringing has decayed.
+    pre_trigger
+        Time that such a record has before the hit [s].
+    leakage
+        Leakage of a Hann window, as with random forces.
+    fixture
+        Number of local modes, each at a few neighbouring sensors.
+    phase_deg
+        Rms phase of the shapes' components, as with nonproportional damping.
 
     Examples
     --------

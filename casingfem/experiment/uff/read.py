@@ -96,9 +96,12 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
     FileNotFoundError
         The file does not exist.
 
-    Warns ----- ModelWarning `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: data seem incomplete, although the
-    format has no count for them. `uff-bytes`, `uff-empty`, `uff-end`: binary data have another length than stated, a
-    set is empty, the closing -1 is missing.
+    Warns
+    -----
+    ModelWarning
+        `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: data seem incomplete, although the format has no count for
+        them. `uff-bytes`, `uff-empty`, `uff-end`: binary data have another length than stated, a set is empty, the
+        closing -1 is missing.
 
     Examples
     --------

@@ -94,11 +94,17 @@ def named(number: str) -> str:
 def split(data: bytes, path: str) -> list[RawSet]:
     r"""Split a universal file into its data sets; only blank lines may be outside them.
 
-    Raises ------ InputError The file has no set, text outside sets, a set without an end, or binary data without an end
-    where the header allows one.
+    Raises
+    ------
+    InputError
+        The file has no set, text outside sets, a set without an end, or binary data without an end where the header
+        allows one.
 
-    Warns ----- ModelWarning `uff-end`: the last set lacks its closing -1, but its header states its length;
-    `uff-empty`: a set has no content.
+    Warns
+    -----
+    ModelWarning
+        `uff-end`: the last set lacks its closing -1, but its header states its length; `uff-empty`: a set has no
+        content.
 
     Examples
     --------

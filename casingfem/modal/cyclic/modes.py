@@ -115,8 +115,13 @@ def cyclic_modes(
     diameters
         Some of 0 .. N/2; by default all.
 
-    Raises ------ ModelError `cyclic-diameters` for diameters that the wheel does not have; `rotation-unstable` if
-    K(Omega) is not positive definite. NumericsError If the modes cannot be computed or verified.
+    Raises
+    ------
+    ModelError
+        `cyclic-diameters` for diameters that the wheel does not have; `rotation-unstable` if K(Omega) is not positive
+        definite.
+    NumericsError
+        If the modes cannot be computed or verified.
 
     Examples
     --------

@@ -33,9 +33,15 @@ class Monomials(NamedTuple):
 def collected(factor: IntArray, number: IntArray, value: FloatArray, size: FloatArray, scale: FloatArray) -> Monomials:
     """Sums for K, then for M; each product once, without the smallest ones, which are together below `LEFT` of `scale`.
 
-    Parameters ---------- factor, number, value Products (products, degree), the index of the number to which each
-    belongs (products,), and its K and M (products, 2). size Root mean square of each coefficient, (X,). scale Size of
-    the numbers to which the sums are added, (numbers,).
+    Parameters
+    ----------
+    factor, number, value
+        Products (products, degree), the index of the number to which each belongs (products,), and its K and M
+        (products, 2).
+    size
+        Root mean square of each coefficient, (X,).
+    scale
+        Size of the numbers to which the sums are added, (numbers,).
     """
     factor = np.sort(factor, axis=1)
     key = factor @ size.size ** np.arange(factor.shape[1])  # one number a product

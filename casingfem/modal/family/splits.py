@@ -25,10 +25,18 @@ LOT = 128  # casings at once: their products fit into the cache
 class Splits(NamedTuple):
     """Pairs of many casings, (casings, pairs).
 
-    Attributes ---------- freq : mean of the two frequencies [Hz] split : (f_upper - f_lower)/mean angle_deg : angle of
-    an antinode of the lower member, from 0 to 180/n share : energy share of the pair's waves in the two modes; if two
-    pairs mix this is low, and the pair is not meaningful third : relative effect of the third-order terms on the
-    frequencies of the pair, the larger of both
+    Attributes
+    ----------
+    freq
+        Mean of the two frequencies [Hz].
+    split
+        (f_upper - f_lower)/mean.
+    angle_deg
+        Angle of an antinode of the lower member, from 0 to 180/n.
+    share
+        Energy share of the pair's waves in the two modes. If two pairs mix it is low, and the pair is not meaningful.
+    third
+        Relative effect of the third-order terms on the frequencies of the pair, the larger of both.
     """
 
     freq: FloatArray

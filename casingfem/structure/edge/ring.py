@@ -26,11 +26,20 @@ class Ring:
     The ring is a curved Timoshenko beam (`structure.curved_beam`) with stretch, torsion, two bendings and two shears.
     Its rotation is that of the edge's node: two dofs of the shell, and one more, the rotation about the wall's normal.
 
-    Parameters ---------- section Section of the ring. material Its material; by default the shell's. offset (radial,
-    axial) position of the section's centre from the edge [m]; by default half a depth beyond the edge. support Support
-    of the ring: an `ElasticEdge` or `Bolts`, per metre and angle of the casing's edge; None for no support. A face
-    modulus acts on the section's width. To clamp a ring, clamp the edge. foot (radial, axial) position from the
-    section's centre at which the support acts [m]; by default the face away from the shell.
+    Parameters
+    ----------
+    section
+        Section of the ring.
+    material
+        Its material; by default the shell's.
+    offset
+        (radial, axial) position of the section's centre from the edge [m]; by default half a depth beyond the edge.
+    support
+        Support of the ring: an `ElasticEdge` or `Bolts`, per metre and angle of the casing's edge; None for no support.
+        A face modulus acts on the section's width. To clamp a ring, clamp the edge.
+    foot
+        (radial, axial) position from the section's centre at which the support acts [m]; by default the face away from
+        the shell.
 
     Raises
     ------

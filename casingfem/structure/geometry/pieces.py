@@ -29,9 +29,15 @@ Point = tuple[float, float]
 class Piece:
     """A piece of a meridian: its end, its curvature, and its joint with the previous piece.
 
-    Parameters ---------- to Its end (r, z) [m]. radius Radius of an arc of less than half a turn [m], positive if it
-    bends to the left with r to the right and z up; None for a straight piece. fillet Radius of the corner at its start
-    [m]; by default that of the meridian.
+    Parameters
+    ----------
+    to
+        Its end (r, z) [m].
+    radius
+        Radius of an arc of less than half a turn [m], positive if it bends to the left with r to the right and z up;
+        None for a straight piece.
+    fillet
+        Radius of the corner at its start [m]; by default that of the meridian.
 
     >>> Piece(to=(0.5, 0.2)).radius is None
     True
@@ -100,8 +106,11 @@ class PiecewiseMeridian:
     fillet
         Radius of the corners [m]; about the wall's thickness for two walls at an angle.
 
-    Raises ------ ModelError `meridian-pieces` for a corner without a fillet, a fillet that does not fit, or an arc that
-    does not reach its end; `meridian-axis` if the meridian reaches the axis.
+    Raises
+    ------
+    ModelError
+        `meridian-pieces` for a corner without a fillet, a fillet that does not fit, or an arc that does not reach its
+        end; `meridian-axis` if the meridian reaches the axis.
 
     Examples
     --------

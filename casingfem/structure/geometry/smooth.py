@@ -29,8 +29,11 @@ class SmoothMeridian:
     points
         (r, z) [m] from the base to the top, two or more.
 
-    Raises ------ ModelError `meridian-points` for fewer than two points, a repeated point, or a corner of more than 30
-    degrees; `meridian-axis` if the meridian reaches the axis.
+    Raises
+    ------
+    ModelError
+        `meridian-points` for fewer than two points, a repeated point, or a corner of more than 30 degrees;
+        `meridian-axis` if the meridian reaches the axis.
 
     Examples
     --------

@@ -79,16 +79,34 @@ class Walls(NamedTuple):
 class MeshSystem:
     """Matrices of an imported structure on its free dofs.
 
-    Attributes ---------- structure The structure. K, M Stiffness and consistent mass, (free, free), symmetric [SI].
-    free Numbers of the free dofs among dofs * nodes; with `lift`, those of the unknowns; rotations of nodes are
-    numbered after them. dofs Dofs of a node: 3 in solids, 5 in shells, 6 if walls of a shell meet. rigid Number of
-    rigid motions that the supports allow, 0 to 6. wall Wall thickness t [m]; for solids twice the volume over the
-    surface. frequency_scale Bending frequency c t/size^2 [rad/s] of the body as a flat plate: a lower bound for its
-    elastic modes. tie Motions (free, unknowns) to which static states are restricted, as for a sector's faces; None if
-    all are free. lift Dofs of the nodes by the unknowns, (dofs * nodes, free), if attachments tie some; None if each
-    unknown is one of them. idle Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions);
-    None without attachments. connected All motions of a mesh with attachments; None without. walls If walls of a shell
-    meet: motion of the walls' nodes, and the stiffness on their dofs; else None.
+    Attributes
+    ----------
+    structure
+        The structure.
+    K, M
+        Stiffness and consistent mass, (free, free), symmetric [SI].
+    free
+        Numbers of the free dofs among dofs * nodes; with `lift`, those of the unknowns; rotations of nodes are numbered
+        after them.
+    dofs
+        Dofs of a node: 3 in solids, 5 in shells, 6 if walls of a shell meet.
+    rigid
+        Number of rigid motions that the supports allow, 0 to 6.
+    wall
+        Wall thickness t [m]; for solids twice the volume over the surface.
+    frequency_scale
+        Bending frequency c t/size^2 [rad/s] of the body as a flat plate: a lower bound for its elastic modes.
+    tie
+        Motions (free, unknowns) to which static states are restricted, as for a sector's faces; None if all are free.
+    lift
+        Dofs of the nodes by the unknowns, (dofs * nodes, free), if attachments tie some; None if each unknown is one of
+        them.
+    idle
+        Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions); None without attachments.
+    connected
+        All motions of a mesh with attachments; None without.
+    walls
+        If walls of a shell meet: motion of the walls' nodes, and the stiffness on their dofs; else None.
 
     Examples
     --------

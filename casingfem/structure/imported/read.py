@@ -31,10 +31,17 @@ WORDS = ("point", "curve", "surface", "volume")
 def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units: str | None = None) -> MeshData:
     r"""Read a mesh; the ending of its name states the format.
 
-    Parameters ---------- path A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat, .cdb, .unv or
-    .med file. scale Factor of the coordinates to metres: 1e-3 for millimetres. join Nodes of cells closer than this [m]
-    are merged; 0 merges none. units Length, mass and time of the file, such as "mm-t-s", instead of `scale`. A file
-    with masses or springs needs units if its lengths are not metres.
+    Parameters
+    ----------
+    path
+        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat, .cdb, .unv or .med file.
+    scale
+        Factor of the coordinates to metres: 1e-3 for millimetres.
+    join
+        Nodes of cells closer than this [m] are merged; 0 merges none.
+    units
+        Length, mass and time of the file, such as "mm-t-s", instead of `scale`. A file with masses or springs needs
+        units if its lengths are not metres.
 
     Raises
     ------

@@ -54,8 +54,11 @@ class BladeSections:
     source
         Name of the file, for messages.
 
-    Raises ------ InputError For fewer than two sections or five stations, repeated stations, surfaces that cross, or an
-    edge that is closed in some sections only.
+    Raises
+    ------
+    InputError
+        For fewer than two sections or five stations, repeated stations, surfaces that cross, or an edge that is closed
+        in some sections only.
 
     Examples
     --------

@@ -61,16 +61,31 @@ ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see 
 class MeshShell(ShellCells):
     """An elastic shell on an imported mesh of quadrilaterals and triangles.
 
-    Parameters ---------- mesh Cells of kind quad, quad8 or quad9 (`read_mesh`); triangles are collapsed quadrilaterals.
-    quad8 is stored as quad9, with the new nodes after the others. thickness Wall thickness t [m], half of it on each
-    side of the mesh. material Isotropic material. thicknesses, materials Group of cells -> its thickness [m], its
-    material. supports Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t
-    k_face per length on displacements, t^3/12 k_face on rotations. shear_correction Factor of the transverse shear
-    stiffness; 5/(6 - nu), or 5/6 on a linear wall, if left out. wall "curved" or "linear", as in `Shell`, for stiffness
-    and inertia. The curvature is that of the nodes' normals. plies Layers along the normals of the cells. They fill the
-    wall in proportion to their thicknesses. The wall must be linear, and groups may not have materials. A layer without
-    a lamina has the shell's material. angle_from Reference direction of the plies' angles, projected on the wall;
-    angles are right-handed about the normals. rotation Steady rotation: speed and axis; at rest if left out.
+    Parameters
+    ----------
+    mesh
+        Cells of kind quad, quad8 or quad9 (`read_mesh`); triangles are collapsed quadrilaterals. quad8 is stored as
+        quad9, with the new nodes after the others.
+    thickness
+        Wall thickness t [m], half of it on each side of the mesh.
+    material
+        Isotropic material.
+    thicknesses, materials
+        Group of cells -> its thickness [m], its material.
+    supports
+        Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t k_face per
+        length on displacements, t^3/12 k_face on rotations.
+    shear_correction
+        Factor of the transverse shear stiffness; 5/(6 - nu), or 5/6 on a linear wall, if left out.
+    wall
+        "curved" or "linear", as in `Shell`, for stiffness and inertia. The curvature is that of the nodes' normals.
+    plies
+        Layers along the normals of the cells. They fill the wall in proportion to their thicknesses. The wall must be
+        linear, and groups may not have materials. A layer without a lamina has the shell's material.
+    angle_from
+        Reference direction of the plies' angles, projected on the wall; angles are right-handed about the normals.
+    rotation
+        Steady rotation: speed and axis; at rest if left out.
 
     Raises
     ------

@@ -29,10 +29,19 @@ from contact.io.brief import brief
 class Solid(SolidCells):
     """An elastic solid on an imported mesh.
 
-    Parameters ---------- mesh Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27. Bricks may
-    include collapsed ones (`read_mesh`). material Material of all cells that `materials` does not name. materials Group
-    of cells -> material. supports Group -> `Clamped`, `Fixed`, or `ElasticEdge(k_face=...)`, a foundation [N/m^3] on
-    the group's facets. rotation Steady rotation: speed and axis; at rest if left out.
+    Parameters
+    ----------
+    mesh
+        Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27. Bricks may include collapsed ones
+        (`read_mesh`).
+    material
+        Material of all cells that `materials` does not name.
+    materials
+        Group of cells -> material.
+    supports
+        Group -> `Clamped`, `Fixed`, or `ElasticEdge(k_face=...)`, a foundation [N/m^3] on the group's facets.
+    rotation
+        Steady rotation: speed and axis; at rest if left out.
 
     Raises
     ------

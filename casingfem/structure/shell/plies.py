@@ -65,9 +65,15 @@ class Lamina:
 class Ply:
     """A layer of a wall; plies are ordered from the inside of a casing outwards, on plates and blades along z or flap.
 
-    Parameters ---------- thickness Its relative thickness: plies fill the shell's thickness in proportion. angle_deg
-    Angle of its fibres, from the chart's first direction (along axis or span) to the second (around, along the chord).
-    lamina Its material; by default the shell's own, isotropic.
+    Parameters
+    ----------
+    thickness
+        Its relative thickness: plies fill the shell's thickness in proportion.
+    angle_deg
+        Angle of its fibres, from the chart's first direction (along axis or span) to the second (around, along the
+        chord).
+    lamina
+        Its material; by default the shell's own, isotropic.
 
     Raises
     ------

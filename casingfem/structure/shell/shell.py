@@ -18,19 +18,41 @@ Parts = TypeVar("Parts", bound=ShellParts)
 class Shell(ShellParts):
     """A shear-deformable shell on a chart.
 
-    Parameters ---------- chart Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, Blade, or anything that
-    satisfies `Chart`. thickness Nominal thickness t [m]. material Isotropic material. supports Edge name -> support;
-    edges not named are free. radius_defect Relative radius field f: r = r0 (1 + f). thickness_defect, modulus_defect,
-    density_defect Relative fields of the thickness t (1 + f), of Young's modulus E (1 + f), of the density rho (1 + f).
-    shear_correction Factor of the transverse shear stiffness, by default 5/(6 - nu), or 5/6 on a linear wall; a large
-    one gives the thin-shell (Kirchhoff-Love) limit. wall "curved": strains and inertia with the metric at every depth
-    of the wall, and the stretch of its normals; "linear": strains linear through the wall, as published shell theory
-    has them (`structure.shell.wall`). plies Layers from the inside out that fill the wall in proportion to their
-    thicknesses; the wall must be linear. Layers without a lamina have the shell's material. strips Bands along the
-    first parameter with their own thickness or material. stiffeners Rings on a closed casing's wall, between its edges.
-    taper Designed variation of the thickness: factors from root to tip and across. rotation Steady rotation: speed and
-    axis; by default at rest. masses Edge -> point masses on it, or on the centre line of its ring. mesh Order and
-    element counts; by default chosen for the shell.
+    Parameters
+    ----------
+    chart
+        Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, Blade, or anything that satisfies `Chart`.
+    thickness
+        Nominal thickness t [m].
+    material
+        Isotropic material.
+    supports
+        Edge name -> support; edges not named are free.
+    radius_defect
+        Relative radius field f: r = r0 (1 + f).
+    thickness_defect, modulus_defect, density_defect
+        Relative fields of the thickness t (1 + f), of Young's modulus E (1 + f), of the density rho (1 + f).
+    shear_correction
+        Factor of the transverse shear stiffness, by default 5/(6 - nu), or 5/6 on a linear wall; a large one gives the
+        thin-shell (Kirchhoff-Love) limit.
+    wall
+        "curved": strains and inertia with the metric at every depth of the wall, and the stretch of its normals;
+        "linear": strains linear through the wall, as published shell theory has them (`structure.shell.wall`).
+    plies
+        Layers from the inside out that fill the wall in proportion to their thicknesses; the wall must be linear.
+        Layers without a lamina have the shell's material.
+    strips
+        Bands along the first parameter with their own thickness or material.
+    stiffeners
+        Rings on a closed casing's wall, between its edges.
+    taper
+        Designed variation of the thickness: factors from root to tip and across.
+    rotation
+        Steady rotation: speed and axis; by default at rest.
+    masses
+        Edge -> point masses on it, or on the centre line of its ring.
+    mesh
+        Order and element counts; by default chosen for the shell.
 
     Raises
     ------

@@ -20,13 +20,25 @@ from contact.io.brief import brief
 class System:
     """Matrices of a supported shell on its free dofs.
 
-    Attributes ---------- shell, grid The shell and its mesh. stiffness Symmetric, (free, free) [SI]: element by
-    element, or a sparse matrix; `K` is always sparse. mass The diagonal of M, (free,). free Numbers of the free dofs
-    among 5 * nodes and the additional dofs of rings after them. frames Motions of each node by its dofs, as columns,
-    (nodes, 5, 5): rotated at nodes fixed in an edge's frame; where the wall's centre of mass is off the mid-surface,
-    rotations include displacements (`nodal_mass.diagonal_frames`). change Transformation that makes M diagonal if rings
-    or masses couple it: the free dofs are change @ those of the stiffness and `mass`, (free, free); None where nothing
-    is coupled. own Number of additional dofs of rings: rotations about the normal at the nodes of their edges.
+    Attributes
+    ----------
+    shell, grid
+        The shell and its mesh.
+    stiffness
+        Symmetric, (free, free) [SI]: element by element, or a sparse matrix; `K` is always sparse.
+    mass
+        The diagonal of M, (free,).
+    free
+        Numbers of the free dofs among 5 * nodes and the additional dofs of rings after them.
+    frames
+        Motions of each node by its dofs, as columns, (nodes, 5, 5): rotated at nodes fixed in an edge's frame; where
+        the wall's centre of mass is off the mid-surface, rotations include displacements
+        (`nodal_mass.diagonal_frames`).
+    change
+        Transformation that makes M diagonal if rings or masses couple it: the free dofs are change @ those of the
+        stiffness and `mass`, (free, free); None where nothing is coupled.
+    own
+        Number of additional dofs of rings: rotations about the normal at the nodes of their edges.
 
     Examples
     --------

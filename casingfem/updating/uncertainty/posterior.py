@@ -1,11 +1,11 @@
-"""Deviation of the posterior from the Gaussian of covariance (J^T J)^-1.
+"""Deviation of the posterior from the Gaussian with covariance (J^T J)^-1.
 
-Close to the solution every weighted residual is a parabola,
+Close to the solution every weighted residual is expanded to second order,
 
     r(x) = r0 + J d + 1/2 d^T H d,   d = x - x0,
 
-with H by central differences of the exact Jacobian, half a standard deviation to either side. With it, the Laplace
-approximation takes the whole Hessian J^T J + sum_i r_i H_i, and a sampler needs no further modes (`sampling`).
+with H by central differences of the exact Jacobian, half a standard deviation to either side. The Laplace approximation
+uses the whole Hessian J^T J + sum_i r_i H_i. A sampler of these residuals needs no further modes (`sampling`).
 """
 
 from collections.abc import Sequence
@@ -34,20 +34,20 @@ class Parabolas:
     H: FloatArray
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Residuals at points (points, p): (points, m)."""
+        """Residuals (points, m) at points (points, p)."""
         d = np.atleast_2d(x) - self.x0
         return np.asarray(self.r + d @ self.J.T + 0.5 * np.einsum("np,mpq,nq->nm", d, self.H, d))
 
 
 def at_solution(fit: UpdateResult) -> Problem:
-    """The problem of an update with its solution solved, so that points beside it start from there."""
+    """The problem of an update, solved at its solution, so that nearby points start from there."""
     problem = fit.problem
     problem.anchor = problem.state(fit.x)
     return problem
 
 
 def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Residuals and Jacobian at a point near the solution; modes are followed from those of the solution."""
+    """Residuals and Jacobian at a point near the solution; modes are tracked from those of the solution."""
     home = problem.anchor
     try:
         return problem.state(x).values, problem.data_jacobian(x)
@@ -56,7 +56,7 @@ def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def parabolas(fit: UpdateResult) -> Parabolas:
-    """Residuals to second order about the solution: two solutions for each parameter, inside its bounds."""
+    """Residuals to second order about the solution: two evaluations for each parameter, inside its bounds."""
     problem = at_solution(fit)
     steps = STEP * np.where(fit.stated_sigma > 0.0, fit.stated_sigma, 1e-3 * (fit.upper - fit.lower))
     H = np.empty((*fit.jacobian.shape, len(fit.x)))
@@ -83,16 +83,17 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Laplace(Reported):
-    """The Gaussian of the whole Hessian beside that of Gauss and Newton.
+    """Gaussian approximations of the posterior: by the whole Hessian, and by J^T J (Gauss-Newton).
 
     Attributes
     ----------
     names, log
         The parameters, and which vary by their logarithm.
     sigma, gauss_newton
-        Standard deviations by either, in decades for log parameters, (parameters,).
+        Standard deviations by the whole Hessian and by J^T J, in decades for log parameters, (parameters,).
     bend
-        How far a residual leaves its tangent one standard deviation away, in its own sigma, at most, (parameters,).
+        Largest deviation of a residual from its tangent at one standard deviation, in the residual's sigma,
+        (parameters,).
 
     Examples
     --------
@@ -131,7 +132,7 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
     Raises
     ------
     InputError
-        If the solution is no minimum: the Hessian has a direction that falls (a fit that stopped early).
+        If the solution is no minimum: the Hessian has a negative eigenvalue (a fit that stopped early).
 
     Examples
     --------
@@ -165,7 +166,7 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
 
 
 def varied_names(names: Sequence[str], log: Sequence[bool]) -> list[str]:
-    """Names of the numbers of a posterior: a parameter, or its decimal logarithm.
+    """Names of the posterior's variables: parameters, or their decimal logarithms.
 
     >>> varied_names(["shell.thickness", "support.root.k_face"], [False, True])
     ['shell.thickness', 'log10 support.root.k_face']
@@ -174,6 +175,6 @@ def varied_names(names: Sequence[str], log: Sequence[bool]) -> list[str]:
 
 
 def weakest(fit: UpdateResult, hessian: FloatArray) -> str:
-    """The parameters along the lowest curvature, by name."""
+    """Names of the parameters along the direction of lowest curvature."""
     direction = np.linalg.eigh(hessian)[1][:, 0]
     return ", ".join(fit.parameters[k].name for k in np.argsort(-np.abs(direction))[:2])

@@ -1,11 +1,12 @@
 """Cross-validation of an update: each row, or doublet, of the table is left out in turn and predicted.
 
-The honest test of a model is a frequency that did not take part. Each update starts from the whole one, keeps its
-priors, and predicts the rows it was not shown, with the standard deviation
+A model is tested by a frequency to which it was not fitted. Each update starts from the fit of all rows, keeps its
+priors, and predicts the rows that were left out, with the standard deviation
 
     sigma^2 = sigma_measured^2 + (df/dx) C (df/dx)^T,   C the covariance of that update.
 
-Errors of several sigma that the fit itself does not show mean too many parameters, or a wrong model.
+If these errors are several sigma while the residuals of the fit are small, the model has too many parameters or is
+wrong.
 """
 
 from collections.abc import Sequence
@@ -28,7 +29,7 @@ from contact.io.reported import Reported
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Prediction:
-    """One row of the table, predicted by an update that had not seen it [Hz]; `sigma_hz` is that of the difference."""
+    """One row of the table, predicted by an update without it [Hz]; `sigma_hz` is that of the difference."""
 
     mode: int
     n: int
@@ -67,7 +68,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeftOut(Reported):
-    """All rows, each predicted without itself.
+    """Predictions of all rows, each by an update without it.
 
     >>> LeftOut(rows=()).rows
     ()
@@ -84,7 +85,7 @@ class LeftOut(Reported):
 
     @property
     def rms_sigma(self) -> float:
-        """RMS error in standard deviations: about 1 where the model is right and its sigma honest."""
+        """RMS error in standard deviations: about 1 if the model and its sigma are right."""
         return float(np.sqrt(np.mean([row.deviation**2 for row in self.rows])))
 
     def to_json(self) -> dict[str, object]:
@@ -104,7 +105,7 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
     Raises
     ------
     InputError
-        If what is left cannot determine the parameters.
+        If the remaining rows cannot determine the parameters.
 
     Examples
     --------
@@ -125,7 +126,7 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
 
 
 def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Prediction]:
-    """The rows of one match, by an update without them."""
+    """Predict the rows of one match by an update without them."""
     whole = fit.given
     left_out = whole.table.mode[list(match.rows)].tolist()
     without = f"{whole.table.path}: without mode {' and '.join(map(str, left_out))}, "

@@ -1,9 +1,9 @@
-"""A sampled posterior: emcee on the parabolas of an update's residuals, within its bounds and priors.
+"""Sample the posterior with emcee, from second-order residuals of the update, within its bounds and priors.
 
 The affine-invariant ensemble sampler (Goodman & Weare, Comm. App. Math. Comp. Sci. 5, 2010, 65) by emcee
 (Foreman-Mackey et al., PASP 125, 2013, 306), extra `sampling`. The density is exp(-1/2 |r|^2 - 1/2 |prior|^2) with r to
-second order (`posterior.parabolas`); some of the samples are evaluated with modes of their own to see what that
-leaves out.
+second order (`posterior.parabolas`); some samples are evaluated with their own modes to measure the error of this
+expansion.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ LEVELS = (0.025, 0.5, 0.975)
 
 
 def quantile(level: float) -> Callable[["PosteriorSamples"], FloatArray]:
-    """The value below which a part of the samples lies, of each parameter."""
+    """Quantile of each parameter at a given share of the samples."""
     return lambda found: np.asarray(np.quantile(found.samples, level, axis=0))
 
 
@@ -50,13 +50,14 @@ class PosteriorSamples(Reported):
     names, log
         The parameters, and which vary by their logarithm.
     samples
-        (samples, parameters), thinned to about independent ones; decimal logarithms of log parameters.
+        (samples, parameters), thinned until nearly independent; decimal logarithms of log parameters.
     gauss_newton
         Standard deviations of (J^T J)^-1, (parameters,).
     acceptance, autocorrelation
-        Of the chains: the part of moves taken, steps until they forget, at most.
+        Accepted share of the moves, and the longest autocorrelation time of the chains [steps].
     gap
-        Largest difference of a residual of the parabolas from that of modes of its own, over some samples, in sigma.
+        Largest difference between the second-order residuals and those from computed modes, over some samples, in
+        sigma.
 
     Examples
     --------
@@ -82,7 +83,7 @@ class PosteriorSamples(Reported):
         return np.asarray(self.samples.std(axis=0, ddof=1))
 
     def columns(self) -> dict[str, FloatArray]:
-        """One row a sample, one column a parameter."""
+        """One row for each sample, one column for each parameter."""
         return dict(zip(varied_names(self.names, self.log), self.samples.T, strict=True))
 
     def to_json(self) -> dict[str, object]:
@@ -98,7 +99,7 @@ class PosteriorSamples(Reported):
         }
 
     def __repr__(self) -> str:
-        """Quantiles of each parameter, and how good the chains are."""
+        """Quantiles of each parameter, and the quality of the chains."""
         lines = ["posterior (emcee)", *table_lines(self.COLUMNS, self.records())]
         lines.append(
             f"{len(self.samples)} samples, {self.acceptance:.0%} of moves taken, forgotten after "
@@ -117,16 +118,16 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
     steps
         Steps of each of 4 p + 8 walkers; the first third is left out.
     seed
-        Of the walkers.
+        Seed of the walkers.
     checks
-        Samples evaluated with modes of their own.
+        Number of samples evaluated with computed modes.
 
     Raises
     ------
     MissingExtraError
         Without emcee.
     InputError
-        If the chains are too short to forget where they began.
+        If the chains are too short to be independent of their start.
 
     Examples
     --------
@@ -176,6 +177,6 @@ def log_density(x: FloatArray, fit: UpdateResult, near: Parabolas) -> FloatArray
 
 
 def worst_gap(fit: UpdateResult, near: Parabolas, points: FloatArray) -> float:
-    """Largest difference between residuals of the parabolas and those of modes at some points, in sigma."""
+    """Largest difference between second-order residuals and those from computed modes at some points, in sigma."""
     problem = at_solution(fit)
     return max(float(np.abs(evaluated(problem, x)[0] - near(x)[0]).max()) for x in points)

@@ -158,9 +158,13 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     mu : (c,) or one number, friction coefficients >= 0
     start : (c, d), starting forces, such as those of the last step
 
-    Raises ------ InputError Shapes that do not fit, mu < 0, values that are not finite, contacts without compliance.
-    NumericsError No solution to `TOLERANCE` is found; with friction none need exist. Or the motion of a contact has an
-    error above `LEFT` of its free motion, because double precision of the forces allows no better.
+    Raises
+    ------
+    InputError
+        Shapes that do not fit, mu < 0, values that are not finite, contacts without compliance.
+    NumericsError
+        No solution to `TOLERANCE` is found; with friction none need exist. Or the motion of a contact has an error
+        above `LEFT` of its free motion, because double precision of the forces allows no better.
 
     A block pushed down with 1 and sideways with 2 slips under mu = 1 and sticks under mu = 3:
 

@@ -37,13 +37,26 @@ def estimate(
 ) -> Estimate:
     """Frequency responses of time records of a hammer or a shaker test.
 
-    Parameters ---------- takes Forces and responses that were sampled together: a record for each hit, or long records
-    with many. test "hammer" or "shaker"; None decides by the peak of the force over its rms. estimator "H1", "H2" or
-    "Hv"; with several forces at once H1. exponential Time constant [s] of an exponential window; `identify` subtracts
-    its damping. Hammer tests only. seconds Length of a block [s]. None: a record with one hit is one block, in long
-    records a block ends at the next hit; for a shaker a twentieth of the record. before Pre-trigger [s] of a hit in a
-    long record; None: 2 % of the block. window, overlap Window and overlap of the blocks of a shaker test: "hann", or
-    "rectangular" for bursts that decay within the block. band Frequencies kept [Hz]; all up to fs/2.56 if None.
+    Parameters
+    ----------
+    takes
+        Forces and responses that were sampled together: a record for each hit, or long records with many.
+    test
+        "hammer" or "shaker"; None decides by the peak of the force over its rms.
+    estimator
+        "H1", "H2" or "Hv"; with several forces at once H1.
+    exponential
+        Time constant [s] of an exponential window; `identify` subtracts its damping. Hammer tests only.
+    seconds
+        Length of a block [s]. None: a record with one hit is one block, in long records a block ends at the next hit;
+        for a shaker a twentieth of the record.
+    before
+        Pre-trigger [s] of a hit in a long record; None: 2 % of the block.
+    window, overlap
+        Window and overlap of the blocks of a shaker test: "hann", or "rectangular" for bursts that decay within the
+        block.
+    band
+        Frequencies kept [Hz]; all up to fs/2.56 if None.
 
     Raises
     ------

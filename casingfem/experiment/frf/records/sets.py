@@ -18,9 +18,19 @@ def sets_of(
 ) -> tuple[FrfSet, FrfSet]:  # fmt: skip
     """Frequency responses and coherence of a test, with the units of a record.
 
-    Parameters ---------- take Gives the units, and the name for messages. freq Lines [Hz] (lines,). H, coherence
-    Responses (rows, lines); coherence (channels, lines) of the first rows. There are fewer channels than rows if
-    several forces act at once. response, reference Points and directions, (rows,) each. card Header lines of both sets.
+    Parameters
+    ----------
+    take
+        Gives the units, and the name for messages.
+    freq
+        Lines [Hz] (lines,).
+    H, coherence
+        Responses (rows, lines); coherence (channels, lines) of the first rows. There are fewer channels than rows if
+        several forces act at once.
+    response, reference
+        Points and directions, (rows,) each.
+    card
+        Header lines of both sets.
 
     Raises
     ------

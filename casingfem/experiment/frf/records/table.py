@@ -34,8 +34,11 @@ def read_table(path: str | os.PathLike[str], *, by_names: bool = True) -> list[R
     by_names
         Whether the column names state points and directions. False if a table of channels states them.
 
-    Raises ------ InputError The first column is not time, times are not evenly spaced, cells are not numbers, or point
-    or direction of a force or response cannot be read.
+    Raises
+    ------
+    InputError
+        The first column is not time, times are not evenly spaced, cells are not numbers, or point or direction of a
+        force or response cannot be read.
     """
     csv = read(path)
     first = NAME.fullmatch(csv.header[0])

@@ -139,8 +139,11 @@ def take_of(block: RecordBlock) -> Take:
 
     A channel of unknown kind is a force if its unit is one, else a response.
 
-    Raises ------ InputError There is no force or no response, numbers are not finite, responses have several units, or
-    a unit belongs to another quantity.
+    Raises
+    ------
+    InputError
+        There is no force or no response, numbers are not finite, responses have several units, or a unit belongs to
+        another quantity.
     """
     force = np.array([_as_force(c) for c in block.channels], bool)
     named = ", ".join(

@@ -1,10 +1,11 @@
 """Frequencies, damping and shapes of the modes in responses to loads that are not measured.
 
-1. `correlations`: all sensors with some references, in blocks of the record. 2. Bands of a few peaks of the power
-spectra; `subspace`: poles that recur over the orders by frequency, damping, shape. 3. Step 2 is repeated without each
-block in turn: the jackknife gives the uncertainty of every number (Efron and Stein, Ann. Stat. 9, 1981, 586). It is no
-less than the true one on average, and larger for the shapes of close pairs. 4. Pairs, nodal diameters and orientations
-follow as for frequency responses; each mode is sure, or doubtful for a reason.
+1. `correlations`: all sensors with some references, in blocks of the record.
+2. Bands of a few peaks of the power spectra; `subspace`: poles that recur over the orders by frequency, damping, shape.
+3. Step 2 is repeated without each block in turn: the jackknife gives the uncertainty of every number (Efron and Stein,
+   Ann. Stat. 9, 1981, 586). It is no less than the true one on average, and larger for the shapes of close pairs.
+4. Pairs, nodal diameters and orientations follow as for frequency responses; each mode is sure, or doubtful for a
+   reason.
 """
 
 from __future__ import annotations

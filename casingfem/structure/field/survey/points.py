@@ -112,8 +112,11 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     ModelWarning
         `survey-columns`: the ignored columns.
 
-    Raises ------ InputError The table is malformed (see strict_csv), columns or their units are missing, or values are
-    not positive or seem to have another unit.
+    Raises
+    ------
+    InputError
+        The table is malformed (see strict_csv), columns or their units are missing, or values are not positive or seem
+        to have another unit.
     """
     table = named(read(path), SURVEY)
     wrong, parts = list[InputError](), dict[str, tuple[FloatArray, str]]()

@@ -93,20 +93,34 @@ class SurveyField(SeriesBehind):
 
         Or x_m|x_mm, y_m|y_mm, z_m|z_mm, as measuring machines write them; other columns are ignored.
 
-        Parameters ---------- n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most
-        40 degree : of the polynomial in z; by default 0 for one height, 1 below four, else 2, lowered (then n_max)
-        while the points cannot determine it robust : reduce the weight of outliers (Huber, then bisquare weights, scale
-        from the median deviation), and list those excluded centred : use the part's own axis, with fitted offset and
-        inclination, not that of the measurement outside : beyond the lowest and highest point the polynomial continues
-        ("fit"), the shape of the nearest height continues ("nearest"), or it decreases to zero over a quarter of the
-        measured heights ("zero")
+        Parameters
+        ----------
+        n_max
+            Highest harmonic fitted; by default .8 of what the largest gap resolves, at most 40.
+        degree
+            Degree of the polynomial in z; by default 0 for one height, 1 below four, else 2. The default degree, then
+            `n_max`, is lowered while the points cannot determine it.
+        robust
+            Reduce the weight of outliers (Huber, then bisquare weights, scale from the median deviation), and list
+            those excluded.
+        centred
+            Use the part's own axis, with fitted offset and inclination, not that of the measurement.
+        outside
+            Beyond the lowest and highest point the polynomial continues ("fit"), the shape of the nearest height
+            continues ("nearest"), or it decreases to zero over a quarter of the measured heights ("zero").
 
-        Warns ----- ModelWarning `survey-outliers`: a robust fit excluded points; `survey-stray`: a plain fit has points
-        that contradict all others; `survey-passes`: repeated measurements differ significantly; `survey-eccentric`: the
-        part was off the axis of the survey by more than its out-of-roundness.
+        Warns
+        -----
+        ModelWarning
+            `survey-outliers`: a robust fit excluded points. `survey-stray`: a plain fit has points that contradict all
+            others. `survey-passes`: repeated measurements differ significantly. `survey-eccentric`: the part was off
+            the axis of the survey by more than its out-of-roundness.
 
-        Raises ------ InputError The table is malformed or implausible, the circle is not covered for the requested
-        n_max, or there are too few points.
+        Raises
+        ------
+        InputError
+            The table is malformed or implausible, the circle is not covered for the requested n_max, or there are too
+            few points.
         """
         survey = cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust, centred=centred)
         return survey.bounded(outside)

@@ -31,9 +31,15 @@ TOLERANCE = 0.05  # of the facet's size: how far from it a node is still tied
 class Gluing:
     """Two faces to be tied.
 
-    Attributes ---------- follower, master Groups: nodes of the first follow the facets of the second; for shells edges
-    or cells. The finer face should follow. tolerance Distance [m] up to which nodes are tied; by default a twentieth of
-    the facet's size. where Origin of the tie, for messages.
+    Attributes
+    ----------
+    follower, master
+        Groups: nodes of the first follow the facets of the second; for shells edges or cells. The finer face should
+        follow.
+    tolerance
+        Distance [m] up to which nodes are tied; by default a twentieth of the facet's size.
+    where
+        Origin of the tie, for messages.
 
     Examples
     --------

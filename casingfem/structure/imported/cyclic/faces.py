@@ -58,8 +58,11 @@ class Pairs(NamedTuple):
 def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tolerance: float | None) -> Pairs:
     """The pairs of two groups, or of all nodes that the rotation maps onto another, to a tolerance [m].
 
-    Raises ------ ModelError `cyclic-sectors` if the angle between the faces differs, `cyclic-faces` if nodes or facets
-    do not match, with the distance and the node.
+    Raises
+    ------
+    ModelError
+        `cyclic-sectors` if the angle between the faces differs, `cyclic-faces` if nodes or facets do not match, with
+        the distance and the node.
 
     Examples
     --------

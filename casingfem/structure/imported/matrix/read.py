@@ -39,8 +39,11 @@ def read_matrices(
         A table with the columns node, direction (x, y, z, rx, ry, rz, q, or 1 to 6 and 0), a line for each row of the
         matrices; for formats that do not state the dofs.
 
-    Raises ------ ModelError `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what is missing or wrong in
-    the files, with its line if it is on one.
+    Raises
+    ------
+    ModelError
+        `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what is missing or wrong in the files, with its
+        line if it is on one.
 
     Examples
     --------

@@ -22,11 +22,21 @@ WALL = 5  # dofs of a node of one wall
 class Joints(NamedTuple):
     """Motion of the nodes of walls with the nodes of a shell.
 
-    Attributes ---------- nodes The node of the shell that each node of a wall is, (walls' nodes,). cells Walls' nodes
-    of each cell, (cells, nodes of a cell). normals, frames Directors (walls' nodes, 3) and their tangents (walls'
-    nodes, 2, 3). axes Rotation vector of each rotational dof of a node, (nodes, 2, 3), or (nodes, 3, 3) if walls meet;
-    0 for the third of a node of one wall. motions Dofs of walls' nodes by dofs of nodes, (5 walls' nodes, 6 nodes);
-    None where no walls meet. glued Ties of nodes; the master nodes are nodes of walls.
+    Attributes
+    ----------
+    nodes
+        The node of the shell that each node of a wall is, (walls' nodes,).
+    cells
+        Walls' nodes of each cell, (cells, nodes of a cell).
+    normals, frames
+        Directors (walls' nodes, 3) and their tangents (walls' nodes, 2, 3).
+    axes
+        Rotation vector of each rotational dof of a node, (nodes, 2, 3), or (nodes, 3, 3) if walls meet; 0 for the third
+        of a node of one wall.
+    motions
+        Dofs of walls' nodes by dofs of nodes, (5 walls' nodes, 6 nodes); None where no walls meet.
+    glued
+        Ties of nodes; the master nodes are nodes of walls.
     """
 
     nodes: IntArray
