@@ -87,7 +87,8 @@ def update(
     vary
         Parameters that may change, with their bounds.
     count
-        Modes computed at each step; by default enough to reach 15 % above the table, up to MOST_MODES.
+        Modes computed at each step; by default enough to reach 15 % above the table; more than MOST_MODES are
+        refused.
     reach
         Largest relative frequency error at which a row may pair with a mode.
     model_error

@@ -1,7 +1,7 @@
 """Correct the damping that an exponential window added to the responses.
 
-A response that was multiplied by exp(-t/tau) before its transform has its poles moved by -1/tau: measured is
-p - 1/tau, so that the damping ratio is too high by nearly 1/(tau omega). Residues stay.
+An exponential window exp(-t/tau) changes a pole p of the response to p - 1/tau. The measured damping ratio is therefore
+too high by nearly 1/(tau omega). Residues do not change.
 """
 
 from dataclasses import replace

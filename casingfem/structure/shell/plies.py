@@ -122,7 +122,7 @@ def moments(z: FloatArray) -> FloatArray:
 
 
 def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: Array, factor: Array) -> Array:
-    """Resultants of a layered wall on the eight strains at points, (8, 8, ...).
+    """Matrix from the eight strains to the resultants of a layered wall at points, (8, 8, ...).
 
     Laminae are scaled with the ratio of E to the modulus of the shell's own material.
     """

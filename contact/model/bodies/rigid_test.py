@@ -1,6 +1,6 @@
 """Test whether matrices represent rigid motions of their nodes: K R = 0 for a free part, and R^T M R that of one mass.
 
-With wrong axes of nodes, units of length or order of rows, K R is not zero. A row of it is compared with its terms,
+With wrong axes of nodes, units of length or order of rows, K R is not zero. Each row of K R is compared with its terms,
 
     |sum_j K_ij R_j| / sum_j |K_ij| |R_j|,
 

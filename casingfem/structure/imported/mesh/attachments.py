@@ -40,9 +40,9 @@ class PointMass:
     mass
         m [kg].
     inertia
-        About its own centre [kg m^2], (3, 3), symmetric.
+        Inertia about its own centre [kg m^2], (3, 3), symmetric.
     offset
-        From the node to its centre [m].
+        Vector from the node to its centre [m].
     where
         Its card and line, for messages.
 
