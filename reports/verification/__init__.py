@@ -1,1 +1,1 @@
-"""Is it right? Structures, contact, rubs, identification and updating against published, exact, independent values."""
+"""Verification: structures, contact, rubs, identification and updating against published, exact, independent values."""

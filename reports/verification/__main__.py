@@ -1,4 +1,4 @@
-"""What `python -m reports.verification` runs: table.py."""
+"""Runs table.py for `python -m reports.verification`."""
 
 from reports.tables import command_line
 from reports.verification import table

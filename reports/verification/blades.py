@@ -1,8 +1,9 @@
 """Blades against independent solutions: skew and tapered plates, tapered beams, other charts, a solid blade.
 
 `python -m reports.verification.blades [--quick] [--out DIR]` prints and writes verify_blades.csv; reports.verification
-has the same rows. FV22's printed frequencies scatter by -.5 to +1.0 % about the converged first-order shear theory.
-What is beside them is a Ritz solution of that theory in skew coordinates, computed here, and 3-D elasticity.
+has the same rows. FV22's printed frequencies scatter by -.5 to +1.0 % about the converged first-order shear theory. The
+report therefore compares with a Ritz solution of that theory in skew coordinates, computed here, and with 3-D
+elasticity.
 """
 
 from dataclasses import replace
@@ -87,7 +88,7 @@ def skew_mindlin(shell: Shell, order: int) -> FloatArray:
 
 
 def rhombic_solid(orders: Orders, count: int) -> FloatArray:
-    """Frequencies [Hz] of the solid rhombus, all four side faces held."""
+    """Frequencies [Hz] of the solid rhombus, clamped on its four side faces."""
     u, v, z = unit_cube(orders)
     held = (u == 0.0) | (u == 1.0) | (v == 0.0) | (v == 1.0)
     place = np.array([HEIGHT * u, SIDE * v + HEIGHT * u, z - 0.5])
@@ -172,7 +173,7 @@ def beams(quick: bool) -> list[Row]:
 
 
 def limits() -> list[Row]:
-    """The blade's formula where other charts have their own: the largest difference of eight frequencies."""
+    """Blades in the limits of other charts: the largest difference of eight frequencies."""
     pairs: list[tuple[str, Chart, Blade]] = [
         (
             "camber alone is a panel",
@@ -212,7 +213,7 @@ def fan_blade() -> Shell:
 
 
 def as_solid(shell: Shell, orders: Orders, count: int) -> FloatArray:
-    """Frequencies [Hz] of the solid between the faces X +- t/2 along the normal, its root face held."""
+    """Frequencies [Hz] of the solid between the faces X +- t/2 along the normal, clamped at its root face."""
     u, v, w = unit_cube(orders)
     (a0, a1), (b0, b1) = shell.chart.bounds
     at = shell.geometry(a0 + (a1 - a0) * u, b0 + (b1 - b0) * v)

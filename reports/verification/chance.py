@@ -1,4 +1,4 @@
-"""Chances of a family of casings: splits against full solutions, and estimates against a distribution that is known.
+"""Chances of a family of casings: splits against full solutions, and estimates against a known distribution.
 
 `python -m reports.verification.chance [--quick] [--out DIR]` prints three tables and writes them as CSV.
 
@@ -155,7 +155,7 @@ def linear_rows(own: Linear, draws: int) -> list[Row]:
 
 
 def repeated_rows(own: Linear, repetitions: int, rare: int) -> list[Row]:
-    """How often intervals have the truth; an event of 1e-5 by subset simulation."""
+    """How often intervals contain the true probability; an event of 1e-5 by subset simulation."""
     rows: list[Row] = []
     levels = {
         **{f"interval of a probability of {1.0 - at:.2g}": np.full(repetitions, at) for at in (0.52, 0.9, 0.98)},

@@ -66,7 +66,7 @@ def errors(table: pd.DataFrame, mesh: ShellMesh = FIXED, wall: str = "curved") -
 
 
 def summary(found: pd.DataFrame) -> list[Row]:
-    """One row for each h/R: rows within 0.1 %, worst errors in per cent, where the worst stands."""
+    """One row for each h/R: rows within 0.1 %, and the worst errors in per cent with their rows."""
     rows: list[Row] = []
     for h, part in found.groupby("h_over_R"):
         worst = part.loc[part.error.abs().idxmax()]

@@ -1,4 +1,4 @@
-"""Fields against what is known of them: pairs that two harmonics split together.
+"""Fields against known results: pairs that two harmonics split together.
 
 The slopes of thin rings, forbidden splits and turned fields are in `reports.verification.splitting`.
 """

@@ -17,7 +17,7 @@ from reports.tables import Row, check
 def hand(
     n: int, casing: tuple[float, float, float], blade: tuple[float, float, float], stiffness: float
 ) -> ct.gaps.HandPair:
-    """A hand calculation: (Hz, kg, zeta) of casing pair and blade mode, contact stiffness [N/m]."""
+    """A hand calculation: (Hz, kg, zeta) of the casing pair and of the blade mode, contact stiffness [N/m]."""
     return ct.gaps.HandPair(
         casing=ct.gaps.ModalPair(n=n, freq_hz=casing[0], modal_mass=casing[1], zeta=casing[2]),
         blade=ct.gaps.ModalPair(freq_hz=blade[0], modal_mass=blade[1], zeta=blade[2]), compliance=1.0 / stiffness,

@@ -1,17 +1,17 @@
 """Thin cylinders between shear diaphragms, h/R = 1e-3 and 1e-4, against Fluegge's closed form, on one fixed mesh.
 
 `python -m reports.verification.locking [--quick] [--out DIR]` prints and writes verify_locking.csv;
-reports.verification has the same rows. An element that locks shows it here: the lowest modes of so thin a wall bend it
-and hardly stretch it.
+reports.verification has the same rows. Locking is visible here, because the lowest modes of such a thin wall are almost
+inextensional.
 
 With u = U cos(a x) cos(n theta), v = V sin(a x) sin(n theta), w = W sin(a x) cos(n theta), a = m pi R/L, x = z/R and
 k = h^2/(12 R^2), Fluegge's equations are a symmetric 3 x 3 eigenvalue problem for
 Omega^2 = omega^2 R^2 rho (1 - nu^2)/E (Leissa, Vibration of Shells, NASA SP-288, 1973, sections 2.1 and 2.3). Its
 values of data/reference/cyl_shear_diaphragm_exact.csv come out the same.
 
-A mode is found by its shape, sin(a x), not by its place. Membranes have infinitely many modes just below
-Omega = sqrt(1 - nu^2) = .95, and at h/R = 1e-4 bending does not lift the shortest waves a mesh holds above them; its
-diagonal mass is too large for those, so that some come out as low as .75, between modes that are right.
+A mode is found by its shape, sin(a x), not by its place. Membranes have infinitely many modes just below Omega = sqrt(1
+- nu^2) = 0.95. At h/R = 1e-4 bending does not raise the shortest waves of a mesh above them. The diagonal mass is too
+large for these waves, so some have values down to 0.75, between correct modes.
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Rows of the verification on rings: the free circular ring VM09, point masses on a ring, bolts.
 
-The free ring is a `Ring` whose wall is a thin cylinder of a material 1e-7 as stiff and as heavy: it carries the dofs
-and nothing else. Fox's ring is a short cylinder with half of each mass on either edge.
+The free ring is a `Ring` whose wall is a thin cylinder of a material 1e-7 as stiff and as heavy: the wall only provides
+the dofs. Fox's ring is a short cylinder with half of each mass on either edge.
 """
 
 from dataclasses import replace
@@ -30,7 +30,7 @@ FOX = ((0.0, 0.012), (40.0, 0.008), (-40.0, 0.008))  # degrees, kg
 
 
 def free_ring(section: Section) -> Shell:
-    """The ring of VM09, radius 1 m, on a wall that is next to nothing."""
+    """The ring of VM09, radius 1 m, on a wall of negligible stiffness and mass."""
     carrier = Material(E=NOTHING * NAFEMS.E, nu=NAFEMS.nu, rho=NOTHING * NAFEMS.rho)
     return Shell(
         chart=Cylinder(radius=1.0, height=0.02),

@@ -137,7 +137,7 @@ def compared(name: str, shell: Shell, meshes: tuple[SolidMesh, SolidMesh], parts
 
 
 def verdict(differ: float, curved: dict[str, float], held: float) -> str:
-    """What a row says: pass, FAIL, or that its solid's clamp explains the frequencies, worth up to `held` of them."""
+    """The verdict of a row: pass, FAIL, or that the solid's clamp, with an effect up to `held`, explains the errors."""
     if differ > AGREE:
         return "FAIL: the solids have not settled"
     if curved["split"] > SPLIT or curved["angle"] > ANGLE or curved["worst"] > FREQUENCY + held:

@@ -1,1 +1,1 @@
-"""How frequencies converge with the mesh, of charts, bolts, rings and imported parts, and whether none is missed."""
+"""Convergence of frequencies with the mesh, for charts, bolts, rings and imported parts; a check for missed modes."""

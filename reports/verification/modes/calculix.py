@@ -1,8 +1,8 @@
 """A twisted lofted blade in CalculiX: frequencies at rest and at speed, static compliance at its tip.
 
 `python -m reports.verification.modes.calculix [--out DIR]` runs `ccx` where it is installed and writes
-imported_blade_calculix.csv, which data/reference keeps: reports/verification/modes/imported.py compares with that, so
-that nobody needs CalculiX for it.
+imported_blade_calculix.csv, which is stored in data/reference. reports/verification/modes/imported.py compares with the
+stored table, without CalculiX.
 """
 
 import re
@@ -68,7 +68,7 @@ def mesh_deck(mesh: MeshData, material: Material, folder: Path) -> str:
 
 
 def deck(solid: Solid, folder: Path) -> str:
-    """The blade, held at its root."""
+    """The CalculiX input of the blade, clamped at its root."""
     text = mesh_deck(solid.mesh, solid.material, folder)
     return text + "*SOLID SECTION,ELSET=body,MATERIAL=M\n*BOUNDARY\nroot,1,3\n"
 
@@ -83,7 +83,7 @@ def run(text: str, folder: Path) -> str:
 
 
 def frequencies(solid: Solid, rpm: float, folder: Path, *, axis: Rotation = AXIS, count: int = COUNT) -> list[float]:
-    """Frequencies [Hz], about the nonlinear steady state where it turns."""
+    """Frequencies [Hz], about the nonlinear steady state if the blade rotates."""
     text = deck(solid, folder)
     if rpm:
         c, a = axis.centre, axis.direction.tolist()

@@ -64,7 +64,7 @@ def shell_sector(top: tuple[float, float], rows: int, wall: str) -> CyclicSector
 
 
 def solid_sector(top: tuple[float, float], rows: int) -> CyclicSector:
-    """A four hundredth of it as an imported solid."""
+    """One four-hundredth of the casing as an imported solid."""
     place, cone = mitred(top, rows, 400, solid=True)
     mesh = grid_mesh("hexahedron27", (2, 1, rows + cone), place, groups={"base": (2, 0.0)})
     return CyclicSector(structure=Solid(mesh=mesh, material=STEEL, supports={"base": Clamped()}), sectors=400)

@@ -97,13 +97,13 @@ def bent_plate(sectors: int, rotation: Rotation | None = None, counts: tuple[int
 
 
 def complete(found: CyclicModes | CyclicWhirl, labels: Sequence[tuple[int, ...]]) -> float:
-    """Up to which frequency [Hz] a list of so many modes of each label is complete."""
+    """Frequency [Hz] up to which a list of so many modes of each label is complete."""
     own = np.array(labels)
     return min(float(found.freq[(own == label).all(axis=1)].max()) for label in np.unique(own, axis=0))
 
 
 def wheels(quick: bool) -> list[Row]:
-    """Every mode of the full wheel found among those of the sector, all nodal diameters."""
+    """Every mode of the full wheel against the modes of the sector, for all nodal diameters."""
     turning = Rotation(omega=2.0 * np.pi * 150.0)
     cases = [
         ("solid", bladed_disk(6 if quick else 24)),
@@ -140,7 +140,7 @@ def compared(name: str, sector: CyclicSector, count: int, found: FloatArray, exa
 
 
 def mistuned_wheel(sector: CyclicSector, deviations: FloatArray) -> Solid:
-    """The full wheel with the modulus of each blade as its deviation makes it."""
+    """The full wheel whose blades have the moduli given by their deviations."""
     whole, N = wheel_structure(sector), sector.sectors
     assert isinstance(whole, Solid)
     blades = whole.mesh.groups["blade"].cells.reshape(N, -1)

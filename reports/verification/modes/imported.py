@@ -91,7 +91,7 @@ def formats(out: Path) -> list[Row]:
 
 
 def thick_plate(kind: str, counts: tuple[int, int, int]) -> Solid:
-    """FV52: 10 x 10 x 1 m, held across its plane along the lower edges."""
+    """FV52: 10 x 10 x 1 m, fixed across its plane along the lower edges."""
     mesh = grid_mesh(kind, counts, lambda u: (u - [0.5, 0.5, 0.0]) * [10.0, 10.0, 1.0])
     x, y, z = mesh.points.T
     edge = (np.abs(z) < 1e-9) & (np.maximum(np.abs(x), np.abs(y)) > 5.0 - 1e-9)
@@ -140,7 +140,7 @@ def reference(name: str) -> pd.DataFrame:
 
 
 def solids(quick: bool) -> list[Row]:
-    """Solids against published and independent values: worst relative error and where the reference is from."""
+    """Solids against published and independent values: worst relative error, and the source of the reference."""
     nafems = reference("nafems_free_vibration.csv").set_index(["case", "mode"])
     rows: list[Row] = []
 
@@ -183,7 +183,7 @@ def solids(quick: bool) -> list[Row]:
 
 
 def since(started: float) -> float:
-    """Seconds since then."""
+    """Seconds since an instant."""
     return round(time.perf_counter() - started, 2)
 
 
@@ -254,7 +254,7 @@ def rub_casing(kind: str, t: float, quick: bool) -> Shell | MeshShell:
 
 
 def body(basis: ModalBasis) -> ct.ModalBody:
-    """A basis as contact takes it, without a file."""
+    """A basis as the contact takes it, without a file."""
     return ct.ModalBody(
         omega=basis.omega, zeta=basis.zeta, channels=basis.channels, rows=basis.rows, S=basis.S, kind=basis.kind,
         n_max=basis.n_max, radius=basis.radius,

@@ -158,7 +158,7 @@ def matrix_errors(k: int) -> dict[str, float]:
 
 
 def refusal(given: Part) -> float:
-    """0 where a part is refused for its rigid motions, 1 where it is taken."""
+    """0 if a part is refused for its rigid motions, 1 if it is accepted."""
     try:
         basis(given)
     except InputError as error:

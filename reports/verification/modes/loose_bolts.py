@@ -1,4 +1,6 @@
-"""Two loose bolts of 24: modes and purities, settled frequencies, and what meshes do that do not follow the bolts.
+"""Two loose bolts of 24.
+
+Modes and purities, converged frequencies, and the effect of meshes that do not follow the bolts.
 
 `python -m reports.verification.modes.loose_bolts [--quick] [--out DIR]`. The casing: frustum R .50 -> .45 m, height .25
 m, 3 mm steel, 24 bolts of 2e8 N/m and 1e3 N m/rad at its base, bolt 3 at 30 % and bolt 7 missing.
@@ -43,7 +45,7 @@ ASTRAY = (  # bolts, elements around, order, width of a patch [deg]
 
 
 def bolted(bolts: Bolts, mesh: ShellMesh | None) -> Shell:
-    """The casing on bolts; what a mesh that does not follow them does is the table's own subject."""
+    """The casing on bolts; the mesh need not follow them, since its effect is the subject of a table."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)
         return replace(reference_frustum(), supports={"base": bolts}, mesh=mesh)
@@ -92,7 +94,7 @@ def settled(meshes: tuple[ShellMesh, ...], fine: ShellMesh, count: int) -> list[
 
 
 def astray(count: int, around: int, order: int, width_deg: float) -> Row:
-    """The largest split of a pair that equal bolts keep whole, on a mesh that does not follow them."""
+    """The largest split, on a mesh that does not follow the bolts, of a pair that equal bolts do not split."""
     bolts = replace(TIGHT, count=count, width=float(np.radians(width_deg)))
     mesh = ShellMesh(order=order, rows=1, around=around)
     shell = bolted(bolts, mesh)

@@ -176,5 +176,5 @@ def writable(kind: str, name: str) -> bool:
 
 
 def group_name(name: str, group: str, groups: list[str]) -> str:
-    """What a group is called after reading: bulk data files know numbers only."""
+    """Name of a group after reading: bulk data files have numbers only."""
     return f"SPC {groups.index(group) + 1}" if name.startswith("Nastran") else group

@@ -36,7 +36,7 @@ ROUND_OFF = 1e-12  # of the largest eigenvalue: what a dense solution knows
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What became of one structure; `fault` is empty where all is well."""
+    """Outcome for one structure; `fault` is empty if there is none."""
 
     kind: str
     dofs: int
@@ -120,7 +120,7 @@ def fault_of(system: System, count: int, place: float) -> tuple[int, str]:
 
 
 def outcome(k: int) -> Outcome:
-    """Draw structure k and try it."""
+    """Draw structure k and compare its modes."""
     rng = np.random.default_rng([SEED, k])
     kind, shell = random_shell(rng)
     system = assemble(shell)

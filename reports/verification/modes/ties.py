@@ -2,8 +2,7 @@
 
 `python -m reports.verification.modes.ties [--quick] [--out DIR]`. Blocks of 0.3 and 0.4 m in a row, 0.1 by 0.12 m,
 clamped at one end; the first has m x m x m cells, the other n x n x n, its nodes follow. In tension Poisson's ratio is
-0, so that the stress is the same everywhere: what differs is what a tie at nodes makes of it, at the nodes of both
-faces.
+0, so the exact stress is uniform. Its error, at the nodes of both faces, is that of a tie at nodes.
 """
 
 from pathlib import Path

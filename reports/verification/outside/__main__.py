@@ -1,4 +1,4 @@
-"""What `python -m reports.verification.outside` runs: table.py."""
+"""Runs table.py for `python -m reports.verification.outside`."""
 
 from reports.tables import command_line
 from reports.verification.outside import table

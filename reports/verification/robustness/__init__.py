@@ -1,1 +1,1 @@
-"""What becomes of broken models, damaged files and killed runs."""
+"""Behaviour with broken models, damaged files and killed runs."""

@@ -1,4 +1,4 @@
-"""A chance calculation that is killed again and again: it ends after resuming, with the table of an undisturbed one.
+"""A chance calculation killed repeatedly: it ends after resuming, with the table of an undisturbed one.
 
 `python -m reports.verification.robustness.chance_kills [--quick] [--out DIR]`. `casingfem chance` of data/scenes/chance
 with two worker processes, once undisturbed and once with kill -9 at random moments: 20,000 draws, 10 times a worker and

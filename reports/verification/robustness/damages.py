@@ -1,4 +1,4 @@
-"""What may happen to a file: the damages of `uff_mutations`, numbers and values swapped, bytes and arrays changed."""
+"""Damages of files: those of `uff_mutations`, numbers and values swapped, bytes and arrays changed."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ VALUES = (
 
 
 def swapped(pattern: re.Pattern[bytes], others: Sequence[bytes]) -> Damage:
-    """One place that a pattern finds holds something else."""
+    """One match of a pattern replaced by another content."""
 
     def damage(data: bytes, rng: Random) -> bytes:
         places = list(pattern.finditer(data))
@@ -44,14 +44,14 @@ def flipped(data: bytes, rng: Random) -> bytes:
 
 
 def overwritten(data: bytes, rng: Random) -> bytes:
-    """Up to eight bytes are zero, all ones, or anything."""
+    """Up to eight bytes replaced by zeros, ones or random values."""
     place, count = int(rng.integers(len(data))), int(rng.integers(1, 9))
     new = (b"\x00" * count, b"\xff" * count, rng.bytes(count))[int(rng.integers(3))]
     return data[:place] + new + data[place + count :]
 
 
 def doubled(data: bytes, rng: Random) -> bytes:
-    """A part of it comes twice."""
+    """A part of the file repeated."""
     place, count = int(rng.integers(len(data))), int(rng.integers(1, 200))
     return data[: place + count] + data[place:]
 
@@ -74,7 +74,7 @@ def other_array(array: np.ndarray, rng: Random) -> np.ndarray:
 
 
 def array_changed(data: bytes, rng: Random) -> bytes:
-    """One array of an npz is another, or is gone, or is under another name."""
+    """One array of an npz replaced, removed or renamed."""
     with np.load(BytesIO(data)) as stored:
         arrays = dict(stored)
     name = list(arrays)[int(rng.integers(len(arrays)))]
@@ -105,7 +105,7 @@ def member_damaged(data: bytes, rng: Random) -> bytes:
 
 
 def dataset_changed(data: bytes, rng: Random) -> bytes:
-    """One data set of an HDF5 file is another, or is gone."""
+    """One data set of an HDF5 file replaced or removed."""
     stream = BytesIO(data)
     with h5py.File(stream, "r+") as file:
         names: list[str] = []
@@ -134,7 +134,7 @@ TEXT: dict[str, Damage] = {
 
 
 def suited(data: bytes) -> dict[str, Damage]:
-    """The damages that a file may suffer, by what it is."""
+    """The damages that apply to a file of a kind."""
     if data.startswith(b"PK"):
         return BYTES | {name: array_changed for name in ("array changed", "array changed again")} | {
             "member damaged": member_damaged

@@ -1,4 +1,4 @@
-"""Scenes made to diverge, or mistyped: each is refused, or stops with everything kept and the cause named.
+"""Diverging or mistyped scenes: each is refused, or stops with all results kept and the cause named.
 
 `python -m reports.verification.robustness.diverging [--quick] [--out DIR]` runs them by the command line, as a user
 would. One row a scene: exit code, which limit was passed when, growth seen and by theory of a contact that stays
@@ -148,7 +148,7 @@ def bodies(folder: Path) -> None:
 
 
 def cases() -> list[Case]:
-    """Forty scenes; those that diverge first, by what makes them, then those that nobody can have meant."""
+    """Forty scenes: first those that diverge, by cause, then those that are mistyped."""
     return [*rims(), *rubs(), *disks_sweeps_patches(), *mistyped()]
 
 
@@ -215,7 +215,7 @@ def disks_sweeps_patches() -> list[Case]:
 
 
 def mistyped() -> list[Case]:
-    """What nobody can have meant."""
+    """Scenes with obvious typing errors."""
     oval = ("friction", "out_of_roundness = [{p = 2, cos = 0.3333}]\nfriction")
     profile = ("friction", 'profile = "round_mm.csv"\nfriction')
     closes, whirls = "[closing]\nby = 0.1\ntime_constant = 0.1\n", "[[whirl]]\namplitude = 0.05\n"
@@ -245,7 +245,7 @@ CODES = {"refused": 2, "stopped": 3, "failed": 3, "flagged": 0, "swept": 0, "swe
 
 
 def judged(case: Case, folder: Path) -> Row:
-    """Run one scene by the command line; what it came to."""
+    """Run one scene by the command line; returns its outcome."""
     out = folder / "out"
     file = folder / "scene.toml"
     write_atomic(file, case.scene)

@@ -163,7 +163,7 @@ def work(pipe: Connection, samples: Path, name: str, batch: list[Mutant]) -> Non
 
 
 def used() -> int:
-    """Address space of this process [bytes]."""
+    """Address space of this process in use [bytes]."""
     pages = Path("/proc/self/statm").read_text().split()[0] if Path("/proc/self/statm").exists() else "0"
     return int(pages) * os.sysconf("SC_PAGE_SIZE")
 

@@ -23,7 +23,7 @@ Survey = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def survey(rng: np.random.Generator, turned_deg: float = 0.0, passes: int = 1) -> Survey:
-    """Places and radii; a second pass is turned."""
+    """The plain fit, and the points named in its warnings."""
     theta, z = (part.ravel() for part in np.meshgrid(2.0 * np.pi * np.arange(120) / 120, HEIGHTS))
     p = np.arange(2, 21)
     a, b = rng.normal(size=(2, p.size)) * 1e-3 / p
@@ -56,7 +56,7 @@ def strays(seed: int, count: int) -> tuple[int, int]:
 
 
 def disagreement(seed: int, offset: float, turned: float) -> bool:
-    """Whether two passes are said to differ."""
+    """Whether the warning states that two passes differ."""
     points = survey(np.random.default_rng([20263, seed]), turned, passes=2)
     points[2][points[2].size // 2 :] += offset
     return any("survey-passes" in words for words in warned(points)[1])

@@ -1,4 +1,4 @@
-"""Does the sign of the pole predict whether closed contact grows? Speeds and blade frequencies, by poles and in time.
+"""Whether the sign of the pole predicts growth of closed contact: speeds and blade frequencies, by poles and in time.
 
 `python -m reports.verification.rubs.interaction [--quick] [--out DIR]` prints the coincidences of the hand calculation,
 then one row for each speed and blade frequency: growth by the poles, growth seen in a run of the same pair pressed

@@ -1,4 +1,4 @@
-"""Does a run say rightly whether its motion grows? Random rubs against long runs at a tenth of the step.
+"""Whether the verdict of a run on growth is right: random rubs against long runs at a tenth of the step.
 
 `python -m reports.verification.rubs.run_growth [--count 200] [--first 0] [--quick] [--out DIR]` draws a steel ring of
 up to five nodal diameters before one blade, several blades or a bladed disk: with and without friction, damping,

@@ -195,7 +195,7 @@ def runs(casing: ct.ModalBody, blade: ct.ModalBody, steps: int) -> list[Row]:
 
 
 def verdict(error: float, allowed: float) -> str:
-    """What a row says."""
+    """The verdict of a row."""
     return "pass" if error <= allowed else "FAIL"
 
 

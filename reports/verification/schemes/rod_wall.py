@@ -18,7 +18,7 @@ PAIRS = ((0.25, 0.5), (0.25, 0.55), (0.25, 0.6), (0.5, 0.5), (0.5, 0.55), (0.5, 
 
 
 def compared() -> list[Method]:
-    """Newmark's pairs, then what to hold them against."""
+    """Newmark's pairs, then the schemes with which they are compared."""
     newmark = [Method(name=f"Newmark ({b:g}, {c:g})", scheme=ct.scheme.Newmark(beta=b, gamma=c)) for b, c in PAIRS]
     return [
         *newmark,

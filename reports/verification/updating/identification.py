@@ -53,7 +53,7 @@ class Judged(NamedTuple):
 
 
 def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple[list[Judged], list[int]]:
-    """What became of each true mode, and the found modes that are none."""
+    """Outcome of each true mode, and the spurious modes found."""
     truth = data.modes
     assert truth.rings is not None
     shares = truth.rings.shares()
@@ -151,7 +151,7 @@ def by_split(judged: Sequence[Judged]) -> list[Row]:
 
 
 def intervals(judged: Sequence[Judged]) -> list[Row]:
-    """How many of the 95 % intervals hold the truth, by size of the split, found members only."""
+    """How many of the 95 % intervals contain the truth, by size of the split, for found members only."""
     classes = [*pairwise(CLASSES), (RESOLVED, np.inf)]
     rows: list[Row] = []
     for low, high in classes:

@@ -53,7 +53,7 @@ SEED = 2025
 
 
 class Truth(NamedTuple):
-    """The casing as it is: reduced on its own mesh, and how far each bolt is off [of its stiffness]."""
+    """The true casing: reduced on its own mesh, and the deviation of each bolt [of its stiffness]."""
 
     model: AffineModel
     off: FloatArray

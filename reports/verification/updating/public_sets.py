@@ -122,7 +122,7 @@ class Reading(NamedTuple):
 
 
 def readings(path: Path = READINGS) -> dict[str, list[Reading]]:
-    """Peaks by set."""
+    """Peaks of each set."""
     csv = read(path)
     rows = zip(csv.cells["set"], csv.numbers("freq_hz"), csv.numbers("within_hz"), csv.cells["kind"], strict=True)
     found: dict[str, list[Reading]] = {}

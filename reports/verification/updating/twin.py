@@ -1,4 +1,4 @@
-"""Does the updater know how sure it is? A twin of its own family, noise on every row, many draws.
+"""Whether the updater's standard deviations are right: a twin of its own family, noise on every row, many draws.
 
 `python -m reports.verification.updating.twin [--quick] [--out DIR]`. A steel frustum on an elastic base with harmonics
 8 and 16 in its radius; 20 frequencies, 0.1 % noise on the mean of each pair and on both components of its split vector,

@@ -1,4 +1,4 @@
-"""Identification judged on tests as unkind as life: everything at once that a bench does not have.
+"""Identification judged on difficult tests, with all troubles of a real test at once.
 
 `python -m reports.verification.updating.unkind [--quick] [--seed N --sets M] [--times] [--out DIR]` makes tests of rims
 with 30 modes, all in pairs, and every trouble of `casingfem.experiment.rig.troubles` switched on; identifies each
@@ -87,7 +87,7 @@ def matched(gap: FloatArray, sure: BoolArray) -> dict[int, int]:
 
 
 def judge(seed: int, truth: TroubledTruth, found: Identified) -> tuple[list[Judged], Row]:
-    """What became of each true mode, and of what was found beside them."""
+    """Outcome of each true mode, and the spurious modes found."""
     freq, zeta = truth.freq.mean(axis=0), truth.zeta.mean(axis=0)
     reach = np.ptp(truth.freq, axis=0) + 2.0 * zeta * freq
     gap = np.abs(found.freq[None] - freq[:, None]) / reach[:, None]

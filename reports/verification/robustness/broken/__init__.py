@@ -1,1 +1,1 @@
-"""Whether every broken model is refused or warned of by its code."""
+"""Whether every broken model is refused, or gives a warning, with its code."""

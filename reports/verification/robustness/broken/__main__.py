@@ -1,4 +1,4 @@
-"""What `python -m reports.verification.robustness.broken` runs: table.py."""
+"""Runs table.py for `python -m reports.verification.robustness.broken`."""
 
 from reports.tables import command_line
 from reports.verification.robustness.broken import table

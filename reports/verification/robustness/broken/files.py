@@ -45,7 +45,7 @@ BRICKS = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [0.2, 0.1, 0.05], gr
 
 
 def study(old: str = "", new: str = "", survey: Callable[[str], str] = str) -> Callable[[], object]:
-    """Modes of the study with one text put for another, on the survey with its text changed."""
+    """Modes of the study with one text replaced, on the survey with its text changed."""
 
     def make() -> object:
         with tempfile.TemporaryDirectory() as folder:

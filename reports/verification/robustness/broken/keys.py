@@ -1,8 +1,8 @@
-"""Broken models, part three: studies and scenes in which one key, value or heading is written as hands write it wrong.
+"""Broken models, part three: studies and scenes in which one key, value or heading is written wrongly.
 
-Each numeral is once text with its unit, nan, in brackets, below zero where it cannot be; each key misspelt, or left out
-where it is needed; each word another; each heading misspelt. What is said must name the file and the key. A key that
-means the same in several files is broken in the first of them only.
+Each numeral is replaced by text with its unit, by nan, by a list, and by a negative number if that is invalid. Each key
+is misspelt, and left out if it is required. Each word is replaced by another, each heading is misspelt. The message
+must name the file and the key. A key that means the same in several files is broken in the first of them only.
 """
 
 import re
@@ -44,12 +44,12 @@ class Line:
 
     @property
     def numeral(self) -> bool:
-        """Whether one number is there."""
+        """Whether the value is one number."""
         return NUMBER.fullmatch(self.value) is not None
 
     @property
     def word(self) -> bool:
-        """Whether one text is there."""
+        """Whether the value is one text."""
         return self.value.startswith('"') and self.value.endswith('"')
 
 
@@ -64,7 +64,7 @@ def lines(text: str) -> Iterator[Line]:
 
 
 def misspelt(word: str) -> str:
-    """A word as it slips from the keyboard: a letter short, or two exchanged, or one too many."""
+    """A misspelt word: one letter missing, two exchanged, or one too many."""
     if len(word) > 3:
         return word[:-2] + word[-1]
     return word[::-1] if len(word) > 1 and word != word[::-1] else word + "m"
@@ -105,7 +105,7 @@ READ: dict[str, Callable[[Path], object]] = {
 
 @cache
 def beside() -> TemporaryDirectory[str]:
-    """A folder with all that the files refer to."""
+    """A folder with everything to which the files refer."""
     folder = TemporaryDirectory()
     write_samples(Path(folder.name))
     scenes.bodies(Path(folder.name))
@@ -127,13 +127,13 @@ def reads(name: str, reader: str, content: str | bytes) -> Callable[[], object]:
 
 
 def changed(text: str, place: int, line: str | None) -> str:
-    """A text with one line another, or gone."""
+    """The text with one line replaced or removed."""
     all_lines = text.splitlines()
     return "\n".join(all_lines[:place] + ([] if line is None else [line]) + all_lines[place + 1 :]) + "\n"
 
 
 def broken_line(line: Line) -> Iterator[tuple[str, str | None, str]]:
-    """What may happen to a key and its value: in words, the line then, and what the message must name."""
+    """Ways to break a key and its value: a description, the new line, and what the message must name."""
     wrong = misspelt(line.key)
     yield "misspelt", f"{wrong} = {line.value}", "kind" if line.key == "kind" else wrong  # tells which keys there are
     if line.key not in OPTIONAL.get(line.table, "").split():
@@ -151,7 +151,7 @@ def broken_line(line: Line) -> Iterator[tuple[str, str | None, str]]:
 
 
 def headings(source: Source) -> Iterator[tuple[str, str, str]]:
-    """Which heading is misspelt, the text then, and what the message must name."""
+    """Ways to misspell a heading: a description, the new text, and what the message must name."""
     for place, line in enumerate(source.text.splitlines()):
         if (head := HEAD.fullmatch(line.strip())) and not head[2].count('"'):
             first, *rest = head[2].split(".")
@@ -160,7 +160,7 @@ def headings(source: Source) -> Iterator[tuple[str, str, str]]:
 
 
 def whole(text: str) -> dict[str, str | bytes]:
-    """What editors, mail and other programs make of a file."""
+    """Changes that editors, mail and other programs make to a file."""
     value = next(line for line in lines(text) if "." in line.value and line.numeral)
     word = next(line for line in lines(text) if line.word)
     bracket = next(place for place, line in enumerate(text.splitlines()) if line.startswith("["))

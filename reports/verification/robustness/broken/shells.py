@@ -19,7 +19,10 @@ FINE = cf.ShellMesh(order=8, rows=2, around=2)
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """What must not be computed without a word: a name, how it is made, the code that must show, what must be named."""
+    """A model that must not be computed silently.
+
+    A name, how it is made, the expected code, what the message must name.
+    """
 
     name: str
     make: Make
@@ -205,7 +208,7 @@ def walls() -> list[Broken]:
 
 
 def fields() -> list[Broken]:
-    """Imperfections."""
+    """Imperfections of fields."""
     survey = cf.FourierField.of({0: 0.01})
     return [
         Broken("radius field of 4 (mm), not 0.004", lambda: wavy({8: 4.0}), "field-range"),
@@ -229,7 +232,7 @@ def fields() -> list[Broken]:
 
 
 def supports() -> list[Broken]:
-    """What holds the edges, and what does not."""
+    """Supports that are impossible or missing."""
     edge, bolts, full = cf.ElasticEdge, cf.Bolts, {"count": 8, "k": 1e8}
     return [
         Broken("support on no edge", lambda: casing(supports={"bottom": cf.Clamped()}), "support-edge"),
@@ -261,7 +264,7 @@ def supports() -> list[Broken]:
 
 
 def requests() -> list[Broken]:
-    """Meshes, and what is asked of them."""
+    """Meshes, and requests for modes."""
     mesh = cf.ShellMesh
     rim = cf.Rim("top", n_max=6)
 

@@ -1,4 +1,4 @@
-"""Broken models and what becomes of them: each is refused or doubted by name; none is computed in silence.
+"""Broken models and their outcomes: each is refused or gives a warning by name; none is computed silently.
 
 `python -m reports.verification.robustness.broken` prints model, outcome and code. By name: with the code of its fault,
 or with the file and the key, column or line that is at fault.
@@ -24,7 +24,7 @@ def models() -> list[Broken]:
 
 
 def outcome(model: Broken) -> tuple[str, list[str]]:
-    """What becomes of a model, refused, warned or silent, and the messages: warnings, then the refusal's."""
+    """Outcome of a model, refused, warned or silent, and the messages: warnings, then the refusal's."""
     happened, refusal = "", list[str]()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

@@ -1,6 +1,6 @@
 """Broken models, part four: tables and responses as test benches, spreadsheets and hands leave them.
 
-Each table is a file of its own; what is said must name the file, and what is at fault in it.
+Each table is a file of its own; the message must name the file and the fault in it.
 """
 
 import warnings
@@ -64,7 +64,7 @@ READS = READERS | {"profile.csv": in_scene, "blades.csv": in_wheel}
 
 
 def once(old: str, new: str) -> Callable[[str], str]:
-    """One text for another, the first time it is there."""
+    """Replace the first occurrence of a text by another."""
 
     def change(text: str) -> str:
         assert old in text, old
@@ -108,7 +108,7 @@ def tables() -> list[Broken]:
 
 
 def frequencies() -> list[Broken]:
-    """What a frequency table can say wrong."""
+    """Faults of frequency tables."""
     ways = {
         "a frequency below zero": ("371.2", "-371.2", "freq_hz"), "a frequency of zero": ("371.2", "0", "freq_hz"),
         "a sigma of zero": ("371.2,0.4", "371.2,0", "sigma_hz"),
@@ -143,7 +143,7 @@ def others() -> list[Broken]:
 
 
 def missing(name: str) -> Broken:
-    """A file that is not there, read by its reader."""
+    """A missing file, read by its reader."""
     reader = READERS[name]
     ending = name.rpartition(".")[2]
     return Broken(

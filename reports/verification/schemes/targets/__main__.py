@@ -1,4 +1,4 @@
-"""What `python -m reports.verification.schemes.targets` runs: table.py."""
+"""Runs table.py for `python -m reports.verification.schemes.targets`."""
 
 from reports.tables import command_line
 from reports.verification.schemes.targets import table
