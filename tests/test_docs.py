@@ -115,3 +115,10 @@ def test_no_formula_is_broken_over_two_lines():
     for path in DOCS.rglob("*.md"):
         text = re.sub(r"```.*?```|\$\$.*?\$\$|`[^`]*`", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
         assert [line for line in text.splitlines() if line.count("$") % 2] == [], path.name
+
+
+def test_sections_of_docstrings_begin_on_lines_of_their_own():
+    """An editor that joins lines makes one sentence of a heading and its list."""
+    heading = re.compile(r"^\s*(Parameters|Attributes|Raises|Returns|Notes|Warns|Examples) -{3,}", re.MULTILINE)
+    sources = [path for package in ("casingfem", "contact") for path in (ROOT / package).rglob("*.py")]
+    assert [path.name for path in sources if heading.search(path.read_text(encoding="utf-8"))] == []
