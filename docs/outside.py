@@ -12,7 +12,7 @@ Made by `.venv/bin/python docs/outside.py` from two tables. `python -m reports.v
 [second](verification.csv), which has closed forms and standards too.
 
 A row passes if the difference lies within the accuracy that its source states or that its digits allow. Otherwise the
-verdict is the reason.
+verdict states the reason.
 """
 KINDS = {
     "printed in a paper or a standard": "Published values",
