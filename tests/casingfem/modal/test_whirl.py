@@ -60,7 +60,7 @@ def test_counts_out_of_reach_are_refused(casing):
         cf.whirl_modes(casing, 0)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_report_prints_a_campbell_table(tmp_path, capsys):
     verify_rotation.main(tmp_path, quick=True)
     assert "Southwell" in capsys.readouterr().out

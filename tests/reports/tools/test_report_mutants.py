@@ -226,6 +226,7 @@ def test_tests_are_found_by_the_module_that_a_text_names(campaign: Campaign) -> 
     assert ("tests/test_plain.py", "test_plain") in reach.distances(("tiny/module.py", "alone"))
 
 
+@pytest.mark.campaign
 def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     campaign: Campaign, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -5,7 +5,7 @@ import pytest
 from reports.verification import chance
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_splits_and_quantiles_of_the_report_are_right(tmp_path):
     rows = chance.main(tmp_path, quick=True)
     full = next(row for row in rows if row.get("against") == "full solutions")
