@@ -59,7 +59,7 @@ def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
         else:
             if card is not None:
                 yield card
-            card = Card(number, head.rstrip("*").upper(), data)
+            card = Card(number, head.rstrip("*_").upper(), data)  # CTETRA_ of meshio, CTETRA of Nastran
         card.room += 4 if "*" in head else 8
     if card is not None:
         yield card

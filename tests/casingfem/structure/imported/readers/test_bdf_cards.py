@@ -76,3 +76,8 @@ def test_whole_numbers_have_eight_digits(tmp_path):
     for text, expected in (("100000000", "at most eight digits"), ("1.", "a whole number"), ("x", "a whole number")):
         with pytest.raises(cf.errors.ModelError, match=f"line 6: GRID: found '{text}', expected .*{expected}"):
             read(tmp_path, f"{BODY}GRID,{text},,1.\n")
+
+
+def test_names_of_cells_as_meshio_writes_them_are_those_of_nastran(tmp_path):
+    """The writer of meshio 5.3 calls a tetrahedron of ten nodes CTETRA_."""
+    assert read(tmp_path, BODY.replace("CTETRA", "CTETRA_")).cells.tolist() == read(tmp_path, BODY).cells.tolist()
