@@ -106,7 +106,7 @@ class Known:
 
     def _make(self, room: int, harmonics: int) -> None:
         """Arrays with room for so many phases, and those known so far in them; a passage under way goes on in them."""
-        from contact.loop.period import PlantArrays, period_of, phase_table
+        from contact.loop.period_arrays import PlantArrays, period_of, phase_table
 
         plant, before = self.plant, self.arrays
         (k, n), m = plant.C.shape, max(phase.lam.size for phase in self.phases)

@@ -2,7 +2,7 @@
 
 `python -m reports.benchmarks.chance_rubs [--quick] [--out DIR]`. The first casings of data/scenes/chance that are
 dangerous at some speed, each run for 100 turns at its worst speed, as `casingfem chance` with `runs` does. The time
-contains the bases, the steps and the verdicts; The time of 10,000 runs is extrapolated from it. --quick takes a smaller
+contains the bases, the steps and the verdicts. The time of 10,000 runs is extrapolated from it. --quick takes a smaller
 casing, 32 draws and 4 runs.
 """
 

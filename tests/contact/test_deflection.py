@@ -83,6 +83,18 @@ def test_loop_states_growth_flag_and_page_have_one_largest_deflection(kind):
     assert rim_motion(scene.what, below).largest == motion.deflection.max()
 
 
+@pytest.mark.parametrize("kind", ["rim", "rub"])
+@pytest.mark.slow
+def test_the_loop_notes_the_static_deflection_of_the_first_step(kind):
+    """The bodies begin at rest and inside each other: no mode has moved, and the residual compliance alone deflects."""
+    scene = replace(rubbing(kind, wall=1e-12), t_end=2e-5)
+    result = ct.run(scene)
+    exact = measured(scene.what, result)[0]
+    assert not result.state_of("casing")[0].any()
+    assert exact > 1e-8
+    assert result.notes.deflection == pytest.approx(exact, rel=0.005)
+
+
 @pytest.mark.slow
 def test_batches_note_the_deflection_of_a_run_alone():
     scenes = [rubbing("rim", wall) for wall in (WALL, 1.5 * WALL, 1.0)]

@@ -206,7 +206,7 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
     Raises
     ------
     InputError
-        h5py is not installed; the file is not HDF5, or lacks a data set or the unit; or `FrfSet` refuses the data.
+        h5py is not installed. The file is not HDF5, or has no data set or no unit. `FrfSet` refuses the data.
     """
     _h5py(path)
     try:

@@ -190,7 +190,8 @@ def window_about(data: Responses, poles: Array, group: IntArray, rules: Threshol
 def fitted_groups(data: Responses, modes: Modal, more: bool | None, rules: Thresholds = USUAL) -> list[PoleFit]:
     """Fit all groups of modes, each with the modes of the other groups subtracted.
 
-    With `more` False poles may be removed; with True they may also be added; with None the number of poles is fixed.
+    If `more` is False, poles may be removed. If it is True, they may also be added. If it is None, their number is
+    fixed.
     """
     step = 2.0 * np.pi * float(data.freq[1] - data.freq[0])
     return [fitted_group(data, modes, group, more, rules) for group in each(groups(modes.poles, step, rules), "group")]

@@ -48,9 +48,10 @@ class Shifts(NamedTuple):
 
 
 class Matching(NamedTuple):
-    """Matched modes: a row of members for each mode, ascending; mean ln f without the common shifts; scatter of ln f.
+    """Modes matched over set-ups, ascending.
 
-    `unclear` (rows,) is the variance of the mean ln f because two close modes may be exchanged in a set-up.
+    A row has the members of a mode, one a set-up. `middle` is the mean of their ln f without the common shifts. The
+    `unclear` part of its variance comes from close modes that may be exchanged in a set-up.
     """
 
     rows: list[Row]

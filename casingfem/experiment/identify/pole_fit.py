@@ -39,10 +39,15 @@ HANN = (-1.0, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.0, 1.0 / 6.0)  # lines away, shar
 class Window:
     """Lines and channels of one fit.
 
-    freq [Hz] (lines,); Y (lines, channels), responses over their noise, each line times `along` (lines,), 0 where a
-    line is missing; `end` the duration of the recorded ringing [s]; `leak` [Hz] the distance of lines over which a Hann
-    window leaks, 0 without; `floor` the least standard deviation assumed for an entry's real part; `terms` the number
-    of polynomials for the modes outside the window.
+    Attributes
+    ----------
+    freq : [Hz] (lines,)
+    Y : (lines, channels) responses over their noise, each line times `along`
+    along : (lines,) weights of the lines, 0 where a line is missing
+    end : duration of the recorded ringing [s]
+    leak : distance of lines [Hz] over which a Hann window leaks, 0 without one
+    floor : least standard deviation assumed for an entry's real part
+    terms : number of polynomials for the modes outside the window
     """
 
     freq: FloatArray
@@ -104,11 +109,17 @@ class Window:
 class PoleFit:
     """Fitted poles [rad/s] (poles,), ascending, with residues A (poles, channels) over the noise.
 
-    `B` (terms, channels) of the polynomials; `rest` (lines, channels) the residual; `squares` its sum; `covariance` (2
-    poles, 2 poles) of (omega/sigma, ln sigma) where the noise is white and of unit variance; `noise` (poles,) the
-    effective variance per real entry about each pole; `scores` the covariance with the noise's correlation; `refined`
-    is False where the poles are at visible peaks that no fit explains; `gram` (poles, poles) of the residues' variance,
-    `tilt` (poles, 2 poles) the change of the residues with the poles.
+    Attributes
+    ----------
+    B : (terms, channels) coefficients of the polynomials
+    rest : (lines, channels) residual
+    squares : sum of its squares
+    covariance : (2 poles, 2 poles) of (omega/sigma, ln sigma), for white noise of unit variance
+    noise : (poles,) effective variance of a real entry about each pole
+    scores : the covariance with the noise's correlation
+    refined : False if the poles are at visible peaks that no fit explains
+    gram : (poles, poles) variance of the residues
+    tilt : (poles, 2 poles) change of the residues with the poles
     """
 
     window: Window

@@ -15,7 +15,7 @@ OTHERS, AS_OTHER, GAIN = (
     0.9,
     0.6,
     0.1,
-)  # exchanged sensors: most correlation with their own place; least with the other's; gain
+)  # of two exchanged sensors: most correlation with their own place, least with the other's, least gain
 SCALE = 2.0  # ratio to the other sensors, or its inverse, beyond which a sensor is named
 USUAL = 1.2  # a mode with a misfit above so many medians is not used
 STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; relative deviation that counts as zero
