@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -163,9 +163,9 @@ class FrequencyTable(Reported):
                 columns[name] = _column(csv, name, sigma, columns)
             except InputError as error:
                 wrong.append(error)
+        wrong += _misfits(csv, columns)
         if wrong:
             raise together(wrong)
-        _check_values(csv, columns)
         return cls(**columns, card=csv.card, path=csv.path, extra={name: csv.cells[name] for name in extra})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -274,8 +274,8 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
     return extra
 
 
-def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
-    """Refuse values out of range, with their lines; only in memory does -1 mean an empty n."""
+def _misfits(csv: StrictCsv, columns: Mapping[str, Array]) -> list[InputError]:
+    """List values out of range in the columns that could be read; only in memory does -1 mean an empty n."""
     written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
     wrong = list[InputError]()
     for row, name in sorted(_faults(columns) + written):
@@ -283,25 +283,29 @@ def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
         if name == "mode" and csv.cells[name].index(found) < row:
             found += " again"
         wrong.append(csv.refuse(row=row, column=name, found=found, expected=_EXPECTED[name]))
-    if not wrong and "zeta" not in csv.factors and _looks_like_percent(columns["zeta"]):
+    if not wrong and "zeta" in columns and "zeta" not in csv.factors and _looks_like_percent(columns["zeta"]):
         found = f"a median damping ratio of {np.nanmedian(columns['zeta']):.3g}, as in per cent"
         expected = "a ratio; name the column zeta [%] if it is per cent, zeta [-] if it is a ratio"
         wrong.append(csv.refuse_header(column="zeta", found=found, expected=expected))
-    if wrong:
-        raise together(wrong)
+    return wrong
 
 
 def _faults(columns: Mapping[str, Array]) -> list[tuple[int, str]]:
-    """List (row, column) of the values out of range, by row."""
-    mode, n, freq, sigma, angle, zeta = (columns[name] for name in COLUMNS)
+    """List (row, column) of the values out of range, by row; columns may be missing."""
+    below = columns.get("freq_hz", np.inf)
+    rules: dict[str, Callable[[Array], Array]] = {
+        "mode": lambda mode: (mode >= 1) & _first(mode),
+        "n": lambda n: n >= -1,
+        "freq_hz": lambda freq: (freq > 0) & (freq < np.inf),
+        "sigma_hz": lambda sigma: (sigma > 0) & (sigma < below),
+        "angle_deg": lambda angle: np.isnan(angle) | ((angle >= 0) & (angle < 360)),
+        "zeta": lambda zeta: np.isnan(zeta) | ((zeta >= 0) & (zeta < 1)),
+    }
+    return sorted((int(row), name) for name in columns for row in np.flatnonzero(~rules[name](columns[name])))
+
+
+def _first(mode: Array) -> Array:
+    """Mark the first row of each mode number."""
     first = np.zeros(mode.size, bool)
     first[np.unique(mode, return_index=True)[1]] = True
-    good = (
-        (mode >= 1) & first,
-        n >= -1,
-        (freq > 0) & (freq < np.inf),
-        (sigma > 0) & (sigma < freq),
-        np.isnan(angle) | ((angle >= 0) & (angle < 360)),
-        np.isnan(zeta) | ((zeta >= 0) & (zeta < 1)),
-    )
-    return sorted((int(row), name) for name, fine in zip(COLUMNS, good, strict=True) for row in np.flatnonzero(~fine))
+    return first

@@ -30,10 +30,14 @@ LOST = 1.0 / 3.0
 
 
 class LostModeError(ValueError):
-    """A step was so long that a mode of the table was lost; `rows` are its rows in the table."""
+    """A step was so long that a mode of the table was lost; `rows` are its rows in the table, counted from 0."""
 
     def __init__(self, rows: tuple[int, ...], share: float) -> None:
-        super().__init__(f"rows {rows}: only {share:.2f} of their mode is found again")
+        names = "row " + str(rows[0] + 1) if len(rows) == 1 else "rows " + " and ".join(str(row + 1) for row in rows)
+        super().__init__(
+            f"{names} of the table: the mode was lost, the nearest mode has {100 * share:.0f} % of its shape and"
+            f" {100 * LOST:.0f} % are needed; check the imperfections and the start values, or narrow the bounds"
+        )
         self.rows = rows
 
 

@@ -149,7 +149,7 @@ def test_all_problems_of_a_table_are_named_at_once_up_to_a_bound(tmp_path):
     with pytest.raises(cf.errors.InputError) as caught:
         cf.FrequencyTable.from_csv(tmp_path / "t.csv")
     assert [line.split(": ")[0].split(", ", 1)[1] for line in str(caught.value).splitlines()] == [
-        "line 3, column 'mode'", "line 3, column 'freq_hz'",
+        "line 3, column 'mode'", "line 3, column 'freq_hz'", "line 4, column 'sigma_hz'",
     ]  # fmt: skip
     (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", rows[0], *rows[2:], ""]))
     with pytest.raises(cf.errors.InputError) as caught:
