@@ -2,6 +2,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
+PIP    := python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt
 export MPLBACKEND := Agg
 # small factorisations: a second BLAS thread costs more than it gives, several times so on a busy machine
 export OPENBLAS_NUM_THREADS ?= 1
@@ -19,11 +20,15 @@ help:    ## show what each target does
 
 setup: $(READY) ## make .venv from the project's own files (pinned by constraints.txt)
 
-# --no-compile: of the many modules of the libraries few are ever imported, and those are compiled then
+# --no-compile: of the many modules of the libraries few are ever imported, and those are compiled then;
+# the pip that comes with Python reads the list of every release of each library in twice the time that the pinned
+# one takes; with the pinned setuptools beside it no second place is made to build in. Setuptools warns of every
+# editable install
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "casingfem needs Python 3.11 or newer, found " + sys.version; sys.exit(0)'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[dev]'
+	$(BIN)/$(PIP) --upgrade pip setuptools
+	PYTHONWARNINGS=ignore $(BIN)/$(PIP) --no-build-isolation -e '.[dev]'
 	@touch $(READY)
 
 study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> rub -> reports/out/report.html
@@ -38,7 +43,7 @@ links: $(VENV)/.docs ## whether the links of the pages that lead to the web stil
 
 # the packages that build the site are an extra of their own
 $(VENV)/.docs: $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[docs]'
+	PYTHONWARNINGS=ignore $(BIN)/$(PIP) --no-build-isolation -e '.[docs]'
 	@touch $@
 
 test: $(READY) ## every test but those of campaigns
