@@ -102,7 +102,7 @@ class ExampleFolder:
 
 
 AnyExample: TypeAlias = Example | ExampleFolder
-KEPT = (".toml", ".csv")  # what a folder of scenes holds beside its README
+KEPT = (".toml", ".csv")  # files of a folder of scenes, except its README
 
 
 def examples() -> dict[str, AnyExample]:
@@ -182,7 +182,7 @@ FIRST = {
     "studies/rig_blade.toml": "blade.toml",
     "surveys/rig_casing.csv": "survey.csv",
     "experiments/rig_casing.csv": "frequencies.csv",
-}  # what a project of one's own begins with, and its names there
+}  # files of a new project, and their names in it
 STEPS = ("modes casing.toml", "update casing.toml", "reduce casing.toml --out .", "reduce blade.toml --out .",
          "rub rub.toml --out results", "interactions rub.toml --runs 10 --out results",
          "report casing.toml --out results")  # fmt: skip

@@ -24,7 +24,7 @@ NEAR = 1e-2  # of a frequency: a mode of the basis and a wave with as many nodal
 SEEN = 1e-8  # of the largest radial motion squared: a rim does not see less
 PROBE = 1e-3  # relative radius of the wave that the rim's shape is measured by
 AROUND = 512  # angles at which a rim is looked at
-TURNED = 1e-4  # how far modes of the two descriptions may be from a turn of each other
+TURNED = 1e-4  # how far modes of the two descriptions may differ from a rotation of each other
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

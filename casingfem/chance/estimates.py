@@ -49,9 +49,9 @@ def clopper_pearson(hits: float, draws: float, *, level: float = LEVEL) -> Estim
 def mid_p(hits: int, draws: int, level: float = LEVEL) -> Estimate:
     """A probability from few independent draws, with the mid-P interval (G. Berry, P. Armitage, Statistician 44, 1995).
 
-    Its ends give the numbers of hits beyond those found, and half of that number itself, (1 - level)/2. Over all
-    probabilities its coverage is near the level on average; Clopper's and Pearson's interval is never below it, and of
-    16 draws 98 % on average.
+    At each end of the interval, the probability of numbers of hits beyond the one found, plus half of the probability
+    of this number, is (1 - level)/2. Over all probabilities its coverage is near the level on average; Clopper's and
+    Pearson's interval is never below it, and of 16 draws 98 % on average.
 
     Examples
     --------
@@ -76,9 +76,10 @@ def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
     Clopper and Pearson also includes the uncertainty of s (E. Korn, B. Graubard, Survey Methodology 24, 1998, 193).
     Without hits, or with only hits, n is the number of draws.
 
-    An even sequence of m draws often has c or c + 1 hits, and no other number. Where this holds for all R sequences,
-    m p = c + q, with q the share of those with c + 1. The mid-P interval of q gives that of p. Where all have c hits, q
-    may be as far below zero. Rare events, with c = 0, are not even: the rule is not used for them.
+    An even sequence of m draws often has c or c + 1 hits, and no other number. If this holds for all R sequences, m p =
+    c + q, with q the share of those with c + 1. The mid-P interval of q gives that of p. If all have c hits, the
+    interval of q extends as far below zero as above. The rule is not used for rare events, with c = 0, which are not
+    even.
 
     Parameters
     ----------

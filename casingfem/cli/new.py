@@ -124,7 +124,7 @@ def stamps(file: Path) -> dict[Path, tuple[int, int]]:
 
     try:
         tables = read_toml(regular_file(file))[1]
-    except (OSError, ValueError):  # the command states what is wrong
+    except (OSError, ValueError):  # the command reports the fault
         tables = {}
     made = tables.pop("reduce", None)  # what it writes
     named = [file.parent / text for _, text in examples.strings(tables) if Path(text).suffix]
@@ -144,7 +144,7 @@ def verb_of(file: Path) -> str:
         tables = read_toml(file)[1]
         return examples.Example(file.stem, file, tables).verb
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return "modes"  # states what is wrong with it
+        return "modes"  # the command reports its fault
 
 
 def run_once(group: click.Command, command: list[str]) -> int:

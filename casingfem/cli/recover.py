@@ -8,7 +8,7 @@ from casingfem.cli.running import deliver, with_exit_codes
 from contact.io.publication.recovery import Recovery
 from contact.io.publication.recovery import recover as recovered
 
-FORMER = ".new"  # the folder in which an earlier way of writing sets had the new files
+FORMER = ".new"  # folder of the new files of a set that an earlier version wrote
 SHOWN = 6  # names of files
 
 

@@ -16,12 +16,12 @@ from contact.io.outfiles import Content, in_the_way, json_text, write_files
 from contact.io.trust import SceneWarning
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
-STORES = {  # where commands keep what is finished
+STORES = {  # folders and files in which commands store finished work
     "sweep": "store", "mistune": "draws", "chance": "draws", "cycles": "cycles.part.npz", "contact": "contact.part.npz",
     "rub": "rub.part.npz", "report": "report.part.npz",
 }  # fmt: skip
 CODED = (ModelWarning, SceneWarning)
-MOST = 3  # warnings of one code: an update meets the same again and again in slightly other words
+MOST = 3  # warnings of one code: an update repeats the same warning with other numbers
 _collected: list[dict[str, str]] = []
 
 P = ParamSpec("P")

@@ -19,7 +19,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 LANDMARKS, AXES, SMOOTHINGS = 12, 6, 8
 LEAF = 150  # unknowns that are not cut further: a dense matrix of them costs less than its parts
 UNEVEN = 0.75  # the largest share of a part on one side of a cut
-SKEW = 4.0  # how much a cut's uneven sides weigh against its separator
+SKEW = 4.0  # weight of the unevenness of a cut against its separator
 CHUNK = 4_000_000  # entries of the pattern examined together
 SEED = 4519  # of the hash: same input, same order
 

@@ -24,7 +24,7 @@ BLOCKS = (8, 32, 128)  # vectors multiplied together: clusters up to this size a
 TOLERANCE = 1e-9  # residual of the inverted problem, relative to each theta; eigenvalues are right to its square
 ROUND_OFF = 1e-14  # the same, relative to the largest theta: what arithmetic can reach,
 LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its square
-SPARE = 1e2  # how much more residual is left to the last vectors, which only show where the gap behind the others is
+SPARE = 1e2  # how much larger the residual of the last vectors may be, which only locate the gap behind the others
 FALL = 30.0  # what residuals fall by at most from block to block, at first: an earlier check shows nothing
 QUICKER = 1.5  # how much faster they may fall than they did before, in powers of ten
 RESTARTS = 20
@@ -192,6 +192,6 @@ def orthonormal(pencil: Pencil, block: Array, noise: float) -> tuple[Array, Arra
 def independent(pencil: Pencil, X: Array, noise: float = 0.0) -> Array:
     """Orthonormal columns, up to round-off, that span X (n, k) without directions shorter than `noise`."""
     gram = X.conj().T @ pencil.weigh(X)
-    squares, V = np.linalg.eigh(0.5 * (gram + gram.conj().T))  # a few columns: less ado than scipy's
+    squares, V = np.linalg.eigh(0.5 * (gram + gram.conj().T))  # a few columns: faster than scipy's routine
     good = squares > max(noise**2, 1e-15 * squares.max(initial=0.0))
     return np.asarray(((V[:, good] / np.sqrt(squares[good])).T @ X.T).T)  # by columns, as X is

@@ -12,7 +12,7 @@ INFO = Path("/proc/meminfo")
 STATUS = Path("/proc/self/statm")
 GROUP = Path("/sys/fs/cgroup")
 MOST = 2e8  # modes times unknowns: an hour or so, 1.6 GB of shapes
-MODES = 1000.0  # asked for at once: below, whatever the unknowns, nobody is stopped
+MODES = 1000.0  # modes that may be requested at once for any number of unknowns
 
 
 class MemoryNeedError(NumericsError, MemoryError):

@@ -31,7 +31,7 @@ from casingfem.linalg.pencil import Mass, Pencil, make_pencil
 
 ITERATIONS = 200
 TOLERANCE = 1e-4  # of the residual, relative to the negative shift: some 1e-6 of the first elastic eigenvalue
-BALANCED = 1e-10  # of a load: what static solutions may leave
+BALANCED = 1e-10  # of a load: largest residual of static solutions
 SEARCHED, SEARCH_STEPS = 6, 60  # vectors and iterations of the search for what was missed; the lowest must converge
 ACCEPTED = 1e-5  # residual over eigenvalue, of rigid motions over ten shifts; its square is the error
 DEGREE = 3  # of the polynomial

@@ -182,7 +182,7 @@ def locate(
     if among == "bolts":
         bounds = loosening(factors_of(reduced))
         active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)
-        if baseline is not None and active:  # again, with what the couplings that these bolts show leave unknown
+        if baseline is not None and active:  # again, with the uncertainty of the couplings that these bolts show
             wider = widened(table, reduced, start.modes, point.modes, c, misfit.reach)
             misfit = replace(misfit, table=wider)
             active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)
@@ -190,7 +190,7 @@ def locate(
     else:
         edge = edge or EDGE
         masses = search_masses(misfit, edge, angles, most=most, level=level)
-        if len(masses.masses):  # the casing's own answers to masses just there
+        if len(masses.masses):  # responses of the casing to masses at these angles
             changes = mass_changes(reduced.system, edge, np.concatenate([masses.angles, masses.angles + np.pi]))
             exact = affine_model(reduced.system, changes, len(reduced.nominal), reduced.nominal)
             misfit = replace(misfit, model=exact if baseline is None else calibrated(exact, baseline))

@@ -172,7 +172,7 @@ class Localisation(Reported):
         }
 
     def __repr__(self) -> str:
-        """The best explanation, its alternatives, and what the table cannot decide."""
+        """The best explanation, its alternatives, and the places that the table cannot distinguish."""
         one, many = {"bolts": ("loose bolt", "loose bolts"), "mass": ("added mass", "added masses")}[self.among]
         what = one if len(self.found) == 1 else many
         lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]

@@ -61,7 +61,7 @@ def next_mass(misfit: Misfit, edge: str, angles: FloatArray, at: Masses) -> Mass
     both = replace(model, mass=np.concatenate([model.mass, there[: len(at.masses)]]))
     point = replace(misfit, model=both).at(np.concatenate([np.zeros(many), at.masses]))
     upper = np.append(np.full(many, np.inf), at.masses)
-    bounds = Bounds(lower=np.append(np.zeros(many), at.masses), upper=upper)  # those there stay during the search
+    bounds = Bounds(lower=np.append(np.zeros(many), at.masses), upper=upper)  # the masses found before stay
     promised = gains(point, range(many, many + len(at.masses)), bounds)[:many]
     square = np.sum(point.jacobian[:, :many] ** 2, axis=0)
     step = -(point.jacobian[:, :many].T @ point.values) / np.where(square > 0.0, square, 1.0)

@@ -2,8 +2,7 @@
 
     q'' + 2 zeta omega q' + omega^2 q = rows^T lam,    u = rows q + S lam
 
-with mass-normalised modes, u the interface displacements by channel and S the static compliance of everything that is
-not kept.
+with mass-normalised modes, u the interface displacements by channel and S the static compliance of all omitted modes.
 """
 
 import json

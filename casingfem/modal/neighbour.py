@@ -30,7 +30,7 @@ from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 
-TOL = 1e-7  # of an eigenvalue, still to fall before the last block is taken in
+TOL = 1e-7  # of an eigenvalue, expected decrease below which only the last block is added
 FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new one is worth
 LEAST = 1e-2  # of TOL: modes that have less to fall stay as they are
 GUARD = 8  # modes kept above those wanted

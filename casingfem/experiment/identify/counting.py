@@ -2,7 +2,7 @@
 
 A pole of C channels has 2 C + 2 real parameters. It is justified when the fall of the sum of squares, over the
 variance of the noise about it, is above the chi-squared value that chance exceeds once in a million; noise that is
-alike over K lines counts K times (`PoleFit.noise`). Two poles within a bandwidth must differ in shape.
+correlated over K lines counts K times (`PoleFit.noise`). Two poles within a bandwidth must differ in shape.
 """
 
 from __future__ import annotations

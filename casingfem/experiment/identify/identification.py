@@ -67,7 +67,7 @@ def identify(
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
 
-    Time records of responses to random loads that were not measured are taken too (`identify_output_only`).
+    It also accepts time records of responses to random loads that were not measured (`identify_output_only`).
 
     Parameters
     ----------
@@ -84,18 +84,18 @@ def identify(
     order
         Largest order of the p-LSCF estimator; None takes it from the number of peaks of each band.
     n_max
-        Largest nodal diameter of a label; None takes 64. Labels end sooner, below the first n that is the same at the
-        sensors like a smaller one: at 11 on 24 even sensors.
+        Largest nodal diameter of a label; None takes 64. Labels end below the first n that the sensors cannot
+        distinguish from a smaller one: at 11 on 24 even sensors.
     pick
-        Frequencies [Hz] of the modes, picked from a stabilisation diagram: they are refined, none is added, none is
-        left out.
+        Frequencies [Hz] of the modes, picked from a stabilisation diagram: they are refined; no mode is added or left
+        out.
     exponential
-        Time constant tau [s] of an exponential window exp(-t/tau), whose damping is taken off; None reads it from a
-        line `exponential_window_s: ...` of the set's card, where there is one.
+        Time constant tau [s] of an exponential window exp(-t/tau), whose damping is subtracted; None reads it from a
+        line `exponential_window_s: ...` of the set's card, if it has one.
     coherence
-        Of the responses, over the same lines: a line weighs less where it is low.
+        Coherence of the responses, over the same lines: lines with low coherence have less weight.
     say
-        Receives the step that is being done, from time to time.
+        Called with the name of the current step.
 
     Raises
     ------

@@ -27,13 +27,13 @@ class Identified(Reported):
     Attributes
     ----------
     freq, sigma_freq
-        Frequencies and their standard uncertainties [Hz], (modes,); of the mean over the set-ups where `shift` > 0.
+        Frequencies and their standard uncertainties [Hz], (modes,); of the mean over the set-ups if `shift` > 0.
     shift
-        Standard deviation of a mode's ln frequency from set-up to set-up; 0 where the test is one.
+        Standard deviation of a mode's ln frequency between set-ups; 0 for a single set-up.
     zeta, sigma_zeta
         Damping ratios and their uncertainties.
     n, purity
-        Nodal diameters, -1 where the sensors have no angles, and their share of the shape's energy.
+        Nodal diameters, -1 if the sensors have no angles, and their share of the shape's energy.
     angle_deg, sigma_angle
         Antinode, in [0, 180/n), and its uncertainty [deg]; nan where n < 1.
     shapes, sigma_shapes
@@ -50,18 +50,18 @@ class Identified(Reported):
     unresolved
         Modes whose residues contain two shapes at one frequency.
     split_bound
-        Largest relative split of a partner that would have been missed, nan where a partner was found or n = 0.
+        Largest relative split of a partner that the data would not show; nan if a partner was found or n = 0.
     sensors
-        Where the shapes are.
+        Sensors of the shapes.
     lines, fitted, measured
-        Frequencies used [Hz], (lines,); responses there, fitted (nan where nothing was) and measured, both
-        (channels, lines).
+        Frequencies used [Hz], (lines,); responses at these lines, fitted (nan on lines without a fit) and measured,
+        both (channels, lines).
     diagram
         Poles of all orders.
     reasons
-        For each mode why it is doubtful, "" where it is sure.
+        Reason why each mode is doubtful, "" for a sure mode.
     notes
-        What cannot be distinguished and what was left out, in words.
+        Notes on modes that cannot be distinguished, and on data that were left out.
     card
         Source lines.
 
@@ -115,7 +115,7 @@ class Identified(Reported):
 
     @property
     def sure(self) -> BoolArray:
-        """Modes about which nothing is doubtful, (modes,)."""
+        """Whether each mode is sure, (modes,)."""
         return np.array([not (self.reasons and self.reasons[k]) for k in range(len(self))], bool)
 
     @property
@@ -135,7 +135,7 @@ class Identified(Reported):
 
     @property
     def deviation(self) -> float:
-        """Rms of measured minus fitted over rms measured, where something was fitted."""
+        """Rms of measured minus fitted responses over the rms of the measured ones, on lines with a fit."""
         there = ~np.isnan(self.fitted[0])
         error = self.measured[:, there] - self.fitted[:, there]
         return float(np.linalg.norm(error) / np.linalg.norm(self.measured[:, there])) if there.any() else float("nan")
@@ -173,7 +173,7 @@ class Identified(Reported):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Identified:
-        """Read what `save` wrote, without pickle.
+        """Read a file of `save`, without pickle.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""The file of identified modes: an npz of plain arrays, the sensors' and the diagram's under names with a dot."""
+"""The file of identified modes: an npz of plain arrays; names of the arrays of sensors and diagram contain a dot."""
 
 import os
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Poles of growing model orders, and which of them recur: the p-LSCF estimator in NumPy.
+"""Poles for increasing model orders, and those that recur: the p-LSCF estimator in NumPy.
 
 Over the lines of a band, with z_k = exp(i a k/(L - 1)) on an arc a, each response is N_c(z)/D(z) with one denominator
 for all channels. The equation error w_k (N_c - H_c D) is linear in the coefficients; with the numerators eliminated,
@@ -23,7 +23,7 @@ import numpy as np
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 
-ARC = 1.5 * np.pi  # of the unit circle; a whole circle would ask for equal values at both ends of the band
+ARC = 1.5 * np.pi  # of the unit circle; a whole circle would require equal values at both ends of the band
 OUTSIDE = 0.05  # of a band, beyond its ends, where poles are kept
 
 

@@ -5,8 +5,8 @@ degree 0 to 3 on these lines, x_i and w_i the nodes and weights of their Gauss r
 1969, 221). T T^H = 1, and T f = sqrt(w_i) f(x_i) for each cubic f. So products of cubics over the lines are those over
 the nodes, and white noise remains white of the same variance. A resonance much wider than the lines is cubic on them.
 
-Lines are merged where what T leaves out of the responses is rough from line to line, as noise is: at most twice the
-energy that third differences show, var = 20 sigma^2. Other lines are kept.
+Lines are merged if the part of the responses that T leaves out is only noise: at most twice the energy that third
+differences show, var = 20 sigma^2. Other lines are kept.
 """
 
 from __future__ import annotations

@@ -10,9 +10,9 @@ over channels.
 
 Noise of measured responses is correlated between channels and between neighbouring lines. The scores q_l = Re sum_c J^H
 R at line l give the covariance K I^-1 [sum_l q_l q_l^T] I^-1 then (White, Econometrica 48, 1980, 817), K the number of
-correlated lines by the residual's autocorrelation. Where the model lacks something, the residual is correlated over
-many lines: the effective variance of the noise about a pole is K times the residual's variance. Each standard deviation
-is the larger of the two.
+correlated lines by the residual's autocorrelation. If the model is incomplete, the residual is correlated over many
+lines: the effective variance of the noise about a pole is K times the residual's variance. Each standard deviation is
+the larger of the two.
 """
 
 from __future__ import annotations

@@ -20,9 +20,8 @@ width gamma. With e the share of poles that are shifted,
 
 In one test e is not zero: a local mode may be seen by one branch alone, E = 1/4. Two references at one sensor may drive
 different members of every second pair, E = 1/2. Two branches whose evidence is below zero are one group. P groups are
-set-ups where each has whole sensors, or whole references, and where the mean evidence of all pairs, times P - 1,
-exceeds what chance exceeds once in a hundred (chi-squared of one degree of freedom: Wilks, Ann. Math. Stat. 9, 1938,
-60).
+set-ups if each has whole sensors, or whole references, and if the mean evidence of all pairs, times P - 1, exceeds the
+value that chance exceeds once in a hundred (chi-squared of one degree of freedom: Wilks, Ann. Math. Stat. 9, 1938, 60).
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ def suspected(
 ) -> tuple[str, ...]:
     """Describe sensors at angles theta [rad] that are wrong in shapes (sensors, modes) of n up to `most`.
 
-    `trusted` (sensors,) marks sensors known to be right. Where it is given, they alone predict the others.
+    `trusted` (sensors,) marks sensors known to be right. If it is given, they alone predict the others.
 
     >>> theta, n = np.arange(12) * np.pi / 6, np.array([2, 2, 3, 3, 4, 4, 1, 1])
     >>> shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))

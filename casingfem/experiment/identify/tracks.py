@@ -1,7 +1,7 @@
 """Combine the modes of several set-ups: match them, search again for missing ones, and average.
 
-A set-up of few channels may show two close modes as one. Where the other set-ups show both, it is fitted again with
-both; the pole is kept where the data determine it at the place that the other set-ups predict.
+A set-up of few channels may show two close modes as one. If the other set-ups show both, it is fitted again with both.
+A pole is kept if the data determine it near the frequency and damping that the other set-ups predict.
 """
 
 from __future__ import annotations
@@ -238,7 +238,7 @@ def _exchanged(match: Matching, number: int, logs: FloatArray) -> list[str]:
 
 
 def _reasons(some: list[tuple[int, Member]], whole: int, share: float, rules: Thresholds) -> list[str]:
-    """Why a mode is doubtful; `share` is the deviation of its mean frequency in bandwidths."""
+    """Reasons why a mode is doubtful; `share` is the deviation of its mean frequency in bandwidths."""
     reasons, count = [], len(some)
     if 2 * count <= whole:
         reasons.append(f"it is seen in {count} of {whole} set-ups: a local mode, or one that two share? Measure again")

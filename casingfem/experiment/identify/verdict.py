@@ -23,7 +23,7 @@ SAME = 2.0  # standard deviations within which two frequencies do not differ
 
 
 def reasons(fit: PoleFit, phases: list[float], rules: Thresholds = USUAL) -> list[str]:
-    """For each pole of a fit the reasons why it is doubtful, "" where it is sure.
+    """Reasons why each pole of a fit is doubtful, "" for a sure one.
 
     `phases` are the shares of the shapes' energy that are in phase.
     """

@@ -21,7 +21,7 @@ from contact.io.columns import Column
 from contact.io.keys import Key
 from contact.io.reported import Reported
 
-ROUND = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)  # half widths about a pole at which amplitudes are looked at
+ROUND = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)  # half widths about a pole at which amplitudes are computed
 ZOOM, ROUNDS = 9, 4  # frequencies about the largest, and how often they come closer
 AIRS, AGREE = 8, 1e-7  # how often the air is taken at another frequency, and the change at which that ends
 CHUNK = 64  # frequencies together

@@ -23,7 +23,7 @@ ACROSS = 6  # frequencies on a line of the table
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class CyclicModes:
-    """Modes of a wheel, by nodal diameter and then by frequency; those with 0 < n < N/2 stand for a pair each.
+    """Modes of a wheel, by nodal diameter and then by frequency; each mode with 0 < n < N/2 represents a pair.
 
     Attributes
     ----------

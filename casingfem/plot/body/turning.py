@@ -15,7 +15,7 @@ from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.shell.shell import Shell
 
 FALLBACK = 3  # shapes of the moving pictures that show without WebGL and on paper
-FAR = 2.5  # times the largest deviation: where a stray point is drawn that lies further off
+FAR = 2.5  # times the largest deviation: limit at which an outlier further away is drawn
 NAMED = 12  # stray points with a label, the worst
 
 

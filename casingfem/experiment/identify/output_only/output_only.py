@@ -372,7 +372,7 @@ def _chi(low: Mode, high: Mode, gap: float) -> float:
 
 
 def _reasons(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
-    """Why a mode is doubtful, "" where it is sure; the shape of an unresolved pair may have any phase."""
+    """Reasons why a mode is doubtful, "" for a sure one; the shape of an unresolved pair may have any phase."""
     found = estimated.found
     reasons, wide = list[str](), 2.0 * found.zeta * found.freq
     if found.zeta < ABOVE_ZERO * found.sigma_zeta:
