@@ -83,7 +83,7 @@ def _limit_words(name: str, reached: float, allowed: float) -> str:
 
 
 def _forced_words(theory: float) -> str:
-    """State what moved a rotor whose growth was not measured."""
+    """Cause of the motion of a rotor whose growth was not measured."""
     if theory > 0.0:
         return SHORT
     return "It does not grow by itself: its load moves it. Check unbalance, gravity, start and units."

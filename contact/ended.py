@@ -22,7 +22,7 @@ from contact.record.energy import EnergyBudget
 from contact.record.record import Samples
 from contact.result import Result
 
-LONGER = 4  # times its steps, at most: how far a run that passed a limit goes on to fit its growth
+LONGER = 4  # times its steps, at most: length to which a run that passed a limit continues to fit its growth
 ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
 
 

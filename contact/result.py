@@ -115,7 +115,7 @@ class Result(Reported):
 
     @property
     def flags(self) -> tuple[Flag, ...]:
-        """Reasons not to trust the numbers: texts that end with a code of `contact.io.trust.TROUBLES`.
+        """Warnings about the numbers: texts that end with a code of `contact.io.trust.TROUBLES`.
 
         `flag.code` is that code; `flag.failed` is true if the numbers are wrong, false for a warning.
         """

@@ -11,7 +11,7 @@ from contact.base.errors import InputError
 from contact.io.stored import StoredError, load_value, save_value
 
 EVERY = 2.0  # s between two writings, at least
-SHARE = 20.0  # times what a writing takes, likewise: a twentieth of the time at most goes into it
+SHARE = 20.0  # times the duration of a writing, at least: writing takes at most a twentieth of the time
 
 
 class Asked(Protocol):

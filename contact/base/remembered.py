@@ -37,7 +37,7 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
         if key not in kept:
             while len(kept) >= KEPT:
                 kept.pop(next(iter(kept)), None)
-            kept[key] = args, function(*args, **kwargs)  # with the arguments: as long as they live no other is them
+            kept[key] = args, function(*args, **kwargs)  # with the arguments, so that their identities stay unique
         return kept[key][1]
 
     return found

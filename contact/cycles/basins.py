@@ -17,7 +17,7 @@ from contact.io.columns import Column, Columns, table_lines
 from contact.io.reported import Reported
 
 SAME = 1e-4  # of the state: nearer motions are one
-CLOSES = 1e-6  # of the state: what a run misses its state of some periods before by
+CLOSES = 1e-6  # of the state: largest difference of a run from its state some periods before
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -160,7 +160,7 @@ def _settled(motion: Motion, x: Array, period: float, settle: int, longest: int)
     for _ in range(longest):
         after = passage(motion, states[-1], 0.0, period, tangent=False)
         amplitudes.append(after.amplitude)
-        if np.linalg.norm(after.x - x) <= CLOSES * size:  # a run on its last way to rest may turn about a shorter one
+        if np.linalg.norm(after.x - x) <= CLOSES * size:  # a slow decay may resemble a shorter period
             apart = np.linalg.norm(np.array(states) - x, axis=1)
             shortest = next((d for d in range(1, len(states)) if apart[d] <= SAME * size), len(states))
             return np.array(states[:shortest]), np.max(amplitudes[:shortest], axis=0)

@@ -118,8 +118,8 @@ class Signs(NamedTuple):
 
     Sign of d(parameter), numbers of multipliers above 1, below -1, in pairs.
 
-    Also how often each contact closes. Of impacts that end at rest, the number of such series counts, since the number
-    of impacts in a series has no meaning.
+    Also how often each contact closes. A series of impacts that ends at rest counts once, since the number of its
+    impacts has no meaning.
     """
 
     forward: bool
@@ -182,7 +182,7 @@ def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float,
                 else:
                     high, reached, there = middle, trial, here
         except (NumericsError, InputError, np.linalg.LinAlgError):
-            pass  # it is as near as one comes
+            pass  # bisection cannot come nearer
         found += [Special(kind=kind, orbit=reached, before=before) for kind in kinds(left, there)]
         left, low = there, high
     return found
@@ -217,7 +217,7 @@ def followed(
             value, x = (at.value, at.x) if end else (new.value, new.x)
         except (NumericsError, np.linalg.LinAlgError) as error:
             end, value, x = str(error), at.value, at.x
-        except InputError as error:  # beyond the range there may be nothing: its edge is where the step would leave it
+        except InputError as error:  # beyond the range there may be no orbit: the step ends at its edge
             end, value, x = str(error), float(at.value + length * along.value), at.x + length * along.x
         outside = not course.low <= value <= course.high
         edge = _at_edge(course, at, value, x) if outside else None

@@ -1,4 +1,4 @@
-"""Phases of a plant, made when they are met, and their arrays for the compiled passage."""
+"""Phases of a plant, computed when a motion first enters them, and their arrays for the compiled passage."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Known:
         self.bundle: Any = None
 
     def __reduce__(self) -> tuple[type[Known], tuple[Plant]]:
-        """A copy begins without phases: addresses of arrays are those of one process."""
+        """A copy begins without phases, because addresses of arrays are valid only in one process."""
         return Known, (self.plant,)
 
     def number(self, closed: Closed) -> int:
@@ -105,7 +105,7 @@ class Known:
             into[0], into[1] = wave.real, wave.imag
 
     def _make(self, room: int, harmonics: int) -> None:
-        """Arrays with room for so many phases, and those known so far in them; a passage under way goes on in them."""
+        """Arrays with space for more phases, filled with the known ones; a passage in progress continues in them."""
         from contact.loop.period_arrays import PlantArrays, period_of, phase_table
 
         plant, before = self.plant, self.arrays
@@ -127,7 +127,7 @@ class Known:
             self._take(drive)
 
     def _add(self, phase: Phase, number: int) -> None:
-        """One phase more."""
+        """Add a phase."""
         from contact.jit.bundle import bundled
 
         room, _, m = self.arrays.phases.lam.shape

@@ -18,7 +18,7 @@ from contact.cycles.known import EVENTS, Closed, DrivenPhase, Known, resonance
 from contact.cycles.switched import Drive, Plant
 
 PIVOTS = 200
-TOUCH = 1e-7  # of the velocities that add up to the gap's: a slower hit is the end of a series, or none
+TOUCH = 1e-7  # of the velocities that add up to the gap's: a slower hit ends a series, or is no hit
 
 
 class Event(NamedTuple):
@@ -105,7 +105,7 @@ class Motion:
         return self.pressed(contacts_at(bundle, time), time)
 
     def pressed(self, found: int, time: float) -> Closed:
-        """Contacts closed at the state in the work space, by what the compiled search answered."""
+        """Contacts closed at the state in the work space, from the answer of the compiled search."""
         from contact.loop.period import INSIDE, TOGETHER
 
         work, plant = self.known.arrays.work, self.plant
@@ -182,8 +182,9 @@ def passage(
 def beside(motion: Motion, found: Passage, x: Array, start: float, scale: float) -> Array | None:
     """State after the phases of another passage, each `scale` times as long; None where a rigid contact was hit.
 
-    Where forces are continuous at events, the state at the end changes by the square of a shift of theirs: of a drive
-    close to that of `found` this is the state after a period but for the square of what the drives differ by.
+    If forces are continuous at the events, a shift of the events changes the state at the end only to second order. For
+    a drive close to that of `found`, the result is therefore the state after a period, with an error of second order in
+    the difference of the drives.
     """
     from contact.loop.period import DONE, pass_beside
 
@@ -273,7 +274,7 @@ def _at_rest(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int
     met = [int(i) for i in np.flatnonzero(plant.rigid) if near[i] or i in closed or i == hit]
     away = plant.B[:, met] @ np.linalg.pinv(plant.impulse[np.ix_(met, met)])
     after = x - away @ velocity[met]
-    if M is not None:  # all these motions end with the gap at rest: what they differed by in it is gone
+    if M is not None:  # all these motions end with the gap at rest: their differences in it are zero afterwards
         M = M - np.linalg.pinv(plant.C[met]) @ (plant.C[met] @ M)
         M = M - away @ (plant.C[met] @ plant.A @ M)
     now = _kept(motion, after, closed, met, time)

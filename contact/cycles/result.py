@@ -19,7 +19,7 @@ from contact.io.reported import Reported
 from contact.io.stored import save_value
 
 FORMAT = "casingfem-cycles-1"
-FEW = 4  # grazing points that are told one by one
+FEW = 4  # grazing points that are listed one by one
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

@@ -43,8 +43,9 @@ class RimFamily:
     period is that of the out-of-roundness, one turn over the common divisor of its harmonics; in a casing at rest each
     place sees it at the passing of every blade.
 
-    Raises SplitError for a casing that is not perfect, InputError for what is no periodic motion in this frame, or not
-    taken here: a closing, gravity, loads, whirl beside whole turns, a profile by a table, axial friction.
+    Raises SplitError for a casing that is not perfect. Raises InputError for problems without a periodic motion in this
+    frame, or that are not supported: a closing, gravity, loads, whirl that does not repeat after whole turns, a profile
+    by a table, axial friction.
 
     >>> import contact as ct
     >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0, zeta=0.01), radius=0.5)

@@ -17,7 +17,7 @@ from contact.cycles.passage import Motion, Passage, beside, passage
 SETTLED = 1e-9  # of the state: change over a period of a run that has come to rest
 HUGE = 1e30  # change over a period of a run that diverges
 CLOSE = 1e-8  # of the state: Newton's last step; the error is of the order of its square
-REST = 1e-6  # of the guess: a smaller state is rest, which nothing is small beside
+REST = 1e-6  # of the guess: a smaller state counts as rest
 EVEN = 1e-7  # of a multiplier from 1 in size: without damping it is 1, and rounding moves double ones by 1e-8
 SHORT = 1e-3  # of a period: less time without rigid contact is none
 NEWTON = 15
@@ -109,7 +109,7 @@ class Map(NamedTuple):
         return passage(self.motion, x, self.start, self.period, tangent=tangent, extremes=tangent)
 
     def beside(self, x: Array, found: Passage, period: float) -> Array:
-        """The end of x here, near a map of another `period` by which x went through `found`: for a difference."""
+        """The end of x under this map, from the phases `found` that x passes under a nearby map; for differences."""
         end = beside(self.motion, found, x, self.start, self.period / period)
         return self(x, tangent=False).x if end is None else end
 

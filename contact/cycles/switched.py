@@ -1,9 +1,9 @@
 """Linear motion that contacts switch: one linear system with periodic forcing for each set of closed contacts.
 
 x' = A x + b(t) + B lam,  gap = C x + c(t) + S lam,  0 <= gap, lam, complementary; b, c periodic, given by harmonics.
-Where S gives (residual compliance, an obstacle's stiffness), lam = -S^-1 (C x + c) on the closed contacts. Where a
-contact has none, C B = 0: it is rigid, hits with Newton's restitution, and while it stays closed lam is what keeps
-gap'' + (p + r) gap' + p r gap = 0, which a gap that is zero at the start fulfils by staying zero.
+With a compliance S (residual compliance, an obstacle's stiffness), lam = -S^-1 (C x + c) on the closed contacts. A
+contact without compliance has C B = 0. It is rigid and hits with Newton's restitution. While it stays closed, lam
+satisfies gap'' + (p + r) gap' + p r gap = 0, so that a gap that is zero at the start stays zero.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class Phase:
     lam: Complex
     V: Complex  # (n, half), pairs counted twice
     U: Complex  # (half, n)
-    rows: Array  # (k + o, n): what is watched, of x
+    rows: Array  # (k + o, n): watched quantities per unit of x
 
 
 def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:

@@ -47,7 +47,7 @@ class TextError(ValueError):
 
 
 def open_file(path: str | os.PathLike[str], *, most: float = MOST) -> IO[bytes]:
-    """Open a file for reading, seekable; of a pipe, its whole content.
+    """Open a file for reading, seekable; for a pipe, its whole content.
 
     Raises
     ------

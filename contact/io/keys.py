@@ -23,9 +23,9 @@ class Key:
     text
         Meaning, with the unit in brackets.
     range
-        Of a number; the ranges in files are `RANGES` of `contact.io.tables`. In a file a "length" and a "place" of a
-        structure are at most a kilometre, a "turn" lies from -360 to 360 degrees, a "lean" between -90 and 90 degrees,
-        an angle "below a turn" between 0 and 2 pi.
+        Range of a number; the ranges in files are `RANGES` of `contact.io.tables`. In a file a "length" and a "place"
+        of a structure are at most a kilometre, a "turn" lies from -360 to 360 degrees, a "lean" between -90 and 90
+        degrees, an angle "below a turn" between 0 and 2 pi.
     check
         Name of the check of plausibility that a file's number must pass (`contact.io.plausible`); none if empty.
     least, most
@@ -33,7 +33,7 @@ class Key:
     degrees
         Whether the value is an angle in radians that a file states in degrees, under the name that ends in `_deg`.
     stations
-        How many values a file may state in a list in place of one number; 0 for one number alone.
+        Number of values that a file may state in a list in place of one number; 0 for a single number.
     alias
         Name in a file where it differs, such as `from`, which Python reserves; the field's name if empty.
     """

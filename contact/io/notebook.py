@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-PATIENCE, PACE = 2.0, 0.5  # s until something is stated, and between two words
+PATIENCE, PACE = 2.0, 0.5  # s until the first text, and between two texts
 
 
 def in_notebook() -> bool:

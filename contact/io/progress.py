@@ -57,9 +57,9 @@ def as_part(whole: Callable[[float], tuple[str, float]]) -> Iterator[None]:
 
 
 def tell(words: str, done: float | None = None, *, most: bool = False) -> None:
-    """Report a text and the finished share, None if unknown; `most`.
+    """Report a text and the finished share, None if unknown.
 
-    The share counts the largest possible number of steps.
+    `most`: the share refers to the largest possible number of steps.
     """
     listener = _LISTENER.get()
     if listener is not None:

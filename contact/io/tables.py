@@ -19,7 +19,7 @@ from contact.io.toml import entries
 Model = type[BaseModel]
 WORDS = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 BOUNDS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-ANY = 1e20  # a bound beyond states no more than that a number is finite
+ANY = 1e20  # a larger bound means only that a number is finite
 
 
 def at_least(least: float, *, zero: bool = False) -> AfterValidator:

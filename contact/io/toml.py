@@ -9,7 +9,7 @@ from typing import Any
 from contact.io.infiles import read_bytes, text_of
 
 PLACE = re.compile(r"at line (\d+), column \d+\)$")
-# what is written out of habit, and how TOML has it
+# frequent spellings that TOML does not allow, and the correct ones
 HABITS = {
     r"[=,\[]\s*[+-]?(\.\d|\d+\.(?!\d))": "a number has digits on both sides of its point: 0.5, 100.0",
     r"=\s*[+-]?\d+,\d+\s*$": "write decimals with a point: 0.5",

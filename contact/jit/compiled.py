@@ -47,7 +47,7 @@ PASSES = (
     after.NopythonTypeInference, after.PreLowerStripPhis, after.IRLegalization, after.AnnotateTypes,
     after.NativeLowering, after.NoPythonBackend,
 )  # fmt: skip
-ENVIRONMENT = "_ZN08NumbaEnv"  # how the names begin under which numba looks for a function's environment
+ENVIRONMENT = "_ZN08NumbaEnv"  # prefix of the names under which numba searches for a function's environment
 CFunction: Any = CFunc
 normalized: Any = normalize_signature
 unliteral: Any = types.unliteral
@@ -55,10 +55,10 @@ protocol: Any = types.WrapperAddressProtocol
 VECTOR: Any = types.Array(types.float64, 1, "C")
 MATRIX: Any = types.Array(types.float64, 2, "C")
 Function = TypeVar("Function", bound=Callable[..., object])
-# no reference counts: loops are given all their arrays, and counting the views they take cost more than the steps
+# no reference counts: loops get all their arrays, and counting references of views would take longer than the steps
 BY_ADDRESS: Any = {"_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
 OPTIONS: Any = {**BY_ADDRESS, "no_cfunc_wrapper": True}
-# no way in from Python, which is compiled for each
+# no entry from Python, which numba would compile for each function
 PART: Any = {"no_cpython_wrapper": True}
 
 
@@ -76,7 +76,7 @@ class SealedLibrary(AsWritten):
     def _optimize_final_module(self) -> None:
         _relink(self._final_module, binding.Linkage.linkonce_odr, "internal")
         self._optimise()
-        # what callers link is read back as from the cache, so that they too are compiled alike whoever was first
+        # callers link the code as read back from the cache, so that all processes compile them equally
         shared = binding.parse_bitcode(self._final_module.as_bitcode())
         _relink(shared, binding.Linkage.external, "linkonce_odr")
         self._shared_module = shared
@@ -220,7 +220,7 @@ class Part(Loop):
     """
 
     def __call__(self, *args: Any, **kws: Any) -> Any:
-        """Compile it as an entry too, for a test or a single call; it must not return arrays."""
+        """Also compile it as an entry, for a test or a single call; it must not return arrays."""
         return entry(self.py_func)(*args, **kws)
 
 

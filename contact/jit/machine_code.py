@@ -8,8 +8,8 @@ contains its key (digest of its sources, versions of numba and llvmlite, process
 written under a temporary name and renamed. A file that does not fit its key is compiled again.
 
 Directories are read in this order, up to the first one that can be written: `NUMBA_CACHE_DIR`, the `__pycache__` of
-this package, `~/.cache/contact`. New code goes into the last of them. So a directory that an administrator filled and
-made read-only is used, and what it lacks is kept by each user.
+this package, `~/.cache/contact`. New code goes into the last of them. A directory that an administrator filled and made
+read-only is therefore used, and each user stores the code that it lacks.
 """
 
 from __future__ import annotations

@@ -128,7 +128,7 @@ def _below_zero(typing: Any, vector: Any) -> Any:
 def _total(typing: Any, vector: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         part, size = args[0], WIDTH
-        while size > 1:  # of single numbers the compiler would make one chain of sums
+        while size > 1:  # with single numbers the compiler would make one chain of sums
             size //= 2
             kind, none = ir.VectorType(ir.IntType(32), size), ir.Constant(part.type, ir.Undefined)
             low, high = (

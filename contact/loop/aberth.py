@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit_entry
 
-AWAY = 1e300  # where a zero is put while the others are divided out of its own step: it adds nothing there
+AWAY = 1e300  # position of a zero, without contribution, while the others are divided out of its own step
 
 
 @jit_entry

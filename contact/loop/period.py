@@ -17,7 +17,7 @@ from contact.loop.phase import flow, move_to, pass_phase
 DONE, UNKNOWN, IMPACT, CHATTER, NOT_A_NUMBER, SLIP, RESONANCE, INSIDE, TOGETHER = range(9)
 START, CLOSED, ON = range(3)
 NEAR = 1e-12  # of the drive's frequency: a pole that is nearer to a harmonic has no forced vibration
-WITHIN = 1e-9  # of what adds up to a gap, or of the drive's reach: less penetration is none
+WITHIN = 1e-9  # of the terms of a gap, or of the drive's reach: smaller penetrations count as zero
 
 
 @jit
@@ -52,7 +52,7 @@ def number_of(s: Period) -> int:
 
 @jit
 def drive_phase(s: Period, phase: int) -> int:
-    """Forcing and forced vibration of a phase under the drive; DONE or RESONANCE."""
+    """Compute forcing and forced vibration of a phase under the drive; returns DONE or RESONANCE."""
     drive, closed = s.drive, s.phases.closed[phase]
     copy(drive.rest[phase], drive.watched_rest)
     copy(drive.drive_rest[phase], drive.b_rest)
@@ -79,7 +79,7 @@ def drive_phase(s: Period, phase: int) -> int:
 
 @jit
 def press(s: Period, phase: int, i: int, pull: Array, watched: Array, b: Array) -> None:
-    """Constant force of a closed contact, on what is watched and on the state."""
+    """Add the constant force of a closed contact to the watched quantities and to the state."""
     table, closed = s.phases, s.phases.closed[phase]
     force = 0.0
     for j in range(closed.size):
@@ -94,7 +94,7 @@ def press(s: Period, phase: int, i: int, pull: Array, watched: Array, b: Array) 
 
 @jit
 def press_wave(s: Period, phase: int, i: int, part: int) -> None:
-    """The same of its harmonics."""
+    """Add the harmonics of the force of a closed contact."""
     table, drive, closed = s.phases, s.drive, s.phases.closed[phase]
     watched, b = drive.wave[phase, part], drive.drive_wave[phase, part]
     for h in range(drive.harmonic.size):
@@ -111,7 +111,7 @@ def press_wave(s: Period, phase: int, i: int, part: int) -> None:
 
 @jit
 def vibrates(s: Period, phase: int, h: int) -> bool:
-    """X of one harmonic, from a force that turns ahead and one that turns back; False at a resonance."""
+    """X of one harmonic, from a force that rotates forward and one that rotates backward; False at a resonance."""
     table, drive, sides = s.phases, s.drive, s.work.sides
     w, b, X = drive.harmonic[h], drive.drive_wave[phase], drive.X[phase]
     for i in range(sides.shape[2]):
@@ -162,7 +162,7 @@ def vibration(s: Period, phase: int, t: float, sense: float) -> None:
 
 @jit
 def into(s: Period, phase: int, t: float) -> None:
-    """The phase's arrays as the passage through it takes them, and the state in its eigenvectors."""
+    """Fill the arrays for the passage through a phase, and the state in its eigenvectors."""
     table, drive, now, x = s.phases, s.drive, s.now, s.work.x
     copy(now.rest, drive.rest[phase])
     copy(now.harmonic, drive.harmonic)
@@ -228,7 +228,7 @@ def along(s: Period, phase: int, time: float) -> None:
 
 @jit
 def watch(s: Period, phase: int) -> None:
-    """What the passage through a phase starts its extremes from; of an open contact the least gap counts."""
+    """Initial extremes for the passage through a phase; of an open contact the least gap counts."""
     most, least, work, closed = s.moving.most, s.moving.least, s.work, s.phases.closed[phase]
     k = closed.size
     for i in range(k):
@@ -242,7 +242,7 @@ def watch(s: Period, phase: int) -> None:
 
 @jit
 def watched(s: Period, phase: int) -> int:
-    """Take the extremes of a phase; the contact whose slip turned, or -1."""
+    """Store the extremes of a phase; returns the contact whose slip reversed, or -1."""
     most, least, work, closed = s.moving.most, s.moving.least, s.work, s.phases.closed[phase]
     k = closed.size
     for i in range(k):
@@ -261,7 +261,7 @@ def watched(s: Period, phase: int) -> int:
 
 @jit
 def closed_at(s: Period, t: float) -> int:
-    """Contacts that press at the state: DONE, INSIDE a rigid one, or TOGETHER where the caller has to find them."""
+    """Contacts that press at the state; returns DONE, INSIDE a rigid one, or TOGETHER if the caller must find them."""
     table, drive, work, x = s.phases, s.drive, s.work, s.work.x
     found = DONE
     for i in range(work.closed.size):
@@ -297,16 +297,16 @@ def begin(s: Period, extremes: bool, tangent: bool) -> None:
 
 @jit_entry
 def contacts_at(s: Period, t: float) -> int:
-    """The same as `closed_at`."""
+    """`closed_at` for the current phase."""
     return int(closed_at(s, t))
 
 
 @jit_entry
 def pass_period(s: Period, stage: int, t_end: float, longest: float, extremes: bool, tangent: bool) -> int:
-    """Go on from `at` to `t_end`, and return why it ends: DONE, or what the caller has to do, or an error.
+    """Continue from `at` to `t_end`; returns the reason for the end: DONE, a task for the caller, or an error.
 
-    `stage` START finds the contacts that press first, CLOSED takes those that the caller found, ON goes on. `where` has
-    the phase, the contact met, the number of events and of stretches.
+    `stage` START first finds the contacts that press, CLOSED uses those that the caller found, ON continues. `where`
+    has the phase, the contact of the event, the number of events and of stretches.
     """
     work, moving, k = s.work, s.moving, s.work.closed.size
     if stage == START:
@@ -356,7 +356,7 @@ def pass_period(s: Period, stage: int, t_end: float, longest: float, extremes: b
 
 @jit_entry
 def pass_beside(s: Period, t: float, stretch: Indices, stretch_time: Array, scale: float) -> int:
-    """Follow the state through given phases for given times, times `scale`: DONE or RESONANCE."""
+    """Follow the state through given phases for given times, multiplied by `scale`; returns DONE or RESONANCE."""
     for k in range(stretch.size):
         phase, time = stretch[k], scale * stretch_time[k]
         if not s.drive.made[phase] and drive_phase(s, phase) != DONE:
@@ -371,5 +371,5 @@ def pass_beside(s: Period, t: float, stretch: Indices, stretch_time: Array, scal
 
 @jit_entry
 def drive_alone(s: Period, phase: int) -> int:
-    """Make a phase for the drive: DONE or RESONANCE."""
+    """Compute a phase for the drive; returns DONE or RESONANCE."""
     return DONE if s.drive.made[phase] else int(drive_phase(s, phase))

@@ -11,7 +11,7 @@ from contact.loop.phase import PhaseArrays, PhaseWork, phase_work
 
 
 class PlantArrays(NamedTuple):
-    """What all phases of a plant share."""
+    """Arrays that all phases of a plant share."""
 
     push: Array  # (n, k)
     shift: Array  # (watched, k)
@@ -88,7 +88,7 @@ class Period(NamedTuple):
 
 
 def phase_table(k: int, n: int, watched: int, room: int, m: int, plant: PlantArrays) -> PhaseTable:
-    """An empty table with room for phases of `m` numbers."""
+    """An empty table with space for phases of `m` numbers."""
     return PhaseTable(
         known=np.zeros(1, int), closed=np.full((room, k), -1), lam=np.zeros((room, 2, m)), V=np.zeros((room, 2, n, m)),
         U=np.zeros((room, 2, m, n)), rows=np.zeros((room, watched, n)), seen=np.zeros((room, 2, watched, m)),
@@ -97,7 +97,7 @@ def phase_table(k: int, n: int, watched: int, room: int, m: int, plant: PlantArr
 
 
 def drive_table(phases: PhaseTable, h: int) -> DriveTable:
-    """Room for a drive of h harmonics."""
+    """An empty table for a drive of h harmonics."""
     (room, k), (watched, n), m = phases.closed.shape, phases.rows.shape[1:], phases.lam.shape[2]
     return DriveTable(
         harmonic=np.zeros(h), base=np.zeros(1), b_rest=np.zeros(n), b_wave=np.zeros((2, n, h)), pull_rest=np.zeros(k),

@@ -17,7 +17,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.jit.compiled import jit
 
-TINY = 1e-12  # of what a watched value is the sum of: below, it is zero
+TINY = 1e-12  # of the terms of a watched value: below, it is zero
 STILL = 1e-9  # of what a slope is the sum of: a smaller one is none
 HALVINGS = 60
 NEWTON = 60

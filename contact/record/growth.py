@@ -11,10 +11,10 @@ from contact.io.trust import Flag
 
 Ending = Literal["grows", "bounded", "decays", "undecided", "at rest"]
 Check = Literal["", "converged", "numerical", "irregular", "depends on the step"]
-AGREED = 0.1  # of the growth: by how much half the step may change it
-NUMERICAL = 0.5  # of the growth: where half the step gives less, it is that of the step
+AGREED = 0.1  # of the growth: largest change by half the step
+NUMERICAL = 0.5  # of the growth: if half the step gives less, the step causes it
 STEADY = 0.02  # of the largest deflection: windows of a motion that may be periodic differ by less
-STANDS = 0.3  # share of one travelling wave below which the motion stands
+STANDS = 0.3  # share of one travelling wave below which the motion is a standing wave
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

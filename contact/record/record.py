@@ -15,8 +15,8 @@ from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.io.keys import Key
 
-MOST_SAMPLES = 1_000_000  # what a run stores when nobody states how often
-STATES = 2048  # what a run of modes stores when nobody states how often, and no more numbers than STATE_NUMBERS
+MOST_SAMPLES = 1_000_000  # samples that a run stores by default
+STATES = 2048  # states that a modal run stores by default, with at most STATE_NUMBERS numbers
 STATE_NUMBERS = 4_000_000
 BUFFER = 8_000_000  # numbers that the buffers of one chunk may contain, 64 MB
 NO_STEPS = np.zeros(0, dtype=np.int64)

@@ -25,7 +25,7 @@ from contact.scheme.linear.penalty_difference import PenaltyDifference
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 
-Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
+Built = tuple[What, Law, Scheme]  # of a scene: the problem, the law and the method
 Count = Annotated[int, Field(ge=1)]
 WAVES = 1000  # around a rim: with more, its points would be closer than a wall is thick
 Friction = Annotated[NotNegative, CHECKS["friction"]]

@@ -5,8 +5,8 @@
 2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills `out`,
    adds to `sums`, and returns -1, or the step that failed.
 3. The force of step n acts at the time of its sample: t_n = n h in leapfrog schemes, t_n + h/2 where it is the mean
-   over the step, t_{n+1} where it balances the end of the step. It makes the law valid for the gap stored beside it;
-   where the law is one of velocities, `residual` is theirs times h.
+   over the step, t_{n+1} where it balances the end of the step. It makes the law valid for the gap stored with it; for
+   a law of velocities, `residual` is their violation times h.
 4. `stored()` and `motions()` evaluate the current state without changing it.
 5. The energies balance: change of stored energy = work of contact, damping and loads along the displacement + the gain
    of the scheme. With v_m, f_m means of the step's two ends, a one-step scheme moves by h v_m + s under the mean force

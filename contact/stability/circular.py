@@ -22,7 +22,7 @@ from contact.model.rotor.rotor_rub import casing_of
 from contact.stability.split_casing import perfect_mean
 
 Complex = NDArray[np.complex128]
-ROUND = 1e-3  # of J J + 1 that is left: a rotor that is the same in all directions
+ROUND = 1e-3  # largest remainder of J J + 1 for a rotor that is the same in all directions
 FORWARD = np.array([1.0, -1.0j])  # x and y of a force that turns from x to y
 
 

@@ -23,7 +23,7 @@ MOST = 60  # rounds
 SETTLED = 1e-12  # of the largest pole: the next step would be none, convergence is cubic
 COUPLED = 1e-14  # of the largest residue: below, contact does not see a mode
 FLOOR = 1e-8  # of the highest frequency [rad/s]: growth below it is round-off of an undamped system
-MANY = 30  # modes: with fewer, eigenvalues are as quick
+MANY = 30  # modes: with fewer, eigenvalues are equally fast
 BATCH = 2_000_000  # entries of the state matrices formed at once
 
 

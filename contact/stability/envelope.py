@@ -35,14 +35,14 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices
 
-WINDOWS, FEWEST = 32, 8  # of a run: where it is long enough, and at least
+WINDOWS, FEWEST = 32, 8  # windows of a run that is long enough, and the least number
 SAMPLES = 4  # in a window, at least
 PERIODS = 2.0  # of the motion, in a window where the run is long enough
 DENSE = 1.0  # omega times the step between states below which velocities are differences
 LEAST = 6  # windows of a piece
 PIECE, NOISE = 6.0, 0.005  # what a piece more must lower, in log m; scatter of y that is none
 EMPTY = 1e-24  # of the largest energy: nothing has touched yet
-BEAT = 0.05  # e-folds over a piece that a slow beat may hide
+BEAT = 0.05  # e-folds over a piece that a slow beat may cause
 AUTO, FREE = 0.7, 4.0  # autocorrelation at most; independent windows at least
 
 

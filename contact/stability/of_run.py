@@ -27,7 +27,7 @@ RISE = 0.4  # e-folds over the last stretch that its interval must exclude where
 GREAT = 1.0  # e-folds that the whole interval must have where the motion was as large before
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
-LAST = 10  # of the windows, one in so many is the end of a run
+LAST = 10  # the last part of a run has one in so many of its windows
 EVEN = 1e-6  # of a turn
 ANGLE = 0.5  # radians by which a wave's phase may be uncertain from one state to the next
 SMALL = 0.02  # of the largest area: an orbit without one
@@ -164,7 +164,7 @@ def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
     path, half = disk_path(what, q), len(q) // 2
     moved = np.abs(path - path[half:].mean())
     growth = _verdict(seen._replace(wall=math.inf), result, q, found, moved)
-    return replace(growth, amplitude=float(moved[half:].max()))  # what a lost blade stirs up before has died away
+    return replace(growth, amplitude=float(moved[half:].max()))  # the transient after the loss of a blade has decayed
 
 
 def disk_path(what: Rotor | Rub, q: Array) -> NDArray[np.complex128]:

@@ -36,7 +36,7 @@ KICKS = np.array([P, P, 1.0 - 4.0 * P, P, P])
 PHASE = 0.4  # of the fastest vibration in one step, in radians
 MOST_STEPS = 5_000_000
 CHUNK = 5_000  # steps between two words on how far a turn is: a second, with some hundred modes
-WELL = 1e6  # condition of the eigenvectors of free motion up to which it is taken apart by them
+WELL = 1e6  # condition of the eigenvectors up to which free motion is separated by them
 
 
 def perfect_mean(casing: ModalBody) -> ModalBody:
@@ -126,7 +126,7 @@ def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedCont
     try:
         return rub_contact(rub, mu=mu), False
     except SplitError:
-        # neither how it starts nor what loads it matters to growth, and both belong to the casing's own modes
+        # initial motion and loads do not affect growth, and both refer to the casing's own modes
         mean = replace(rub_of(rub), casing=perfect_mean(rub.casing), casing_start=Start(), forces=())
         return rub_contact(mean, mu=mu), True
 
@@ -319,5 +319,5 @@ def fastest(system: ModalSystem, C: Array, K: Array, mu: float) -> float:
         if not S > 0.0:
             raise InputError(f"S: found compliance {S:g} m/N at the contact, expected > 0: it needs some give")
         stiffest = max(stiffest, float(np.linalg.norm(Q) * np.linalg.norm(Q - mu * T)) / S)
-    carried = 0.25 * float(np.linalg.norm(C - C.T, 2))  # half of what Coriolis forces shift a pair by
+    carried = 0.25 * float(np.linalg.norm(C - C.T, 2))  # half of the shift of a pair by Coriolis forces
     return carried + math.sqrt(carried**2 + float(np.linalg.norm(K, 2)) + stiffest)

@@ -4,9 +4,8 @@ Circular motion of the disk r and of the casing s at the contact, at the angle o
 
     r = U Omega^2 A_r - F (1 + i mu) A_r,   r - s_1 = (c + F d) e^(i alpha),
 
-with the receptance A_r of the rotor, the casing's wave s_1 of one nodal diameter, and the compliance d of all else at
-the contact: the casing's other waves, the blade, the law. With D = (1 + i mu) A_r + s_1/F, rotated by alpha, a
-synchronous rub satisfies
+with the receptance A_r of the rotor, the casing's wave s_1 of one nodal diameter, and the compliance d of the casing's
+other waves, the blade and the law. With D = (1 + i mu) A_r + s_1/F, rotated by alpha, a synchronous rub satisfies
 
     |U Omega^2 A_r| = |c + F (D + d)|,
 
@@ -237,7 +236,7 @@ class _Pair:
         a, b, e = abs(D + d) ** 2, self.clearance * (D + d).real, self.clearance**2 - free**2
         if not b * b - a * e >= 0.0:
             return (math.nan,) * 3
-        force = (-b + math.sqrt(b * b - a * e)) / a  # of two solutions the larger, to which a rub grows
+        force = (-b + math.sqrt(b * b - a * e)) / a  # the larger of two solutions, which a rub reaches
         if not force > 0.0:
             return (math.nan,) * 3
         # U Omega^2 A_r e^(-i alpha) = c + F (D + d), so that r e^(-i alpha) follows

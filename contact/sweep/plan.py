@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Value = float | str | int
 COUNTS = ("seed", "draw", "elements", "modes", "count", "blades", "line", "bars", "updates", "p", "n", "n_max")
 PART = re.compile(r"^(\w+)(?:\[(\d+)\])?$")
-MEASURES = 5  # number of the definition of what is measured on a run: a change of it changes every hash
+MEASURES = 5  # version of the definition of a run's results: a new version changes every hash
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -164,7 +164,7 @@ def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator
     """Rows of the tasks in the order of completion, wherever they run."""
     if scheduler is None and not (jobs > 1 and len(todo) > 1):
         return map(run_task, todo)
-    if scheduler is None and forks():  # what this process loads or compiles now, its copies have
+    if scheduler is None and forks():  # copies of this process inherit the loops that it loads now
         _load_loop(todo[0])
     return on_workers(todo, run_task, jobs, scheduler)
 

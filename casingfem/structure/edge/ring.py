@@ -179,8 +179,9 @@ class Stiffener:
 def held_at_root(section: Section, arm: float) -> Section:
     """A rectangle with the shear factor for bending about an axis at `arm` below its root; others unchanged.
 
-    The shear flow at z is proportional to int_z^w (arm + x) dx, w the width, without the part of the moment's change that
-    the wall takes. This gives k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), 5/6 at arm = 0.
+    The shear flow at z is proportional to int_z^w (arm + x) dx, w the width, without the part of the moment's change
+    that the wall takes. This gives k = (w^2/3 + w arm + arm^2)^2/(2 w^4/15 + 5 arm w^3/12 + arm^2 w^2/3), which is 5/6
+    at arm = 0.
 
     >>> bar = Section.rectangle(width=0.012, depth=0.004)
     >>> [round(held_at_root(bar, arm).shear, 4) for arm in (-1.0, 0.0, 0.0015)]

@@ -134,7 +134,7 @@ def advance_batch(
                     if skipped == 0:
                         skipped = skip_in_batch(s, flights, sums, new, k, room)
                         landed |= int(skipped > 0) << k
-                    s.retry[k] = s.step[k] + max(1, -skipped)  # not twice at a step, should the loop be left here
+                    s.retry[k] = s.step[k] + max(1, -skipped)  # not twice at one step if the loop ends here
                 stop = stop or s.step[k] == s.end[k]
         if landed > 0:
             land(s, Q, Q_next, waves, ahead, new, landed)
@@ -167,7 +167,7 @@ def advance_batch(
         Q, Q_next, waves, ahead = Q_next, Q, ahead, waves
         if stop:
             break
-    if swapped:  # the buffers changed places an odd number of times; nothing is computed anew, not to change a bit
+    if swapped:  # the buffers were exchanged an odd number of times; nothing is recomputed, so that no bit changes
         for i in range(s.q.shape[0]):
             put(s.d, i * WIDTH, load(s.old, i * WIDTH))
         for i in range(s.Q.shape[0]):

@@ -16,7 +16,7 @@ from contact.loop.rub.rows import RubRows
 from contact.loop.rub.state import RubState, Work
 from contact.record.record import Samples, Tally
 
-LEAST = 6  # steps: what a shorter skip saves, looking for it costs
+LEAST = 6  # steps: a shorter skip saves less than the search for it takes
 PAUSE = 16  # steps after a contact before a skip is tried
 WAIT = 512  # steps at most between two tries: amplitudes decay meanwhile
 FOREVER = 1 << 40

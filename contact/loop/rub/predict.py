@@ -31,7 +31,7 @@ from contact.loop.rub.spin import TORQUE, add_unbalance
 from contact.loop.rub.state import RubState, Solver, Work, tips
 from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
 
-SPARE = 0.25  # of the bound of a casing's deflection: room for forces of this step, before a tip is far
+SPARE = 0.25  # of the bound of a casing's deflection: margin for forces of this step, beyond which a tip is far
 
 
 @jit
@@ -174,9 +174,9 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
 
 @jit
 def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
-    """Find the coating bars under the near tips; gaps are then to the bars' surface.
+    """Find the coating bars under the near tips, and measure gaps to the bars' surface.
 
-    Returns how many tips no longer close.
+    Returns the number of tips that do not close on the bars.
     """
     apart = 0
     for j in range(s.mu.size):

@@ -56,7 +56,7 @@ class Spin(NamedTuple):
     mode: int
     scale: float  # 1/sqrt(inertia)
     drive: float  # constant torque [N m]
-    now: Array  # (3,): torque beside drive and friction, all rotation work until now, what new coefficients took
+    now: Array  # (3,): torque other than drive and friction, all rotation work until now, work of new coefficients
     sums: Array  # of `contact.record.spin`
 
 
@@ -83,21 +83,21 @@ class RubRows(NamedTuple):
 
     casing: RowBlocks
     width: int
-    many: bool  # whether the loop sees the casing's motion by waves, not by a row for each tip
+    many: bool  # whether the loop computes the casing's motion by waves, not by a row for each tip
     seen: RowBlocks  # waves of the casing's motion by its modes, `waves` of each block; empty unless `many`
     reach: Array  # (lines, width): bound of |normal row| over the angle
     rim: RimWaves  # what its deflection is computed from
     directions: int
     line: Indices  # (K,)
     place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows
-    glide: Array  # (K d,) what slides along each direction for each unit turned: the radius, or a ground's own
+    glide: Array  # (K d,) slip along each direction per unit of rotation: the radius, or the velocity of the ground
     angle: Array  # (K,)
     heading: Array  # (K, 2) its cosine and sine
     clearance: Array  # (K,)
     blade: Array  # (K d, widest blade)
     own: Indices  # (K, 2)
     apart: Indices  # (K, 2): those of its blade's modes that the casing's rows leave out; none where they hold them
-    fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
+    fixed: Array  # (K d, K d): response of the blades' modes to a force within a step
     still: Array  # (K d, K d) residual compliance that does not turn
     turns: bool  # whether there is any that does
     steady: bool  # whether no row depends on time: all contacts are near at every step, and have rows of their own

@@ -52,7 +52,7 @@ from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
 from contact.solver.yielding.yields import Yielding, note_slope, paced
 
-AGAIN = 8  # steps between looks whether the only tip is still near
+AGAIN = 8  # steps between two checks whether the only tip is near
 
 
 @jit
@@ -177,7 +177,7 @@ def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, strain: 
     rim, c, t = rows.rim, w.angles[NOW, 1], w.angles[NOW, 2]
     for a in range(rim.z.size):
         rim.z[a] = product(rim.rows[line, a], s.q)
-    if strain > 0.0:  # how far the modes deflect it bounds the sum, and its waves are few
+    if strain > 0.0:  # the modes' deflection bounds the sum, and has few waves
         if not matters(s.limits, largest_of_waves(rim.z) + strain, ends):
             return
         if not matters(s.limits, largest_around(rim.z, rim.places, rim.top) + strain, ends):
@@ -205,7 +205,7 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
           steady: Steady | None, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
-    """Forces of the marked tips and of those that close because of them; returns their number, -1 without solution.
+    """Forces of the marked tips and of the tips that these forces close; returns their number, -1 without solution.
 
     `solved`: the force of the first one is known already.
     """
@@ -231,7 +231,7 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
 @jit
 def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: Steady, w: Work,
               share: float) -> int:  # fmt: skip
-    """Forces of all frictionless contacts at once; returns how many press, -1 without solution."""
+    """Forces of all frictionless contacts at once; returns the number that press, -1 without solution."""
     if not frictionless(s, steady):
         return -1
     count = gather(s, rows, blocks, w, 1, share, False)

@@ -90,8 +90,8 @@ class Work(NamedTuple):
     waves: Array  # (2, P, 2, harmonics) and the waves at the places
     fresh: Indices  # (2, P) whether the waves are there
     filled: Indices  # (2, P) and the row
-    bound: Array  # (lines,) of |u_r| at t_{n+1}, negative where not asked for
-    disk: Array  # (2,) where the disk of a rotor is then, along x and y
+    bound: Array  # (lines,) of |u_r| at t_{n+1}, negative if not computed
+    disk: Array  # (2,) position of the disk of a rotor at t_{n+1}, along x and y
     rigid: Array  # (P,) gap of the rigid casing at t_{n+1}
     moved: Array  # (P,) motion of the casing there
     series: Array  # (d terms, width) power series of the rows of a single tip, by direction
@@ -102,8 +102,8 @@ class Work(NamedTuple):
     slot: Indices  # (P,) -1 for a place without a chosen tip
     slots: Indices  # (1,) how many
     rows: Array  # (P d, width) all rows at t_n, by slot
-    tests: Array  # (P d and more, width) those the law is stated with, times c
-    soft: Array  # (P d and more, waves) what a unit force strains of the casing, by waves, d lines of them
+    tests: Array  # (P d and more, width) rows of the law, times c
+    soft: Array  # (P d and more, waves) static deflection of the casing by a unit force, by waves, d lines of them
     row_columns: Array  # (d width, P and more) `rows` once more, by direction and mode
     wave_columns: Array  # (lines 2 harmonics, P and more) waves at the slots, zeros for other lines
     along: Array  # (P d,) motion of the casing along them
@@ -112,7 +112,7 @@ class Work(NamedTuple):
     row: Indices  # (K d,)
     column: Indices  # (K d,)
     across: Indices  # (K d,) and its column of `casing`
-    casing: Array  # (P d and more, d P and more) what the casing yields between slots, columns by direction
+    casing: Array  # (P d and more, d P and more) response of the casing between slots, columns by direction
     W: Array  # (K d, K d) Delassus matrix of the chosen
     nodes: Array  # (K d, nodes, K d and more), flat: that of all tips at the nodes of a cell, rows of one tip together
     cell: Indices  # (1,) number of the cell
@@ -126,10 +126,10 @@ class Work(NamedTuple):
     depth: Array  # (K,) of the tips in a coating
     pushed: Array  # (width,)
     both: Array  # (2 w,) D and q of coupled modes, or forces on them
-    moved_by: Array  # (w,) what a coupled body answers
-    normal_moves: Array  # (width,) what the casing's coupled modes answer to a unit force along the normal
+    moved_by: Array  # (w,) response of a coupled body
+    normal_moves: Array  # (width,) response of the casing's coupled modes to a unit force along the normal
     tangent_moves: Array  # (width,) and along the tangent
-    strained: Array  # (waves,) what the forces strain of the casing
+    strained: Array  # (waves,) static deflection of the casing by the forces
     spread: Array  # (waves,)
     pressed: Array  # (lines d, 2, harmonics) forces by waves
     motion_waves: Array  # (lines d, 2, harmonics) some motion of the casing by waves

@@ -31,13 +31,13 @@ from contact.model.bodies.matrices import Contact, Matrices
 from contact.model.bodies.matrix_report import MatrixReport
 from contact.model.bodies.rigid_test import rigid_findings
 
-MODES = 20  # kept where nothing is stated
+MODES = 20  # modes that are kept by default
 DENSE = 1500  # unknowns up to which all modes are computed at once
 RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
 UNREAL = 1e-12  # the same, where the mode's own springs have no more stiffness: round-off of a condensed stiffness
 ROUGH = 1e-2  # of the same: round-off of K that may be taken as zero; it is 0.1 of the lowest elastic frequency
 SHIFT = 1e-6  # s over the median K_ii / M_ii
-ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
+ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that counts as zero
 STRAINED = 0.03  # of a mode: what round-off may add to a rigid motion; the first mode of a cantilever has more
 SEEN = 10.0  # times the most negative omega^2: six values of round-off are of one order
 INDEPENDENT = 1e-10  # singular values of rigid motions, below which two are the same

@@ -10,9 +10,9 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.trust import Flag
 
-FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit, a larger motion none
+FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit, a larger motion is not linear
 WALL = 0.5  # of the wall's thickness: the linear model is valid up to this deflection of a rim
-RIM, TIP, REACHED = 0, 1, 2  # entries of `limits`: what is allowed, and from REACHED on what was reached
+RIM, TIP, REACHED = 0, 1, 2  # entries of `limits`: allowed values, and from REACHED on the values reached
 WATCHED, LARGEST = 4, 5  # entries: a smaller deflection is not computed; the largest, also of states that are stored
 LOOK = 64  # steps between two computations of a rim's deflection
 

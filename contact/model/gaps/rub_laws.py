@@ -136,7 +136,7 @@ class Whirl:
         require_finite(per_rev=self.per_rev, hz=self.hz, phase_deg=self.phase_deg)
 
 
-@lru_cache(maxsize=8)  # asked for at every angle
+@lru_cache(maxsize=8)  # evaluated at every angle
 def _hermite_table(profile: RimProfile) -> Array:
     if profile.theta is None or profile.depth is None:
         return np.zeros((0, 3))

@@ -22,7 +22,7 @@ from contact.model.rate import Change, Rate, changes
 from contact.model.rotor.jeffcott import Jeffcott
 from contact.model.rotor.shaft import Shaft
 
-PART = 0.1  # of the length: a larger motion of a shaft is none of linear theory
+PART = 0.1  # of the length: a larger motion of a shaft is outside linear theory
 LIMIT = 2.5  # m: of a rotor whose length is not known, `PART` of the longest structure that scenes accept
 
 

@@ -19,7 +19,7 @@ from contact.scheme.protocol import Problem
 if TYPE_CHECKING:
     pass
 
-CONSISTENT = 200  # coordinates up to which solving with M in every step is let pass
+CONSISTENT = 200  # coordinates up to which solving with M in every step is allowed
 
 
 def prepare_leapfrog(

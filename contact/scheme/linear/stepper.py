@@ -27,7 +27,7 @@ Advance = Callable[..., int]  # (parts, state, sums, out, amplitudes, h, first, 
 
 
 NOTHING = Stored(kinetic=0.0, strain=0.0, potential=0.0, residual=0.0, discrete=0.0)
-FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
+FAINT = 1e-40  # of the largest response to a contact force: a smaller one is zero
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -39,7 +39,7 @@ class LinearStepper(PlainStepper):
     state: State
     sums: Tally
     loop: Advance
-    method: tuple[Any, ...]  # what the loop takes beside: law, weights, arrays of the scheme
+    method: tuple[Any, ...]  # further arguments of the loop: law, weights, arrays of the scheme
     dt: float
     window: float
     label: str
@@ -99,7 +99,7 @@ class LinearStepper(PlainStepper):
         u, v, old = self.state.u, self.state.v, self.state.u
         if self.leapfrog:
             old, v = u - v, v / self.dt
-        with np.errstate(over="ignore", invalid="ignore"):  # a run that outgrows arithmetic is refused by its energy
+        with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows is refused by its energy
             kinetic = 0.5 * float(v @ product(self.parts.M, v))
             strain = 0.5 * float(old @ product(self.parts.K, u))
         potential = self.system.body.potential - 0.5 * float(self.parts.load @ (u + old))

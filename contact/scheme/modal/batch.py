@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import RubState
 
 WIDTH = 8
-BUDGET = 20_000  # steps a call takes at most: room for the events of so many
+BUDGET = 20_000  # steps of a call at most: the buffers have space for their events
 NEVER = 1 << 40
 SUMS = (
     "impulse", "work", "rotation", "friction", "damping", "peak", "penetration", "residual", "closed",
@@ -151,7 +151,7 @@ class Batch:
     events: Samples
     kept: BatchSamples
     rubs: bool
-    given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once
+    given: list[Any] = field(default_factory=list)  # arguments of the loop, bundled once
 
     def advance(self) -> dict[int, Events]:
         """Step until a slot ends, fails, or has no space for events; returns the events of slots that have some."""

@@ -20,10 +20,10 @@ from contact.scheme.modal.rub_delassus import blade_delassus
 if TYPE_CHECKING:
     from contact.loop.modal.rows import RowBlocks
 
-EXACT = 1e-15  # of W's largest entry, or the rows': what interpolation, or a series, may leave
+EXACT = 1e-15  # of the largest entry of W, or of the rows: largest error of interpolation, or of a series
 LEAST = 24  # steps in a cell: in fewer, W at the nodes takes more time than W at each step
 STAY = 40  # steps in a cell of rows: in fewer, a series takes more time than the sums of waves
-MOST = 1 << 20  # numbers at the nodes: more do not stay in the cache
+MOST = 1 << 20  # numbers at the nodes: more do not fit into the cache
 
 
 def cell(rub: Rub, system: RubSystem, parts: Propagator, share: float, nodes: int) -> tuple[float, Array]:

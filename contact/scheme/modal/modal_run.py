@@ -34,7 +34,7 @@ class ModalRun(PlainStepper):
     velocity: Callable[[], Array]
     failure: Callable[[], Flag]
     steps: Indices  # taken so far, one entry
-    gives_way: tuple[Any, ...] = ()  # what a force-depth law needs to go on
+    gives_way: tuple[Any, ...] = ()  # state of a force-depth law
     slow: Callable[[], tuple[Flag, ...]] = tuple  # whether the step is too long for it
 
     @property

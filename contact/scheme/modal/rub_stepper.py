@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from contact.solver.yielding.yields import Yielding
 
 PENDING = 2  # entry of `contact.loop.rub.rows.Spin.now`
-OUTSIDE = 1e-3  # of the range of speeds: how far a rotor may leave it
-NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole blocks
+OUTSIDE = 1e-3  # of the range of speeds: how far beyond it a rotor may go
+NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops process in whole blocks
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -58,15 +58,15 @@ class RubStepper(ExactRun):
     averaged: bool
     steps: Indices  # taken so far, one entry
     stretch: Indices  # number of the stretch whose coefficients the loop has, one entry
-    spun: Array  # where the speed is unknown beforehand: that of these coefficients, farthest outside [rad/s]
+    spun: Array  # if not prescribed: speed of these coefficients, largest excess of the range [rad/s]
     spin_start: tuple[float, float]  # of such a rotor: speed [rad/s] and energy shared with the unbalance at t = 0 [J]
     law: Law
     stiffest: float  # Delassus number [m/N] of a normal with itself, the largest around
     y: Yielding | None = None
     worn: tuple[Tracks, Coats] | None = None
     rim: RotatingRim | None = None  # the scene, where slots may take it
-    made: list[LoopArrays] = field(default_factory=list)  # when the loop first runs: in slots it never does
-    given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
+    made: list[LoopArrays] = field(default_factory=list)  # set when the loop first runs; in slots it never runs
+    given: list[Any] = field(default_factory=list)  # arguments of the loop, bundled once
 
     @property
     def size(self) -> int:

@@ -184,7 +184,7 @@ def press(A: Array, n: int, room: Room) -> bool:
     added, rate, pull = room.vectors[ADDED], room.vectors[RATE], room.vectors[FALL]
     affine(A, x, gap, left, n)
     for i in range(n):
-        spread = 1.0 + (GOLDEN * (i + 1)) % 1.0  # tips alike do not close at once
+        spread = 1.0 + (GOLDEN * (i + 1)) % 1.0  # so that equal tips do not close at the same time
         added[i] = -left[i] if closed[i] == 1 else -min(left[i], 0.0) * (1.0 + spread)
     tau, sign, last = 1.0, 1.0, -1
     for _ in range(4 * n + MOST_CHANGES):

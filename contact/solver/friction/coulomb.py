@@ -32,7 +32,7 @@ FRESH = 16  # pivots after which the inverse of the basis is computed anew
 GOLDEN = 0.6180339887498949
 DRAWS, ROUNDS = 24, 8  # covering vectors, and closer facets with each
 MOST_CONTACTS = 144  # contacts times covering vectors: pivoting grows with the cube
-SPREAD, CLOSER = math.pi / 4.0, 0.4  # between facets [rad], and how much closer in the next round
+SPREAD, CLOSER = math.pi / 4.0, 0.4  # angle between facets [rad], and its reduction in the next round
 SLIPS = 1e-9  # of the largest motion: less is sticking
 
 
@@ -114,7 +114,7 @@ def lemke(M: Array, q: Array, d: Array) -> Array | None:
         reach[falls] = np.maximum(value[falls], 0.0) / column[falls]
         row, cover = int(np.argmin(reach)), int(np.flatnonzero(basis == 2 * n)[0])
         if falls[cover] and value[cover] - reach[row] * column[cover] <= TIE * np.abs(value).max():
-            row = cover  # the others may reach zero with it
+            row = cover  # others may reach zero at the same time
         leaving, basis[row] = int(basis[row]), entering
         try:
             if leaving == 2 * n:
@@ -210,7 +210,7 @@ def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: 
         return iterations, residual
     residual = otherwise(W, b, mu, dim, count, force, room, 0)
     if residual <= TOLERANCE:
-        _, residual = newton(W, b, mu, dim, count, force, room)  # which is there at once: notes what is left
+        _, residual = newton(W, b, mu, dim, count, force, room)  # already solved: only the remaining error is computed
     return iterations + MOST_ITERATIONS, residual
 
 

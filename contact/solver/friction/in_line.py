@@ -80,7 +80,7 @@ def begin(mu: Array, count: int, force: Array, u: Array, added: Array, state: In
     """States of the contacts in `force`, and a correction of the motion for which `force` is exact."""
     for k in range(count):
         i = 2 * k
-        spread = 1.0 + (GOLDEN * (k + 1)) % 1.0  # tips alike do not change at once
+        spread = 1.0 + (GOLDEN * (k + 1)) % 1.0  # so that equal tips do not change at the same time
         side[k, 0] = 1.0 if u[i + 1] >= 0.0 else -1.0
         added[i], added[i + 1] = -u[i], 0.0
         if not force[i] > 0.0:

@@ -30,8 +30,8 @@ SWEEPS = 8  # Gauss-Seidel sweeps in the first burst
 HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order one
 HALVINGS = 8
 UNDAMPED = 8
-CLOSE, POLISHES = 1e-10, 12  # error as motion, over the free motion, that is polished; steps of that at most
-EXACT, HALF_A_UNIT = 1e-12, 2.0**-53  # error as motion that asks how exact its sums are; a number's rounding over it
+CLOSE, POLISHES = 1e-10, 12  # error over the free motion that more steps reduce; their largest number
+EXACT, HALF_A_UNIT = 1e-12, 2.0**-53  # error from which the round-off of sums is checked; rounding of a number over it
 
 
 @jit

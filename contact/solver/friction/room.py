@@ -23,7 +23,7 @@ U, MISS, STEP, TRIAL, TRIAL_MISS, BASE, RIGHT = 0, 1, 2, 3, 4, 5, 6  # Newton's 
 BEHIND, GUESS, MOTION = 9, 10, 11  # coatings, around both
 JACOBIAN, INNER, SOFT = 0, 1, 2  # matrices: Newton's and the part of it that presses; W behind a coating
 CLOSED, AT = 0, 1  # rows of `whole`
-ROUGHLY = 1e-3  # how closely each contact is solved: a start is wanted
+ROUGHLY = 1e-3  # accuracy of each contact: only a starting point is needed
 
 
 class Otherwise(protocol):  # type: ignore[misc]
@@ -49,7 +49,7 @@ class Otherwise(protocol):  # type: ignore[misc]
                 if pivoted is None:
                     return math.nan
                 found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
-            except Exception:  # none can pass through compiled code: it would read 0, a problem solved
+            except Exception:  # no exception can pass through compiled code, which would read 0, a solved problem
                 return math.nan
             except BaseException as error:  # Ctrl-C, which `pass_on` raises
                 self.interrupted.append(error)

@@ -20,7 +20,7 @@ from contact.base.errors import InputError, NumericsError
 from contact.jit.compiled import jit
 from contact.solver.dense import dot
 
-DEPENDENT = 1e-11  # of a row's length: what is left of it beside the active rows
+DEPENDENT = 1e-11  # of a row's length: its part outside the active rows, below which it depends on them
 VIOLATED = 4e-15  # of the terms of a gap: less is round-off
 UNOPENED = 1e-10  # the same where no motion is left: at a corner fixed by ill-conditioned rows round-off is larger
 SOLVED, NO_MOTION, TOO_LONG = 0, 1, 2
@@ -151,7 +151,7 @@ def project(A: Array, b: Array, contacts: int, size: int, force: Array, w: Activ
             if full <= reach:
                 enter(J, R, count, size, d)
                 active[count], lam[count] = p, pushed
-                w.settled[p] = 1  # its gap is zero; what is computed of it is round-off
+                w.settled[p] = 1  # its gap is zero; the computed value is round-off
                 count += 1
                 break
             leave(J, R, count, blocked, size)

@@ -18,8 +18,8 @@ from contact.base.arrays import Array
 from contact.jit.compiled import VECTOR, ByAddress, jit
 
 MOST = 100  # steps to the depth, each at least half of the last bracket
-CLOSE = 4e-15  # of the free gap: what the depth may miss
-NUDGE = 1e-6  # of a rate, to see how the force depends on it
+CLOSE = 4e-15  # of the free gap: largest error of the depth
+NUDGE = 1e-6  # of a rate, for the derivative of the force
 
 
 kinds: Any = types
