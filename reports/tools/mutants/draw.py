@@ -1,4 +1,4 @@
-"""Mutants of the packages: which are drawn, and their sources."""
+"""Mutants of the packages: random draws, and their sources."""
 
 import fnmatch
 import random
@@ -36,7 +36,7 @@ class Mutant:
 
 
 def mutant(file: str, text: str, site: Site, new: str) -> Mutant | None:
-    """The source with a site changed; None where that is no Python, or compiled the same."""
+    """The source with a site changed; None if that is not valid Python, or compiles to the same code."""
     row = text.splitlines()[site.line - 1]
     after = row[: site.start] + new + row[site.end :]
     made = Mutant(file, site.line, site.start, site.end, new, site.function, row.strip(), after.strip())
@@ -48,7 +48,7 @@ def mutant(file: str, text: str, site: Site, new: str) -> Mutant | None:
 
 
 def does(source: str) -> object:
-    """What a source compiles to, wherever it is."""
+    """Compiled code of a source, independent of its file."""
 
     def whole(code: types.CodeType) -> tuple[object, ...]:
         constants = [whole(c) if isinstance(c, types.CodeType) else (type(c), repr(c)) for c in code.co_consts]

@@ -1,4 +1,4 @@
-"""Which tests run each function, recorded while all tests run once, for each file of tests."""
+"""Record of the files of tests that run each function, from one run of all tests."""
 
 import json
 import sys
@@ -39,7 +39,7 @@ class Executed:
     def running(self, reach: Reach, file: str, function: str) -> frozenset[str]:
         """Files of tests that run a function or, where none was seen to, what refers to it most directly.
 
-        Python does not see what is compiled, and runs what stands outside of functions when it imports.
+        Python does not trace compiled code, and runs statements outside of functions at import.
         """
         tests = self.tests.get((file, function), frozenset())
         edge, found = {(file, function.partition(".")[0])}, {(file, function.partition(".")[0])}

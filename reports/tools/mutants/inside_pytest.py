@@ -1,6 +1,6 @@
 """Inside pytest, for `reports.tools.mutants`: run chosen tests in their order within limits, write down how they went.
 
-A pytest plugin, told what to do by the file that the environment variable MUTANTS_JOB names.
+A pytest plugin; the environment variable MUTANTS_JOB names the file with its task.
 """
 
 import json
@@ -20,11 +20,11 @@ Line = tuple[str, str]  # outcome and test
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What a pytest process does.
+    """Task of a pytest process.
 
     `tests`, named without their parameters, run in this order until `budget` processor seconds are spent, those of one
-    file until `share` are; what takes longer than `limit` is ended, and the process with it. Where `record` is a path,
-    the functions of `packages` that each file of tests runs are written there.
+    file until `share` are; a test that takes longer than `limit` is ended with its process. If `record` is a path, the
+    functions of `packages` that each file of tests runs are written there.
     """
 
     journal: str
@@ -36,17 +36,17 @@ class Job:
     packages: tuple[str, ...] = ()
 
     def write(self, path: Path) -> None:
-        """Leave the job for the plugin to find."""
+        """Write the task for the plugin."""
         path.write_text(json.dumps(asdict(self)), encoding="utf-8")
 
     @classmethod
     def read(cls, path: Path) -> "Job":
-        """What was left."""
+        """Read the task."""
         fields = json.loads(path.read_text(encoding="utf-8"))
         return cls(**{**fields, "tests": tuple(fields["tests"]), "packages": tuple(fields["packages"])})
 
     def lines(self) -> list[Line]:
-        """The journal so far; "begun" is the outcome of what did not end."""
+        """The journal so far; "begun" is the outcome of a test that did not end."""
         path = Path(self.journal)
         text = path.read_text(encoding="utf-8") if path.exists() else ""
         found = [json.loads(line) for line in text.splitlines()]
@@ -77,7 +77,7 @@ class Runner:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
-        """Write down how one test goes, and end it when it takes too long."""
+        """Record the outcome of one test, and end it if it takes too long."""
         began = spent()
         self.outcomes.clear()
         self.note("begun", item.nodeid)
@@ -90,7 +90,7 @@ class Runner:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
-        """Leave out what comes after the time is spent."""
+        """Skip tests after the time is used up."""
         if spent() > self.job.budget or self.of_file.get(item.path, 0.0) > self.job.share:
             self.outcomes.add("left out")
             pytest.skip("the time for this mutant is spent")
@@ -106,7 +106,7 @@ class Runner:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Take the job."""
+    """Register the plugin with its task."""
     job = Job.read(Path(os.environ[JOB]))
     config.pluginmanager.register(Runner(job))
     if job.record:

@@ -1,4 +1,4 @@
-"""For `reports.tools.mutants`: tests run in copies of the project, one a worker, with a mutant put in or without."""
+"""For `reports.tools.mutants`: run tests in copies of the project, one a worker, with or without a mutant."""
 
 import os
 import shutil
@@ -20,11 +20,11 @@ NOT_COPIED = shutil.ignore_patterns(
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What one mutant may take: processor seconds of all tests, of those of one file, of one test; how many files.
+    """Limits for one mutant: processor seconds of all tests, of those of one file, of one test; number of files.
 
-    `files` of those that are near where nothing is known of what they run, else the `nearest` and up to `running` that
-    run the changed function. Where a compiled loop is changed, it may take `compiling` seconds more each, for tests
-    compile it again.
+    Without a record of executed functions, the `files` nearest files are used; else the `nearest` and up to `running`
+    files that run the changed function. A changed compiled loop may take `compiling` seconds more in each test, because
+    tests compile it again.
     """
 
     budget: float = 180.0
@@ -38,7 +38,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Whether a mutant was killed, by which test and how, and what ran; "" and [] where nothing did."""
+    """Whether a mutant was killed, by which test and how, and the tests that ran; "" and [] if none did."""
 
     killed: bool
     by: str
@@ -55,13 +55,13 @@ class Tree:
     copy: Path
 
     def refresh(self) -> None:
-        """Make it as the project is."""
+        """Copy the current state of the project into it."""
         shutil.rmtree(self.copy, ignore_errors=True)
         shutil.copytree(self.root, self.copy, ignore=NOT_COPIED)
 
     @property
     def recorded(self) -> Path:
-        """Where it is written which tests run which functions."""
+        """File of the record of tests and the functions that they run."""
         return self.beside(RECORDED)
 
     def beside(self, name: str) -> Path:
@@ -71,7 +71,7 @@ class Tree:
     def run(
         self, tests: Sequence[str], limits: Limits, *, first_failure: bool = True, record: tuple[str, ...] = ()
     ) -> tuple[list[Line], int, str]:
-        """Run tests in their order: the journal, how pytest ended, what it printed; `record` names packages."""
+        """Run tests in their order; returns the journal, exit status and output of pytest. `record` names packages."""
         files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
         job = Job(
             str(self.beside("journal.jsonl")), tuple(tests), limits.budget, limits.share, limits.test,
@@ -88,7 +88,7 @@ class Tree:
         }  # fmt: skip
         options = [
             "-p", "reports.tools.mutants.inside_pytest", "-p", "no:cacheprovider", "-q", "--tb=short",
-            "--hypothesis-seed=0", "--doctest-modules", "-m", "not campaign",  # what the gate runs
+            "--hypothesis-seed=0", "--doctest-modules", "-m", "not campaign",  # the tests of the gate
         ]  # fmt: skip
         options += [f"--basetemp={self.beside('temporary')}", *(["-x"] if first_failure else [])]
         command = [sys.executable, "-m", "pytest", *options, *files]
@@ -98,7 +98,7 @@ class Tree:
                 start_new_session=True,
             )  # fmt: skip
             try:
-                process.wait(20.0 * (limits.budget + limits.test))  # what waits for ever takes no processor time
+                process.wait(20.0 * (limits.budget + limits.test))  # a test that waits forever takes no processor time
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, 9)
                 process.wait()
@@ -119,7 +119,7 @@ class Tree:
 
 
 def verdict(lines: list[Line], ended: int, said: str) -> Verdict:
-    """What a run of tests says of a mutant: one failed, did not end, or could not even be collected."""
+    """Verdict of a run of tests: a test failed, did not end, or could not be collected."""
     ran = [test for outcome, test in lines if outcome != "left out"]
     failed = [(test, outcome) for outcome, test in lines if outcome in ("failed", "begun")]
     if failed:

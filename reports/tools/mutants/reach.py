@@ -1,9 +1,8 @@
-"""Which tests are near a function: how many references lie between them, read from the sources.
+"""Distance of tests from a function: the number of references between them, read from the sources.
 
-References are names: what a function, class or constant at the top of a file uses, the fixtures that a test takes, and
-modules that a text names.
-The examples of a docstring are a test. Nothing is run for it, so compiled loops and what other processes run are found
-like the rest.
+References are names: those that a function, class or constant at the top of a file uses, the fixtures of a test, and
+modules that a text names. The examples of a docstring are a test. No code is run, so compiled loops and code of other
+processes are found too.
 """
 
 import ast
@@ -24,7 +23,7 @@ FAR = 1000.0
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A parsed file: what its imports call by which name, and its units."""
+    """A parsed file: the names of its imports, and its units."""
 
     file: str
     imports: dict[str, Unit]
@@ -34,7 +33,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """Who refers to a unit, and the names of attributes that a unit uses."""
+    """Units that refer to a unit, and the names of attributes that a unit uses."""
 
     users: Mapping[Unit, frozenset[Unit]]
     attributes: Mapping[Unit, frozenset[str]]
@@ -80,7 +79,7 @@ class Reach:
 
 
 def shuffled(file: str, seed: int) -> str:
-    """An order by chance that is the same in every process."""
+    """A random order that is the same in every process."""
     return hashlib.sha256(f"{seed} {file}".encode()).hexdigest()
 
 
@@ -106,7 +105,7 @@ def parse(root: Path, path: Path) -> Source:
 
 
 def imported(file: str, trees: Iterable[ast.AST]) -> dict[str, Unit]:
-    """What imports call by which name."""
+    """Names that imports define, with their sources."""
     found: dict[str, Unit] = {}
     for node in itertools.chain.from_iterable(map(ast.walk, trees)):
         if isinstance(node, ast.ImportFrom):
@@ -169,7 +168,7 @@ def read_reach(root: Path, packages: Iterable[str], beside: Iterable[str]) -> Re
     fixtures = next((file for file in sources if file.endswith("tests/conftest.py")), "")
 
     def meant(file: str, name: str) -> Unit | None:
-        """The unit behind a name in a file, through all that only pass it on."""
+        """The unit behind a name in a file, also through files that only re-export it."""
         source = sources.get(file)
         if source is None or name in source.units:
             return None if source is None else (file, name)

@@ -1,10 +1,10 @@
-"""How many random mutants of both packages the tests kill: small faults put in one at a time, tests near them run.
+"""Share of random mutants of both packages that the tests kill: small faults, one at a time, and the tests near them.
 
 `python -m reports.tools.mutants --seed N --count 120 [--jobs J] [--only PATTERN] [--out DIR] [--record]`. Plots are
 left out. A rerun continues: each mutant's verdict is a file of its own, valid while packages, tests and data are
 unchanged. With --record all tests run once before, to record which functions they run; the record is kept for later
-calls. mutants_survivors.csv has a column `note` for what would kill a mutant or why it is none; what is there is kept,
-and mutants whose note begins with "equivalent" are left out of the second share.
+calls. mutants_survivors.csv has a column `note` for the reason why a mutant survives; existing notes are kept, and
+mutants whose note begins with "equivalent" are left out of the second share.
 """
 
 import argparse
@@ -39,7 +39,7 @@ CONTENTS = ("casingfem", "contact", "reports", "tests", "data")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Campaign:
-    """Which mutants of which project; everything it writes goes below `out`."""
+    """The mutants of a project; all files are written below `out`."""
 
     root: Path = ROOT
     packages: tuple[str, ...] = PACKAGES
@@ -54,7 +54,7 @@ class Campaign:
 
     @property
     def folder(self) -> Path:
-        """Where copies and verdicts are kept."""
+        """Folder of copies and verdicts."""
         return (self.out / "mutants").resolve()
 
     def mutants(self) -> list[Mutant]:
@@ -92,7 +92,7 @@ class Campaign:
 
 
 def contents(root: Path) -> str:
-    """Short name of all that a verdict depends on."""
+    """Digest of all inputs of a verdict."""
     files = sorted(
         path for name in CONTENTS for path in (root / name).rglob("*")
         if path.is_file() and not {"out", "__pycache__"} & set(path.relative_to(root).parts)
@@ -102,13 +102,13 @@ def contents(root: Path) -> str:
 
 
 def verdict_file(folder: Path, mutant: Mutant) -> Path:
-    """Where a mutant's verdict is kept."""
+    """File of a mutant's verdict."""
     name = f"{mutant.file}-{mutant.line}-{mutant.start}-{mutant.end}-{mutant.new}"
     return folder / f"{Path(mutant.file).stem}-{mutant.line}-{hashlib.sha256(name.encode()).hexdigest()[:8]}.json"
 
 
 def judge(campaign: Campaign, trees: Sequence[Tree], folder: Path, tests: dict[Mutant, list[str]]) -> None:
-    """Judge what has no verdict yet, each worker in its tree."""
+    """Judge the mutants without a verdict, each worker in its tree."""
     idle: SimpleQueue[Tree] = SimpleQueue()
     for tree in trees:
         idle.put(tree)
@@ -163,7 +163,7 @@ def never_passing(tree: Tree, tests: Iterable[str], limits: Limits) -> list[str]
 
 
 def collected(tree: Tree, tests: Iterable[str]) -> None:
-    """Collect tests without a mutant and run none, so that what cannot be imported later is the mutant's doing."""
+    """Collect tests without a mutant and run none, so that later import errors are caused by the mutant."""
     named = sorted(set(tests))
     if not named:
         return
@@ -206,7 +206,7 @@ def positive(text: str) -> int:
 
 
 def command_line(arguments: Sequence[str] | None = None) -> Campaign:
-    """What a command line asks for."""
+    """The campaign that a command line describes."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--count", type=positive, default=120, help="how many mutants")

@@ -1,14 +1,14 @@
-"""Where small faults can be put into a Python source.
+"""Places in a Python source where small faults can be introduced.
 
-A site is a piece of one line with texts that may be there instead. Left alone: docstrings, messages, annotations,
-decorators, imports, what prints, `__repr__` and which fields it shows, what is never run: overloads and methods that a
-protocol asks for, numbers so small that they only keep a quotient or a logarithm finite, multiples of nan and inf, and
-whether a threshold of round-off lies below or above itself, the -1 that fills an array of indices, and `a * -1.0` where
-`a / -1.0` is the same number.
+A site is a piece of one line with texts that may replace it. These are not changed: docstrings, messages, annotations,
+decorators, imports, output, `__repr__` and its fields, overloads and methods of protocols, which are never run. Also
+unchanged are numbers so small that they only keep a quotient or a logarithm finite, multiples of nan and inf, the side
+on which a threshold of round-off counts, the -1 that fills an array of indices, and `a * -1.0`, which equals
+`a / -1.0`.
 
 A margin of round-off becomes COARSE: a margin two or three times as large is passed by the same computed numbers, since
-round-off is far below it and data are far above. The project asks of an index whether it is negative, never whether it
-is -1, so that -2 in its place shows nowhere; the mutant without the minus remains.
+round-off is far below it and data are far above. The project tests whether an index is negative, never whether it is
+-1, so that -2 in its place has no effect; the mutant without the minus remains.
 """
 
 import ast
@@ -137,7 +137,7 @@ class Finder(ast.NodeVisitor):
             self.generic_visit(node)
 
     def visit_If(self, node: ast.If) -> None:
-        """A condition is never met, or always where it guards more than an error."""
+        """A condition is never met, or always if it guards more than an error."""
         if name_of(node.test) == "TYPE_CHECKING" or not self.scope:
             return
         guard = all(isinstance(statement, ast.Raise) for statement in node.body)
@@ -190,7 +190,7 @@ class Finder(ast.NodeVisitor):
         self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> None:
-        """The opposite function; what is told stays."""
+        """The opposite function; texts stay."""
         name = name_of(node.func)
         if name in TOLD:
             return

@@ -1,4 +1,4 @@
-"""For `reports.tools.mutants`: the tables of verdicts and of survivors with what was noted of them, and the shares."""
+"""For `reports.tools.mutants`: the tables of verdicts and of survivors with their notes, and the shares."""
 
 import csv
 from collections.abc import Iterable
@@ -20,7 +20,7 @@ def row_of(mutant: Mutant, found: Verdict) -> Row:
 
 
 def notes(path: Path) -> dict[tuple[str, str], str]:
-    """What was noted of survivors, by place and change."""
+    """Notes on survivors, by place and change."""
     if not path.exists():
         return {}
     with path.open(newline="", encoding="utf-8") as stream:

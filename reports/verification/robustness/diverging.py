@@ -1,9 +1,9 @@
-"""Diverging or mistyped scenes: each is refused, or stops with all results kept and the cause named.
+"""Diverging or mistyped scenes: each is refused, or stops, keeps all results and names the cause.
 
 `python -m reports.verification.robustness.diverging [--quick] [--out DIR]` runs them by the command line, as a user
-would. One row a scene: exit code, which limit was passed when, growth seen and by theory of a contact that stays
-closed, the largest force that was kept, what was said. "NOT ..." is a scene that ended quietly, lost its record, or
-named another cause.
+would. One row a scene: exit code, the limit that was passed and its time, growth of the run and by theory of a contact
+that stays closed, the largest stored force, the message. "NOT ..." is a scene that ended without a message, lost its
+record, or named another cause.
 """
 
 import json
@@ -112,7 +112,7 @@ tip = 5e-3
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A scene and what is to become of it: "refused", "stopped" or "flagged"; `says` is in the message."""
+    """A scene and its expected outcome: "refused", "stopped" or "flagged"; `says` is in the message."""
 
     name: str
     end: str
@@ -185,7 +185,7 @@ def rims() -> list[Case]:
 
 
 def rubs() -> list[Case]:
-    """Several tips, and what changes during a run."""
+    """Several tips, and quantities that change during a run."""
     many, sticks, away = ("count = 2", "count = 5"), ("= 0.3", "= 0.9"), ("clearance = -1e-5", "clearance = 1e-4")
     ramp = ("hz = 60.0", "time = [0.0, 1.0]\nhz = [20.0, 160.0]")
     closes, whirls = "[closing]\nby = 2e-4\ntime_constant = 0.1\n", "[[whirl]]\namplitude = 2e-4\nper_rev = -1.0\n"

@@ -1,11 +1,11 @@
-"""Damaged files for every reader: what is refused, what reads as before, and where what is read differs.
+"""Damaged files for every reader: numbers that are refused, read unchanged, or read with differences.
 
 `python -m reports.verification.robustness.file_mutations [--quick] [--count N] [--seed N] [--out DIR]`. A small file of
 each kind (`sample_files.py`) is damaged in one place a time, seeded (`damages.py`), and read by the package's own
 reader, in processes that are killed beyond 10 s of processor time, 60 s in all, or 2 GB. A refusal is the package's own
-error; anything else raised is a traceback. What is accepted is compared with what the whole file holds: where it
-differs, the table `file_mutations_differ.csv` says in what. A digit that becomes another no reader of plain numbers can
-see.
+error; anything else raised is a traceback. Accepted contents are compared with those of the undamaged file; the table
+`file_mutations_differ.csv` lists the differences. No reader of plain numbers can detect a digit that is replaced by
+another.
 """
 
 import os
@@ -47,7 +47,7 @@ Verdict = tuple[str, str, str]
 
 
 def leaves(value: object, name: str = "") -> Iterator[tuple[str, object]]:
-    """What a read value holds, place by place."""
+    """All entries of a read value by their place."""
     if isinstance(value, np.ndarray):
         yield name, (value.shape, value.dtype.str, value.tobytes())
     elif issparse(value):
@@ -79,7 +79,7 @@ def mutants(data: bytes, name: str, each: int, seed: int) -> list[Mutant]:
 
 
 def judged(reader: Reader, path: Path, whole: dict[str, object]) -> tuple[str, str]:
-    """What a reader makes of a file: refused, same, differs (and where), traceback (and what)."""
+    """Outcome of reading a file: refused, same, differs (and where), traceback (and which)."""
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
@@ -169,7 +169,7 @@ def used() -> int:
 
 
 def verdicts(samples: Path, name: str, todo: list[Mutant]) -> Iterator[Verdict]:
-    """Damage, verdict and detail of each mutant; a child that does not answer hangs or has died of it.
+    """Damage, verdict and detail of each mutant; the reader hangs or has crashed in a child that does not answer.
 
     A child is a fork of this process, which has loaded all that the readers need, and judges until it dies.
     """

@@ -1,4 +1,4 @@
-"""Commands that write sets of files, or single ones, each with what it reads in an old state and a new one."""
+"""Commands that write sets of files, or single ones, each with its input in an old and a new state."""
 
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
@@ -113,7 +113,7 @@ class Target(NamedTuple):
 
 
 def write_inputs(folder: Path, by: float) -> None:
-    """What the commands read, in one state."""
+    """Input of the commands in one state."""
     folder.mkdir(parents=True)
     study, sweep = STUDY.format(t=2e-3 * by), SWEEP.format(k=1e4 * by)
     texts = {

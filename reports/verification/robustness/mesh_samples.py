@@ -1,4 +1,4 @@
-"""Small meshes of parts as each program writes them, with all that its reader takes: ties, springs, sectors, sets."""
+"""Small meshes as each program writes them, with all items that the reader supports: ties, springs, sectors, sets."""
 
 from pathlib import Path
 

@@ -154,7 +154,7 @@ def binary_op4(whole: MatrixSet) -> bytes:
 
 
 def read_part(path: Path) -> object:
-    """Matrices of a file, with what belongs to it beside it."""
+    """Matrices of a file, with its companion files."""
     other = path.with_name(path.name.replace("_K", "_M"))
     dofs = path.with_name("part_dofs.csv") if path.name in ("part.op4", "binary.op4", "part_K.mtx") else None
     return read_matrices([path, other] if path.suffix == ".mtx" else path, dofs=dofs)
@@ -186,7 +186,7 @@ def frfs() -> cf.frf.FrfSet:
 
 
 def write_tests(folder: Path) -> None:
-    """What measurements leave: responses, a scan, identified modes, tables."""
+    """Files of measurements: responses, a scan, identified modes, tables."""
     frfs().save(folder / "frfs.npz")
     frfs().to_csv(folder / "frfs.csv")
     write_hdf5(frfs(), folder / "frfs.h5")
@@ -235,12 +235,12 @@ def write_models(folder: Path) -> None:
 
 
 def read_study(path: Path) -> object:
-    """What a study says, with all that it names read and built."""
+    """Contents of a study, with all files that it names read and built."""
     return load_study(path, wheel=True).file
 
 
 def read_scene(path: Path) -> object:
-    """What a scene says, with all that it names read."""
+    """Contents of a scene, with all files that it names read."""
     return ct.load_scene(path).what
 
 
@@ -265,7 +265,7 @@ READERS: dict[str, Reader] = {
 
 
 def write_samples(folder: Path) -> None:
-    """All files, and what they name."""
+    """All files, and the files that they name."""
     write_meshes(folder)
     write_matrices(folder)
     write_tests(folder)

@@ -1,14 +1,14 @@
-"""Each key of study.toml and scene.toml with values that it should not have: refused by its name, or accepted.
+"""Each key of study.toml and scene.toml with wrong values: refused by its name, or accepted.
 
 `python -m reports.verification.robustness.schema [--quick] [--out DIR]`. The keys come from the tables' models, as
 those of docs/keys.md. Each table is taken once for each command, from a small valid file (`schema_bases.py`). A case
 sets one key to a value of the wrong type, a negative, zero, huge, tiny or non-finite number, an empty text or list.
 The command of the file runs to its end in a fork of this process with 20 s of processor time and 4 GB. A case fails if
-it ends in a traceback, a stray warning, exit code 1, a number that is not finite, or not at all; also in null where the
-answer of the file has a number (not for labels of modes, the growth of a motion at rest, the orbit of no whole turn).
-"unnamed" counts refusals whose message does not name the key, its unit aside. `schema_accepted.csv` lists each accepted
-case with the rule by which it is right (`schema_accepted.py`); "unjudged" counts those without one. Needs fork
-(Linux, macOS).
+it ends in a traceback, a stray warning, exit code 1, a number that is not finite, or not at all. It also fails if a
+number of the original answer becomes null (except for labels of modes, the growth of a motion at rest, the orbit
+without a whole turn). "unnamed" counts refusals whose message does not name the key, its unit aside.
+`schema_accepted.csv` lists each accepted case with the rule by which it is right (`schema_accepted.py`); "unjudged"
+counts those without one. Needs fork (Linux, macOS).
 """
 
 import json
@@ -138,7 +138,7 @@ def below(value: object, path: Place = ()) -> Iterator[Place]:
 
 
 def damages(words: str, present: object) -> dict[str, object]:
-    """The values for a key that holds what the words say."""
+    """The wrong values for a key of the described type."""
     numbers: dict[str, object] = dict(WHOLE if "whole number" in words else NUMBERS)
     if words.startswith("list of") and "number" in words:
         count = len(present) if isinstance(present, list) else int((re.findall(r"\((\d+)\)", words) or ["1"])[0])
@@ -206,7 +206,7 @@ def spent() -> int:
 
 
 def judged(case: Case, ended: Ended | None, same: Mapping[str, object]) -> tuple[str, str]:
-    """The outcome and what was said; `same` is what the base's answer holds each time."""
+    """The outcome and the message; `same` are the parts of the base's answer that do not vary."""
     if ended is None:
         return "failed", "out of time or dead"
     if ended.raised:
@@ -243,7 +243,7 @@ def judged(case: Case, ended: Ended | None, same: Mapping[str, object]) -> tuple
 
 
 def steady(base: Base, file: Path) -> dict[str, object]:
-    """What two runs of a base have in common: not times and checksums. The first compiles what the cases need."""
+    """Parts of the answer that two runs of a base have in common; the first run compiles the loops."""
     answers = []
     for text in (toml(base.data), toml(base.data) + "# again\n"):
         ended = ran(base, file, text)

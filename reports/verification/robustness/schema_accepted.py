@@ -1,4 +1,4 @@
-"""Why a value of `schema.py` that a command accepts is right: one rule each, checked against the answers where it can.
+"""Rules by which a value of `schema.py` may be accepted, checked against the answers where possible.
 
 A value may be the key's own or its default; of a range that the key allows, with its sign or 0; so small that the
 answer is that of 0; a seed; a list that is empty; or a key that has no effect in that file, for a stated reason, so
@@ -16,8 +16,8 @@ TURNED = re.compile(
     r".*(angle_deg|doublet|split_rel|phase|peak_over_noise\[\d+\])"
 )  # of modes that any small number turns
 DIGESTS = re.compile(r".*\.(sha256|matrices)")  # of the file's text and of the matrices, which any change changes
-WORDS = (".scheme",)  # name the friction of the direction that a rim turns to, which a rim at rest has not
-# command, key: why the answer is that of the file whatever the key holds
+WORDS = (".scheme",)  # messages about the friction of a sense of rotation, which a rim at rest does not have
+# command, key: reason why the key has no effect on the answer
 NO_EFFECT = {
     ("rub", r"speed\.scan\..*"): "only stability and interactions read it",
     ("interactions", r"speed\.hz|record\..*"): "it runs its own speeds and stores its own states",
@@ -29,7 +29,7 @@ NO_EFFECT = {
 }
 
 
-# command, key: why the answer for a tiny value is right, where 0 is refused or has a meaning of its own
+# command, key: reason why the answer for a tiny value is right, if 0 is refused or has another meaning
 TINY = {
     ("interactions", r"speed\.scan\.from_hz"): "any speed above 0 may be the first of a scan",
     ("cycles", r"speed\.to_hz"): "any speed above 0; the branches end at most_points, far above it",
@@ -61,11 +61,11 @@ class Damaged(Protocol):
 
     @property
     def value(self) -> object:
-        """What the key holds."""
+        """Value of the key."""
 
     @property
     def usual(self) -> tuple[object, ...]:
-        """What the file has there, and the default."""
+        """Value in the file, and the default."""
 
 
 def rule(

@@ -1,4 +1,4 @@
-"""Small valid files that hold the tables of study.toml and scene.toml, each with the command that runs it."""
+"""Small valid files with the tables of study.toml and scene.toml, each with the command that runs it."""
 
 import tomllib
 from dataclasses import dataclass
@@ -209,7 +209,7 @@ def studies() -> list[Base]:
 
 
 def scenes() -> list[Base]:
-    """Runs, and what the other commands make of scenes."""
+    """Scenes of runs and of the other commands."""
     patched = '[scene]\nkind = "patch"\nt_end = 0.05\n' + PATCH.replace(
         '"y"\n', '"y"\ntangent = ["x"]\nslide = [1.0]\n'
     )
@@ -295,7 +295,7 @@ def scenes() -> list[Base]:
 
 
 def write_companions(folder: Path) -> None:
-    """What the files name: bases, tables, meshes."""
+    """Files that the studies and scenes name: bases, tables, meshes."""
     write_meshes(folder)
     write_tests(folder)
     bodies(folder)

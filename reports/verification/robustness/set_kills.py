@@ -3,9 +3,9 @@
 `python -m reports.verification.robustness.set_kills [--quick] [--out DIR]`. A process runs a command with `--out`, into
 a folder that is not there and into one that holds another set, and gets kill -9 just before its first, second, ...
 opening, renaming or removal of a file there, up to the last; and where half of its first, second, ... text or picture
-is written. Commands that draw many pictures are killed at one in three or four of these moments. Then what lies there
-is examined as it is, as a reader of the program gets it, after `casingfem recover`, and once more after the command
-has run again. Needs fork (Linux, macOS).
+is written. Commands that draw many pictures are killed at one in three or four of these moments. The folder is then
+examined without changes, through a reader of the program, after `casingfem recover`, and again after the command has
+run once more. Needs fork (Linux, macOS).
 """
 
 import json
@@ -77,7 +77,7 @@ def killed(target: Target, out: Path, at: int, half: bool = False) -> tuple[bool
 
 
 def contents(out: Path) -> dict[str, bytes]:
-    """The set in a folder: all that is not hidden, and no store of a sweep."""
+    """The set in a folder, without hidden files and the store of a sweep."""
     paths = (path.relative_to(out) for path in out.rglob("*") if path.is_file())
     return {
         str(path): (out / path).read_bytes()
@@ -86,7 +86,7 @@ def contents(out: Path) -> dict[str, bytes]:
 
 
 def as_read(out: Path, names: Iterable[str]) -> dict[str, bytes]:
-    """What a reader gets of the files of a set, those that are not there or refused left out."""
+    """Files of a set that a reader can read."""
     read = {}
     for name in names:
         with suppress(OSError):
@@ -95,7 +95,7 @@ def as_read(out: Path, names: Iterable[str]) -> dict[str, bytes]:
 
 
 def snapshot(folder: Path) -> list[tuple[str, int, int]]:
-    """Names, sizes and times of all that lies in a folder."""
+    """Names, sizes and times of all files in a folder."""
     return sorted((str(path), (at := path.lstat()).st_size, at.st_mtime_ns) for path in folder.rglob("*"))
 
 
@@ -162,7 +162,7 @@ def moments(target: Target, folder: Path, over: bool, quick: bool) -> Iterator[t
 
 
 def main(out: Path, quick: bool = False) -> Sequence[Row]:
-    """Kill, look, run again, print."""
+    """Kill, examine, run again, print."""
     folder = (out / "set_kills").resolve()
     shutil.rmtree(folder, ignore_errors=True)
     rows: list[Row] = []

@@ -1,4 +1,4 @@
-"""Stray points of surveys: a plain fit finds them without being asked, and clean surveys give no alarm.
+"""Outliers of surveys: a plain fit warns of them by default, and clean surveys give no alarm.
 
 `python -m reports.verification.robustness.stray_points [--quick] [--out DIR]`. SYNTHETIC surveys of a cone with
 harmonics 2 to 20 of a random field and a taper, 3 heights of 120 points, noise of 20 um, fitted by default. In one half
@@ -45,7 +45,7 @@ def warned(points: Survey) -> tuple[cf.SurveyField, list[str]]:
 
 
 def strays(seed: int, count: int) -> tuple[int, int]:
-    """How many of so many stray points were named, and how many others."""
+    """Numbers of outliers that were named, and of other points that were named."""
     rng = np.random.default_rng([20262, seed])
     theta, z, value = survey(rng)
     wrong = rng.choice(z.size, count, replace=False)

@@ -1,4 +1,4 @@
-"""A sweep that is killed again and again: every run finishes after resuming, the table is that of an undisturbed one.
+"""A sweep that is killed repeatedly: every run finishes after resuming, with the table of an undisturbed sweep.
 
 `python -m reports.verification.robustness.sweep_kills [--quick] [--out DIR]`. A Dask scheduler and two workers on this
 machine (extra `cluster`); 10,000 short runs, 20 times a worker and 5 times the driver get kill -9 at random moments and
@@ -91,7 +91,7 @@ def write_scene(folder: Path, draws: int, t_end: float) -> Path:
 
 
 def start(folder: Path, name: str, *arguments: str) -> subprocess.Popen[bytes]:
-    """A process of this Python with the project on its path; what it says goes to a file in the folder."""
+    """A process of this Python with the project on its path; its output goes to a file in the folder."""
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     with (folder / f"{name}.log").open("ab") as log:
         return subprocess.Popen(
@@ -106,7 +106,7 @@ def driver(folder: Path, sweep: Path, store: Path, address: str = "") -> subproc
 
 
 def finished(store: Path) -> int:
-    """How many runs the store has files of."""
+    """Number of runs with a file in the store."""
     return sum(1 for _ in (store / "runs").glob("??/*.json"))
 
 
@@ -138,14 +138,14 @@ class Cluster:
         self.drive()
 
     def worker(self) -> subprocess.Popen[bytes]:
-        """One more worker."""
+        """Start a further worker."""
         return start(
             self.folder, "worker", "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny",
             "--no-dashboard", "--local-directory", str(self.folder / "scratch"),
         )  # fmt: skip
 
     def drive(self) -> None:
-        """The driver, from where the store stands."""
+        """Start the driver, which continues from the store."""
         self.driver = driver(self.folder, self.sweep, self.store, self.address)
 
     def kill_worker(self, k: int) -> None:
@@ -208,7 +208,7 @@ def damaged(store: Path) -> Path:
 
 
 def compared(plan: SweepPlan, undisturbed: SweepResult, store: Path) -> Row:
-    """What the store holds after all kills, against the undisturbed table."""
+    """Contents of the store after all kills, compared with the undisturbed table."""
     expected, there = table(undisturbed), run_sweep(plan, folder=store)
     return {
         "finished before the table was asked for": there.resumed,

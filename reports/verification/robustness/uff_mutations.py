@@ -1,9 +1,9 @@
-"""Damaged universal files: how many are refused, how many read as before, and whether any loses data in silence.
+"""Damaged universal files: numbers that are refused, read unchanged, or lose data without an error.
 
 Each sample file (`reports/verification/robustness/uff_samples.py`) is damaged in one place a time, 2,000 times a kind
 of set: cut off, lines dropped, doubled or emptied, characters deleted, inserted or turned into letters, counts changed,
-exponents and line ends rewritten, bytes of binary data lost. Digits turned into other digits, lines exchanged, and
-binary data of real doubles called complex singles (as many bytes), no reader can see.
+exponents and line ends rewritten, bytes of binary data lost. No reader can detect digits replaced by other digits,
+exchanged lines, and binary data of real doubles declared as complex singles (the same number of bytes).
 """
 
 import math
@@ -93,7 +93,7 @@ DAMAGES: dict[str, Damage] = {
 
 
 def content(value: object, *, text: bool) -> object:
-    """What a file holds as plain tuples; with or without its texts."""
+    """Contents of a file as plain tuples, with or without its texts."""
     if isinstance(value, str):
         return value if text else None
     if isinstance(value, np.ndarray):
@@ -121,7 +121,7 @@ def entries(found: UniversalFile) -> list[object]:
 
 
 def judged(mutant: bytes, whole: UniversalFile) -> str:
-    """What the reader made of a damaged file."""
+    """Outcome of reading a damaged file."""
     started = time.perf_counter()
     try:
         with warnings.catch_warnings(record=True) as caught:

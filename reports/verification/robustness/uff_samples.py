@@ -18,7 +18,7 @@ class Count(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """What `write_uff` is given, where its counts stand, and which lines hold text (from 0)."""
+    """Arguments of `write_uff`, positions of its counts, and lines with text (from 0)."""
 
     parts: dict[str, object]
     counts: tuple[Count, ...] = ()

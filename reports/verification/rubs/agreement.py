@@ -1,9 +1,9 @@
-"""Do interactions, poles and runs agree? Three casings and blades, each at sixty speeds.
+"""Agreement of the interaction table, poles and runs, for three casings and blades at sixty speeds each.
 
 `python -m reports.verification.rubs.agreement [--quick] [--out DIR]`. The bands of `ct.stability.peaks` (from its map
 of 301 speeds), eigenvalues of the full state matrix, and runs in time whose contact is pressed closed. One row a pair:
-at how many speeds all three have the same sign, by how much the growth of runs is off where it shows (|growth| > 0.5
-1/s). Signs of a growth below 0.05 1/s cannot be told by a run of two seconds: they are counted apart.
+number of speeds at which all three have the same sign, and the error of the growth of runs if |growth| > 0.5 1/s. A run
+of two seconds cannot show the sign of a growth below 0.05 1/s: these speeds are counted separately.
 """
 
 from dataclasses import replace
@@ -30,7 +30,7 @@ Pair = tuple[ct.RotatingRim | HandPair, float, tuple[float, float]]
 
 
 def pairs(folder: Path) -> dict[str, Pair]:
-    """What rubs, its friction, and the range of speeds [turns/s]."""
+    """Rim and blade, friction, and the range of speeds [turns/s]."""
     frustum = make_casing(folder, 20, 1)
     thick, thin = (blade(folder, thickness) for thickness in (5.4615e-3, 4.0e-3))
     imperfect = replace(casing(), radius_defect=cf.FourierField.of({16: 2e-4}))

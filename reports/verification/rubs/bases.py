@@ -1,4 +1,4 @@
-"""The basis matters more than the scheme: one rubbing episode with several reduced casings against a rich one.
+"""Error by the choice of basis: one rubbing episode with several reduced casings, compared with a large basis.
 
 `python -m reports.verification.rubs.bases [--quick] [--out DIR]`. A perfect frustum (R .50 -> .45 m, t 3 mm, clamped)
 turns at 5 Hz in front of a blade near 380 Hz; the out-of-roundness brings one contact episode. Error of the contact

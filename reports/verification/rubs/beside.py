@@ -1,9 +1,9 @@
-"""Do the table of dangerous speeds and a run beside it agree? Three machines that once had two answers.
+"""Agreement of the table of dangerous speeds with separate runs, for three machines.
 
 `python -m reports.verification.rubs.beside [--quick] [--out DIR]` prints the table of `ct.interactions` of the
 tutorial's casing and blade, of NASA rotor 37 before a cylinder of 4 mm (`reports.verification.rubs.rotor37`), and of a
-titanium casing of three pieces with a stiffener whose track lies inside. Beside each of the worst rows and some safe
-speeds stands a run of its own at that speed, at the step of the scene and at half of it: its growth, its motion, and
+titanium casing of three pieces with a stiffener whose track lies inside. For each of the worst rows, and for some safe
+speeds, it prints a separate run at that speed, at the step of the scene and at half of it: its growth, its motion, and
 whether it confirms the verdict.
 """
 
@@ -23,7 +23,7 @@ from contact.speed_runs import SpeedRun, at_speed
 from reports.tables import ROOT, Row, command_line, show, write
 from reports.verification.rubs import rotor37
 
-WORST, SAFE = 6, 3  # rows of each table, and speeds that it calls safe
+WORST, SAFE = 6, 3  # compared rows of each table, and safe speeds
 TITANIUM = cf.Material(E=114e9, nu=0.34, rho=4430.0)
 WALL = """
 [material]
@@ -100,7 +100,7 @@ def machines(quick: bool) -> Iterator[tuple[str, ct.Scene, Interactions]]:
 
 
 def ran(scene: ct.Scene, run: SpeedRun, parts: int) -> tuple[bool, float, int | None]:
-    """Whether a run at the speed of a row grows, its growth [1/s] and its nodal diameters; steps in so many parts."""
+    """Whether a run at the speed of a row grows, its growth [1/s] and nodal diameters; with divided steps."""
     one = at_speed(scene, run.speed_hz)
     assert one.dt is not None
     try:
@@ -114,7 +114,7 @@ def ran(scene: ct.Scene, run: SpeedRun, parts: int) -> tuple[bool, float, int | 
 
 
 def compared(name: str, scene: ct.Scene, found: Interactions) -> list[Row]:
-    """The worst rows of a table and safe speeds, each beside runs of its own."""
+    """The worst rows of a table and safe speeds, each compared with separate runs."""
     safe = [run for run in found.runs if run.verdict == "safe"]
     chosen = [row.at for row in found.rows[:WORST]]
     chosen += [run for run in safe[:: max(1, len(safe) // SAFE)] if run not in chosen][:SAFE]
@@ -133,7 +133,7 @@ def compared(name: str, scene: ct.Scene, found: Interactions) -> list[Row]:
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
-    """Print each table and the runs beside it; write beside.csv."""
+    """Print each table and the separate runs; write beside.csv."""
     rows: list[Row] = []
     for name, scene, found in machines(quick):
         print(f"\n{name}\n{found}")

@@ -2,9 +2,9 @@
 
 `python -m reports.verification.rubs.bladed_disk [--quick] [--out DIR]`. First the two-dimensional model of the
 literature (P. Schmiechen, thesis, Imperial College, 1997; M. Legrand, C. Pierre, P. Cartraud, J.-P. Lombard, J. Sound
-Vib. 319, 2009, 366), each body by its two modes of n diameters, its unstable speed found by runs over speeds that know
-nothing of the condition. Then a lumped disk of 24 blades, tuned and mistuned, in the frustum of section_44. All tips
-stay closed.
+Vib. 319, 2009, 366), each body by its two modes of n diameters. Runs over many speeds find the unstable one, without
+use of the condition. Then a lumped disk of 24 blades, tuned and mistuned, in the frustum of section_44. All tips stay
+closed.
 """
 
 from dataclasses import replace

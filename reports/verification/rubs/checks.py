@@ -37,7 +37,7 @@ def strip(nodes: int) -> ct.ModalBody:
 
 
 def body(basis: cf.ModalBasis) -> ct.ModalBody:
-    """A basis as contact takes it."""
+    """A basis as a body of `contact`."""
     return ct.ModalBody(
         omega=basis.omega, zeta=basis.zeta, channels=basis.channels, rows=basis.rows, S=basis.S, kind=basis.kind,
         n_max=basis.n_max, radius=basis.radius,
@@ -138,10 +138,10 @@ def distance(found: FloatArray, reference: FloatArray) -> float:
 
 
 def energy_rows(quick: bool) -> list[Row]:
-    """Rotation and drive = heat + damping + stored energy: what is left of it falls with the step.
+    """Energy balance, rotation + drive = heat + damping + stored energy: its remainder decreases with the step.
 
-    Rotation is the work of the turning point along the gap, drive that against friction; both are fed in by what turns
-    the rim, most of it to be heat at once.
+    Rotation is the work of the moving contact point along the gap, drive the work against friction. The rotation of the
+    rim supplies both; most of it becomes heat.
     """
     nodes, t_end = 5, 0.05 if quick else 0.4
     rim, blade = body(cf.reduce(casing(), COARSE, modes=43, zeta=0.002)), strip(5)

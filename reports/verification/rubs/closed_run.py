@@ -1,4 +1,4 @@
-"""Growth in time of a contact that is pressed closed, at one speed: what the poles of closed contact must give."""
+"""Growth in a run of a contact that is pressed closed, at one speed, for comparison with the poles."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ PHASE, FOLLOWED, TURNED = 0.4, 0.02, 0.1  # radians of the fastest mode, of the 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConfirmingRun:
-    """A run in time beside the poles: `speed_hz` [turns/s], growth by both [1/s], over `seconds` of motion.
+    """A run compared with the poles: `speed_hz` [turns/s], growth by both [1/s], over `seconds` of motion.
 
-    The same bodies with every contact pressed together and started in the motion that grows fastest, so that nothing
-    but theory's own assumptions is tested: that contacts stay closed and slide.
+    The same bodies with every contact pressed together, started in the motion that grows fastest. The run therefore
+    satisfies the assumptions of the theory: contacts stay closed and slide.
     """
 
     speed_hz: float
@@ -91,7 +91,7 @@ def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: f
     mean = np.diff(result.impulse_history, axis=0) / (every * result.dt)
     closed = np.all(result.force[1:] > 0.0, axis=1)
     last = int(np.argmin(closed)) if not closed.all() else closed.size
-    k = int(np.std(mean[:last], axis=0).argmax())  # the tip that sees it best: over all of a disk it may sum to nothing
+    k = int(np.std(mean[:last], axis=0).argmax())  # the tip that moves most
     rate = exponent(mean[:last, k], every * result.dt, abs(leading.imag) / (2.0 * math.pi))
     return ConfirmingRun(speed_hz=speed_hz, poles=float(leading.real), run=rate, seconds=last * every * result.dt)
 
@@ -99,7 +99,7 @@ def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: f
 def exponent(values: Array, step: float, freq_hz: float) -> float:
     """Growth [1/s] of the motion near a frequency, which may be 0: c + e^(s t) (a cos w t + b sin w t), least squares.
 
-    Beside an oscillation c is a parabola: another motion may drift away from rest meanwhile.
+    With an oscillation, c is a parabola, because another motion may drift slowly.
 
     >>> t = 1e-3 * np.arange(2000)
     >>> noise = 0.1 * np.sin(1900.0 * t)
@@ -192,7 +192,7 @@ def _closed(what: Rub, speed_hz: float) -> Rub:
 
 
 def _of_pair(what: HandPair) -> Rub:
-    """A leaning blade moves along its flap alone."""
+    """A leaning blade moves only along its flap."""
     x, a = what.blade.modal_mass**-0.5, math.radians(what.lean_deg)
     blade = ModalBody(
         omega=np.array([what.blade.omega]), zeta=np.array([what.blade.zeta]), channels=("span", "flap"),

@@ -1,4 +1,4 @@
-"""What a rub converges with: modes, time step, pieces of the blade's tip, and how its surface is read.
+"""Convergence of a rub with modes, time step, pieces of the blade's tip, and points of the rim's profile.
 
 `python -m reports.verification.rubs.convergence [--quick] [--out DIR]`. The episode of reports.verification.rubs.bases
 (a frustum at 5 Hz, a blade near 380 Hz, one touch in .12 s), errors of the contact impulse and L2 errors of the tip's
@@ -99,7 +99,7 @@ def by_surface(body: ct.ModalBody, strip: ct.ModalBody, quick: bool) -> list[Row
 
 
 def run(scene: ct.Rub, dt: float = DT) -> ct.Result:
-    """One episode; modes that the step cannot carry go into the residual."""
+    """One episode; the static compliance of modes above the limit of the step becomes part of the residual."""
     body = scene.casing
     if body.omega.max() > 2.5 / dt:
         scene = replace(scene, casing=body.truncated(2.5 / dt))

@@ -1,10 +1,10 @@
-"""How often does the interval of a run's growth have the pole? Pairs of a casing and a blade in closed contact.
+"""Coverage of the interval of a run's growth, for pairs of a casing and a blade in closed contact with known poles.
 
 `python -m reports.verification.rubs.growth_intervals [--count 260] [--first 0] [--quick] [--out DIR]` draws pairs of a
 casing mode and a blade mode with a soft contact, at the speed of their fastest pole or 0.1 % beside it, and runs them
-for 0.15 to 1.4 s. Where the contact stays closed the motion is linear: it grows by the pole, beside a forced motion
-that does not grow. The interval of 95 % should have the pole in 92 to 97 % of the runs: of all, of those shorter than
-half a second, and of the longer ones. Its constants were chosen on seeds below 1500.
+for 0.15 to 1.4 s. If the contact stays closed the motion is linear: it grows with the pole, and a forced motion does
+not grow. The 95 % interval should contain the pole in 92 to 97 % of the runs: of all, of those shorter than half a
+second, and of the longer ones. Its constants were chosen on seeds below 1500.
 """
 
 from pathlib import Path
@@ -44,7 +44,7 @@ def drawn(seed: int) -> tuple[ct.Rub, float, float]:
 
 
 def compared(seed: int) -> Row | None:
-    """The growth of a run beside its pole; None where it hardly grows, or its contact opens."""
+    """The growth of a run and its pole; None if it hardly grows, or if its contact opens."""
     rub, pole, end = drawn(seed)
     if not LEAST < pole * end < MOST:
         return None
@@ -62,7 +62,7 @@ def compared(seed: int) -> Row | None:
 
 
 def _share(name: str, rows: list[Row], quick: bool) -> Row:
-    """In how many of some runs the interval has the pole."""
+    """Share of runs whose interval contains the pole."""
     pole, growth, low, high = (
         np.array([float(str(row[key])) for row in rows]) for key in ("pole 1/s", "growth 1/s", "low", "high")
     )
@@ -76,7 +76,7 @@ def _share(name: str, rows: list[Row], quick: bool) -> Row:
 
 
 def main(out: Path, quick: bool = False, count: int = 260, first: int = 0) -> list[Row]:
-    """Print in how many runs the interval has the pole; write a row for each."""
+    """Print the share of runs whose interval contains the pole; write a row for each."""
     found = [compared(seed) for seed in range(first, first + (min(count, 12) if quick else count))]
     rows = [row for row in found if row is not None]
     write(out / "growth_intervals.csv", rows)

@@ -41,11 +41,11 @@ def harmonic_basis(
     rim
         Edge and highest harmonic.
     orders
-        How many meridional orders to keep: a number, or a function of n.
+        Number of meridional orders that are kept, or a function of n.
     zeta
         Damping ratio of every mode.
     residual
-        Whether S has what is left out; without it the basis is too stiff.
+        Whether S has the compliance of the omitted modes; without it the basis is too stiff.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def harmonic_basis(
 
 
 class Turned:
-    """What rotation about its axis adds to the modes of a casing at rest, from its mesh around."""
+    """Terms that rotation about its axis adds to the modes of a casing at rest, from its mesh around."""
 
     def __init__(self, shell: Shell, n_max: int) -> None:
         system = assemble(resolving(shell, n_max))

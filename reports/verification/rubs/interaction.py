@@ -1,9 +1,9 @@
 """Whether the sign of the pole predicts growth of closed contact: speeds and blade frequencies, by poles and in time.
 
 `python -m reports.verification.rubs.interaction [--quick] [--out DIR]` prints the coincidences of the hand calculation,
-then one row for each speed and blade frequency: growth by the poles, growth seen in a run of the same pair pressed
-together, and whether the signs agree. Rows with |growth| below .05 1/s are marked: a run of a second or two cannot tell
-them from none.
+then one row for each speed and blade frequency: growth by the poles, growth in a run of the same pair pressed together,
+and whether the signs agree. Rows with |growth| below .05 1/s are marked, because a run of one or two seconds cannot
+show such a small growth.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SPEEDS = np.array([1.0, 60.0])  # turns/s
 
 
 def signs(quick: bool) -> list[Row]:
-    """Pairs of speed and blade frequency about the sum, with a damping that leaves some to decay."""
+    """Pairs of speed and blade frequency about the sum, with damping by which some decay."""
     rows: list[Row] = []
     damped = digging(0.0, 0.0, zeta=4e-4)
     for freq in (110.0, 120.0) if quick else (100.0, 110.0, 120.0, 130.0, 140.0):

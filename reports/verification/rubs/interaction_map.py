@@ -1,9 +1,9 @@
 """An interaction map: growth of a rub over speed and blade frequency, by poles and by runs.
 
 `python -m reports.verification.rubs.interaction_map [--quick] [--out DIR]`. The scene is
-data/scenes/interaction_map/map.toml: a blade pressed against the frustum's rim. Left the growth of a contact that stays
-closed, right the amplitude that runs in time reach, grey where the rim swings by half its wall and they end, with the
-lines f_b = f_c - n f on both. Bases, table and picture go to DIR/interaction_map.
+data/scenes/interaction_map/map.toml: a blade pressed against the frustum's rim. The left picture has the growth of a
+contact that stays closed, the right one the amplitude of runs, grey if the run ends because the rim deflects by half
+its wall. Both show the lines f_b = f_c - n f. Bases, table and picture go to DIR/interaction_map.
 """
 
 import os
@@ -54,7 +54,7 @@ def by_poles(plan: SweepPlan, speed: Map, blade: Map) -> Map:
 
 
 def compared(poles: Map, runs: Map, closed: Map, diverged: NDArray[np.bool_]) -> Row:
-    """How many signs agree, of all points and of those whose runs stay closed."""
+    """Number of equal signs, of all points and of those whose runs stay closed."""
     told = ~np.isnan(runs) & (np.abs(poles) > 0.5)  # a growth of .5 1/s shows in a run of a second
     stays = told & (closed > 0.95)
     same = (poles > 0.0) == (runs > 0.0)
@@ -69,7 +69,7 @@ def compared(poles: Map, runs: Map, closed: Map, diverged: NDArray[np.bool_]) ->
 
 @styled
 def figure_map(speed: Map, blade: Map, poles: Map, amplitude: Map, lines: list[tuple[int, Map]]) -> Any:
-    """Growth and what it comes to, over speed and blade frequency, with the coincidences f_b = f_c - n f."""
+    """Growth and final amplitude over speed and blade frequency, with the coincidences f_b = f_c - n f."""
     figure = new_figure(9.6, 4.2)
     panels: Any = figure.subplots(1, 2, sharey=True)
     shown = {"shading": "nearest", "rasterized": True}
@@ -119,7 +119,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     runs, closed, amplitude = (np.reshape(values, (speed.size, blade.size)).T for values in read)
     status = np.reshape([str(row["status"]) for row in found.rows], (speed.size, blade.size)).T
     diverged = status == "diverged"
-    runs = np.where(diverged & np.isnan(runs), np.inf, runs)  # too quick for its samples to tell how quick
+    runs = np.where(diverged & np.isnan(runs), np.inf, runs)  # grows too fast for its samples
     amplitude = np.where(diverged, np.nan, amplitude)
     steps = sum(int(row["steps"] or 0) for row in found.rows)
     rows: list[Row] = [

@@ -1,4 +1,4 @@
-"""NASA rotor 37 before a steel cylinder of 4 mm: a blade of published geometry, its basis and its scene.
+"""NASA rotor 37 in a steel cylinder of 4 mm: a blade of published geometry, its basis and its scene.
 
 `reports.verification.rubs.beside` runs the scene: the tip 20 um from a steel cylinder that is 50 um out of round with
 four lobes. The blade's frequencies are compared in `reports.verification.modes.nasa_rotors`.
@@ -30,7 +30,7 @@ def lean_deg(part: cf.Solid) -> float:
 
 
 def scene(cells: tuple[int, int, int] = CELLS, speed_hz: float = 298.0) -> ct.Scene:
-    """The tip before the cylinder, without friction."""
+    """Scene of the tip and the cylinder, without friction."""
     part = nasa_rotors.blade(NAME, cells, 60.0 * DESIGN)
     tip_nodes = part.mesh.points[part.mesh.groups["tip"].nodes]
     radius = float(np.hypot(*tip_nodes[:, :2].T).mean())

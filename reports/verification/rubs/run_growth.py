@@ -1,30 +1,31 @@
-"""Whether the verdict of a run on growth is right: random rubs against long runs at a tenth of the step.
+"""Check of the verdict of a run on growth: random rubs are compared with long runs at a tenth of the step.
 
 `python -m reports.verification.rubs.run_growth [--count 200] [--first 0] [--quick] [--out DIR]` draws a steel ring of
 up to five nodal diameters before one blade, several blades or a bladed disk: with and without friction, damping,
-clearance, lean and out-of-roundness. A run of half a second gives its verdict. One that is too short for it is repeated
-four times as long, as `casingfem interactions` does.
+clearance, lean and out-of-roundness. A run of half a second gives its verdict. A run that is too short for a verdict is
+repeated four times as long, as `casingfem interactions` does.
 
-A run three times as long at a tenth of the step, which goes on to a tenth of the radius, shows what becomes of the
-motion. Its level is sqrt(mean omega^2 (q - mean q)^2) of all modes over windows of 1/480 of it. The motion grows where
-the rim passes half its wall. Where it does not and the level at the end is more than e^0.5 times that at the end of the
-short run, the run is repeated four times as long: the motion grows where the rim passes half its wall in that, or
-where the level rises by e^0.5 again. It decays where the level at the end is below e^-0.5 times that of the short run.
-Else it is bounded: levels of irregular motions wander by as much. A verdict of growth that half the step calls
-numerical counts as none; one that is still not decided counts as no growth.
+A run three times as long at a tenth of the step, which continues to a tenth of the radius, shows the further motion.
+Its level is sqrt(mean omega^2 (q - mean q)^2) of all modes over windows of 1/480 of it. The motion grows if the rim
+passes half its wall. If it does not, but the level at the end is more than e^0.5 times that at the end of the short
+run, the run is repeated four times as long. The motion then grows if the rim passes half its wall, or if the level
+rises by e^0.5 again. It decays if the level at the end is below e^-0.5 times that of the short run. Otherwise it is
+bounded, because levels of irregular motions vary by as much. A growth that half the step calls numerical counts as no
+growth, and so does an undecided verdict.
 
-Where the short run grows by e or more in its last stretch, its interval is within 10 % and half the step gives the same
-growth, the rates of both in that stretch are compared: with contact that stays closed, and with contact that opens.
+The growth rates of both runs in the last stretch are compared if three conditions hold: the short run grows by e or
+more there, its interval is within 10 %, and half the step gives the same growth. Contacts that stay closed and contacts
+that open are listed separately.
 
 A run that passed half its wall or a tenth of the radius before its growth could be fitted grows ("passed").
 
 Each difference is tested. "start": a change of the start by 1e-9 to 3e-9 of it changes the verdict of the short run, or
-what becomes of the long one, so that neither run decides; a table has both for each change. "later": in the last
-stretch of the short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at
-the step of the short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after
-its end, and grows to half the wall before the end of the long run. When it does depends on the start and the step.
-"step": the short run at its half step has the verdict of the long one. "short": the run states that it is too short. A
-difference that no test explains is a FAIL.
+that of the long one, so that neither run decides; a table has both for each change. "later": in the last stretch of the
+short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at the step of the
+short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after its end, and grows
+to half the wall before the end of the long run. The time of this depends on the start and the step. "step": the short
+run at its half step has the verdict of the long one. "short": the run states that it is too short. A difference that no
+test explains is a FAIL.
 """
 
 import math
@@ -47,7 +48,7 @@ WINDOWS, CHANGED, SAME = 480, 0.5, 0.3
 WITHIN, CLOSED = 0.1, 0.99
 COPIES, MOVED = 3, 1e-9
 SOME = 100  # states of a rate
-AFTER = 0.25  # of the short run: for so long a motion that escapes later keeps its level
+AFTER = 0.25  # of the short run: time for which a motion that escapes later keeps its level
 STATES = ("grows", "passed", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
 
 
@@ -70,7 +71,7 @@ def blade(rng: np.random.Generator) -> ct.ModalBody:
 
 
 def drawn(seed: int) -> tuple[ct.RotatingRim | ct.Rub, float]:
-    """A problem of the kind that the seed is, and its friction."""
+    """A problem of a kind that the seed selects, and its friction."""
     rng, kind = np.random.default_rng(seed), KINDS[seed % len(KINDS)]
     casing, speed = ring(rng), float(rng.uniform(20.0, 200.0))
     mu = float(rng.uniform(0.05, 0.35)) if rng.random() < 0.6 else 0.0
@@ -126,7 +127,7 @@ def far(long: ct.Result) -> bool:
 
 
 def folds_of(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
-    """By how many e-folds the level changes from the stretch `begin` to `end` [s] to the last tenth of a run."""
+    """Change of the level in e-folds from the stretch `begin` to `end` [s] to the last tenth of a run."""
     t, level = levels(what, long, WINDOWS)
     now = level[(t > begin) & (t <= end)].mean()
     later = level[t > 0.9 * t[-1]].mean()
@@ -134,7 +135,7 @@ def folds_of(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: 
 
 
 def fate(what: ct.RotatingRim | ct.Rub, mu: float, planned: float, end: float) -> tuple[str, float, ct.Result]:
-    """What becomes of the motion after `end` [s], by how many e-folds its level changes, and the run that shows it."""
+    """The motion after `end` [s] in a word, the change of its level in e-folds, and the run that shows it."""
     long = long_run(what, mu, planned)
     if far(long):
         return "grows", math.inf, long
@@ -149,7 +150,7 @@ def fate(what: ct.RotatingRim | ct.Rub, mu: float, planned: float, end: float) -
 
 
 def rate_in(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
-    """Growth of the level of a run between two instants [1/s], by least squares; nan where it does not reach."""
+    """Growth of the level of a run between two instants [1/s], by least squares; nan if the run ends before."""
     t, here = long.state_time, (long.state_time >= begin) & (long.state_time <= end)
     if np.count_nonzero(here) < SOME:
         return math.nan
@@ -160,13 +161,13 @@ def rate_in(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: f
 
 
 def long_run(what: ct.RotatingRim | ct.Rub, mu: float, end: float = END) -> ct.Result:
-    """The run that shows what becomes of the motion after one that is planned for `end` [s]."""
+    """The long run that shows the further motion after a run that is planned for `end` [s]."""
     record = ct.Record(every=FINER, state_every=FINER)
     return ended(what, mu, LONGER * end, STEP / FINER, record=record, on_limit="flag")
 
 
 def decided(what: ct.RotatingRim | ct.Rub, mu: float) -> tuple[ct.Result, float]:
-    """A run and its planned end [s], repeated four times as long where it is too short for its verdict."""
+    """A run and its planned end [s], repeated four times as long if it is too short for its verdict."""
     short = ended(what, mu, END, STEP)
     if verdict_of(short) != "undecided":
         return short, END
@@ -174,7 +175,7 @@ def decided(what: ct.RotatingRim | ct.Rub, mu: float) -> tuple[ct.Result, float]
 
 
 def verdict_of(result: ct.Result) -> str:
-    """End state by a short run, or why its growth is none."""
+    """End state by a short run, or the reason why its growth does not count."""
     grown = result.growth
     assert grown is not None
     if grown.check in ("numerical", "irregular"):
@@ -221,7 +222,7 @@ def explained(
     what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, long: ct.Result, verdict: str, becomes: str,
     planned: float,
 ) -> tuple[str, list[tuple[str, str]]]:  # fmt: skip
-    """Why a verdict differs from what becomes of the motion, as in the module, or "NOT"; and `by_start`."""
+    """Reason why a verdict differs from the further motion, as in the module, or "NOT"; and `by_start`."""
     grown, end = short.growth, short.steps * short.dt
     assert grown is not None
     others = by_start(what, mu, end, planned)
@@ -244,7 +245,7 @@ def explained(
 
 
 def compared(seed: int) -> Row:
-    """Verdict of a short run beside what a long one does."""
+    """Verdict of a short run, and the motion of the long one."""
     what, mu = drawn(seed)
     started = time.perf_counter()
     short, planned = decided(what, mu)

@@ -3,13 +3,13 @@
 `python -m reports.verification.rubs.turning [--quick] [--out DIR]`. A reduced cylinder and a reduced blade, both with
 their matrices of rotation; the casing turns or the blade does. The plain models take arrays of the bodies alone.
 
-Growth at twenty speeds, with and without friction, is that of the eigenvalues of a dense model. The field z that the
-contact point sees turns with it:
+Growth at twenty speeds, with and without friction, is compared with the eigenvalues of a dense model. In the frame of
+the contact point the motion z satisfies
 
     (D + Omega N)^2 z + C (D + Omega N) z + K z = W lam,   lam = -Q z/S,   W = Q - mu T,
 
-C and K of the speed, Q and T the rows at the contact point, N (cos n, sin n) -> n (sin n, -cos n) of each pair. The run
-in time of a contact that stays closed has the impulse of Runge-Kutta's steps of a fiftieth.
+C and K of the speed, Q and T the rows at the contact point, N (cos n, sin n) -> n (sin n, -cos n) of each pair. The
+impulse of a run with closed contact is compared with a Runge-Kutta solution with 1/50 of the step.
 """
 
 import math
@@ -50,7 +50,7 @@ def bodies() -> tuple[ct.ModalBody, ct.ModalBody]:
 
 
 def turned_pairs(casing: ct.ModalBody) -> FloatArray:
-    """N of the module: each pair of modes by what it does to the cosine and the sine of its own n."""
+    """N of the module: each pair of modes by its effect on the cosine and the sine of its own n."""
     m, size = casing.omega.size, 2 * casing.n_max + 1
     cos, sin = casing.rows[1 : casing.n_max + 1], casing.rows[casing.n_max + 1 : size]
     order = np.argmax(cos**2 + sin**2, axis=0)
@@ -82,7 +82,7 @@ def at_tip(blade: ct.ModalBody) -> FloatArray:
 
 
 def matrices(casing: ct.ModalBody, blade: ct.ModalBody, hz: float, turning: str) -> tuple[FloatArray, FloatArray]:
-    """C and K of both bodies at a speed [turns/s]; blades turn in the other sense."""
+    """C and K of both bodies at a speed [turns/s]; blades rotate in the opposite sense."""
     omega, own = 2.0 * math.pi * hz, casing.omega.size
     m = own + blade.omega.size
     C, K = np.zeros((2, m, m))
@@ -177,7 +177,7 @@ def runge_kutta(casing: ct.ModalBody, blade: ct.ModalBody, hz: float, turning: s
 
 
 def runs(casing: ct.ModalBody, blade: ct.ModalBody, steps: int) -> list[Row]:
-    """Impulse of a run beside Runge-Kutta's, and what its ledger leaves over the energy that passes through it."""
+    """Impulse of a run and of Runge-Kutta, and the remainder of its energy balance over the energy exchanged."""
     rows: list[Row] = []
     scheme = ct.ExactModal(law="averaged")
     for turning in SIDES:

@@ -1,1 +1,1 @@
-"""How exact each contact scheme is on rods, bars and beams, and how far it can be pushed."""
+"""Accuracy of each contact scheme on rods, bars and beams, and its limits."""

@@ -91,8 +91,8 @@ def _rows(quick: bool) -> Iterator[Row]:
 def _long_runs() -> Iterator[Row]:
     """One row per law and step size: a bar of 20 modes dropped again and again for a million steps, in DROPS runs.
 
-    Repeated impact multiplies rounding errors: the runs, whose steps differ by 1e-12, are as many draws. `runs` counts
-    those that were not stopped.
+    Repeated impact amplifies rounding errors, so runs whose steps differ by 1e-12 are random draws. `runs` counts those
+    that were not stopped.
     """
     cases = [("averaged", product) for product in (0.01, 0.05, 0.1, 0.2, 0.8)] + [("energy", 0.8), ("energy", 8.0)]
     for law, product in cases:
@@ -105,7 +105,7 @@ def _long_runs() -> Iterator[Row]:
             )  # fmt: skip
             try:
                 results.append(run())
-            except DivergedError:  # contact that adds more than there was is stopped
+            except DivergedError:  # a run in which contact adds more energy than there was is stopped
                 continue
         if len(results) < DROPS:
             yield {"law": law, "omega dt": product, "runs": len(results)}
@@ -123,7 +123,7 @@ def _long_runs() -> Iterator[Row]:
 def _measured(
     case: str, size: str, step: float, run: Callable[[], ct.Result], exact: ExactContact
 ) -> tuple[Row, ct.Result]:
-    """Run twice (the first may compile) and fill the columns every case has."""
+    """Run twice, because the first run may compile, and fill the columns that every case has."""
     run()
     result = run()
     raw, windowed = result.force[:, 0], result.windowed_force()[:, 0]
@@ -144,7 +144,7 @@ def _measured(
 
 
 def _single(row: Row, result: ct.Result, exact: ExactContact) -> Row:
-    """Add what belongs to one contact only."""
+    """Add the columns of cases with a single contact."""
     (start, end), (begin, finish) = (result.intervals[0][0][0], result.intervals[0][-1][1]), exact.intervals[0]
     row["duration %"] = 100 * ((end - start) / (finish - begin) - 1.0)
     row["first spike"] = float(result.peak_force[0] / exact.force[0, 0])

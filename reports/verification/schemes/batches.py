@@ -3,8 +3,8 @@
 `python -m reports.verification.schemes.batches [--count 2000] [--first 0] [--quick] [--out DIR]` draws lists of two to
 ten scenes: rims with and without friction, of any number of modes, with coatings, several tips, whirl, speed ramps,
 patches and rods, with different starts, records, steps, schemes and limits. Every fifth draw is a sweep over a scene
-file. Each outcome of a batch must equal the run alone to 1e-12 of the largest value. It must equal the batch of that
-one scene to the last bit, whatever the neighbours.
+file. Each outcome of a batch must equal the run alone to 1e-12 of the largest value. It must equal a batch of only this
+scene to the last bit, for any other scenes in the list.
 """
 
 import itertools
@@ -101,7 +101,7 @@ def random_recipe(rng: np.random.Generator) -> Recipe:
 
 
 def scene_from(r: Recipe) -> ct.Scene:
-    """The scene of a recipe; choices that its kind does not have are left out."""
+    """The scene of a recipe, without choices that its kind does not have."""
     law: Any = ct.Coulomb(mu=r["mu"]) if r["mu"] else ct.Unilateral()
     if r["kind"] == "coated":
         law = ct.Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.02, tip=2e-3, mu=r["mu"])
@@ -116,7 +116,7 @@ def scene_from(r: Recipe) -> ct.Scene:
 
 
 def record_of(r: Recipe, modes: int) -> ct.Record:
-    """What a run of so many modes stores."""
+    """The record of a run with a number of modes."""
     end = 0.5 * r["steps"] * r["dt"] if r["kind"] != "rods" else 1.0
     if r["record"] == "channels":
         return ct.Record(state_every=5, channels=np.eye(2, modes))
@@ -133,7 +133,7 @@ def bodies(r: Recipe) -> tuple[ct.ModalBody, ct.ModalBody]:
 
 
 def rim_of(r: Recipe) -> tuple[Any, int]:
-    """One blade before a turning rim, and the numbers that its state has."""
+    """One blade at a rotating rim, and the number of entries of its state."""
     casing, tip = bodies(r)
     rim = ct.RotatingRim(
         casing, tip, clearance=r["clearance"], speed_hz=r["hz"], lean_deg=r["lean"], angle_deg=r["ahead"],
@@ -143,7 +143,7 @@ def rim_of(r: Recipe) -> tuple[Any, int]:
 
 
 def rub_of(r: Recipe) -> tuple[Any, int]:
-    """One or two blades before a rim that may whirl and whose speed may grow."""
+    """One or two blades at a rim that may whirl and whose speed may grow."""
     casing, tip = bodies(r)
     end, k = r["steps"] * r["dt"], r["tips"]
     rub = ct.Rub(
@@ -181,7 +181,7 @@ WHATS = {"rim": rim_of, "coated": rim_of, "rub": rub_of, "patch": patch_of, "rod
 
 
 def alone(scene: ct.Scene) -> Outcome:
-    """What `ct.run` returns or raises."""
+    """The result of `ct.run`, or the error that it raises."""
     try:
         return ct.run(scene)
     except (ct.InputError, ct.NumericsError) as error:
@@ -189,7 +189,7 @@ def alone(scene: ct.Scene) -> Outcome:
 
 
 def floors(r: Recipe) -> dict[str, float]:
-    """Least values that differences are compared with: the clearance, whose round-off every gap has, and its forces.
+    """Least scales for differences: the clearance, whose round-off every gap has, and its forces.
 
     A force is the gap without contact over the compliance of one step, at least dt^2 over the modal masses, plus S.
     """
@@ -225,7 +225,7 @@ def distance(a: NDArray[np.float64], b: NDArray[np.float64], least: float) -> fl
 
 
 def difference(recipes: list[Recipe]) -> tuple[float, float]:
-    """By how much outcomes of a batch differ from the runs alone, and from the batches of one."""
+    """Largest differences of the outcomes of a batch from single runs, and from batches of one scene."""
     scenes = [scene_from(recipe) for recipe in recipes]
     many = ct.run_many(scenes)
     rows = list(zip(scenes, many, map(floors, recipes), strict=True))
@@ -251,7 +251,7 @@ def sweep_of(rng: np.random.Generator) -> str:
 
 
 def swept_difference(text: str, folder: Path) -> float:
-    """By how much rows of a sweep differ from those of the runs alone; infinity where a word differs."""
+    """Largest difference of the rows of a sweep from single runs; infinity if a word differs."""
     file = folder / "scene.toml"
     file.write_text(text)
     plan, worst = load_sweep(file), 0.0
@@ -267,7 +267,7 @@ def swept_difference(text: str, folder: Path) -> float:
     return worst
 
 
-SCALES = {  # least values that differences of a sweep's columns are compared with, as `floors`
+SCALES = {  # least scales for differences of a sweep's columns, as `floors`
     "unaccounted_rel": 1.0, "growth_1_s": 1.0, "growth_low_1_s": 1.0,
     "growth_high_1_s": 1.0, "lost_in_contact_J": 1e-3, "max_penetration_m": 1e-6,
     "residual_m": 1e-6, "blade_rms_m": 1e-6, "dominant_rms_m": 1e-6, "amplitude_m": 1e-6,
@@ -276,7 +276,7 @@ SCALES = {  # least values that differences of a sweep's columns are compared wi
 
 
 def drawn(seed: int, folder: Path) -> Row:
-    """One draw: what was run, and the largest differences."""
+    """One draw: the scenes, and the largest differences."""
     rng = np.random.default_rng(seed)
     if seed % 5 == 4:
         return {"draw": seed, "kind": "sweep", "from alone": swept_difference(sweep_of(rng), folder), "from one": 0.0}
@@ -286,7 +286,7 @@ def drawn(seed: int, folder: Path) -> Row:
 
 
 def main(out: Path, quick: bool = False, count: int = 2000, first: int = 0) -> list[Row]:
-    """Print how far batches are from single runs; write a row for each draw."""
+    """Print the differences of batches from single runs; write a row for each draw."""
     rows: list[Row] = []
     began = time.process_time()
     with tempfile.TemporaryDirectory() as name:

@@ -29,7 +29,7 @@ PERIOD = 16.0 / 3.0
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Case:
-    """Bodies by the number of elements, and what is exact about them.
+    """Bodies by the number of elements, and their exact solution.
 
     `height` [m] scales errors of the gap, `energy` [J], that of the motion, the change of energy.
     """
@@ -48,7 +48,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Method:
-    """A scheme and the law it runs with."""
+    """A scheme and the contact law that it uses."""
 
     name: str
     scheme: Scheme
@@ -56,7 +56,7 @@ class Method:
 
 
 def methods(stiffness: float) -> list[Method]:
-    """Every scheme; `stiffness` [N/m] for those with a contact spring, a thousand times that where it is iterated."""
+    """Every scheme; `stiffness` [N/m] of contact springs, a thousand times larger for augmented Lagrangians."""
     return [
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
         Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),
@@ -158,7 +158,7 @@ def spring(case: Case, elements: int) -> float:
 
 
 def run(case: Case, method: Method, elements: int, courant: float, *, every: int = 1) -> ct.Result:
-    """Run a case with its displacements stored; a run that makes energy is a row too."""
+    """Run a case with stored displacements; a run that gains energy is a row too."""
     return ct.run(
         case.bodies(elements), law=method.law, scheme=method.scheme, t_end=case.t_end, courant=courant,
         gravity=case.gravity, record=ct.Record(every=every, state_every=every), on_limit="flag",
@@ -166,7 +166,7 @@ def run(case: Case, method: Method, elements: int, courant: float, *, every: int
 
 
 def errors(case: Case, result: ct.Result) -> Row:
-    """Errors of force, impulse, displacement and energy against the exact solution, and what the run cost."""
+    """Errors of force, impulse, displacement and energy against the exact solution, and the run time."""
     time, force = result.time, result.force[:, 0]
     energy = result.energy
     return {

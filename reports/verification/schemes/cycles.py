@@ -1,4 +1,4 @@
-"""Periodic motions of driven bodies before stops, against published orbits, runs in time, and the clock.
+"""Periodic motions of driven bodies before stops, compared with published orbits and runs in time; and run times.
 
 `python -m reports.verification.schemes.cycles [--quick] [--out DIR]` follows
 
@@ -6,7 +6,7 @@
 - E2: a mass before a stop of stiffness 100 and 1e5,
 - E3: a bar before a rigid wall (Colaitis, Batailly, J. Sound Vib. 502, 2021, 116070), by all its modes,
 
-compares amplitudes and folds, lets runs leave the orbits that are called unstable, and takes times.
+compares amplitudes and folds, checks that runs leave the unstable orbits, and measures times.
 """
 
 import math
@@ -28,7 +28,7 @@ from contact.io.outfiles import write_atomic
 from reports.tables import Row, check, command_line, show, write
 
 TURN = 2.0 * math.pi
-BESIDE = 1e-10  # of the state: where runs beside an orbit begin
+BESIDE = 1e-10  # of the state: initial distance of runs beside an orbit
 E1 = {
     0.4: ((60179.5, 1.0199e-4), (62708.1, 2.7032e-4), (63354.7, 3.3620e-4), (64594.8, 4.9436e-4)),
     4.0: ((61817.6, 2.0560e-4), (62718.4, 2.1736e-4), (63325.7, 2.2768e-4), (65774.4, 2.9874e-4), (68397.7, 3.8436e-4)),
@@ -135,10 +135,10 @@ def wall(out: Path) -> Iterator[Row]:
 
 
 def left(family: Family, at: Orbit, periods: int, until: float = 1e-3) -> tuple[float, float]:
-    """How far a run beside an orbit goes from it, over where it begins; its growth a period while it is small.
+    """Largest distance of a run from an orbit over its initial distance, and its growth per period while it is small.
 
-    It begins along the eigenvector of the largest multiplier, and ends where it is `until` of the state away. It may
-    settle on a neighbour sooner: orbits on both sides of a fold that contact makes are often 1e-5 apart.
+    The run begins along the eigenvector of the largest multiplier, and ends at the distance `until` of the state. It
+    may settle on a neighbouring orbit before: orbits on both sides of a fold caused by contact are often 1e-5 apart.
     """
     period, size = map_of(family, at.value, at.start, at.periods), float(np.linalg.norm(at.x))
     values, vectors = np.linalg.eig(at.M)
@@ -154,7 +154,7 @@ def left(family: Family, at: Orbit, periods: int, until: float = 1e-3) -> tuple[
 
 
 def unstable(quick: bool) -> list[Row]:
-    """E1, r = 4: orbits that a published curve draws and no run keeps."""
+    """E1, r = 4: orbits of a published curve that are unstable."""
     family = rod(4.0).over("freq_hz", freq_hz=10e3)
     found = ct.cycles.follow(family, (10.0e3, 10.6e3)).branches[0]
     start, stop = (special.orbit.value for special in found.of("Neimark-Sacker"))
@@ -194,7 +194,7 @@ def many_contacts() -> DrivenBody:
 
 
 def of_branch(modes: int, rounds: int) -> Row:
-    """Time of a branch of the bar E1, r = 4, of so many modes."""
+    """Time of a branch of the bar E1, r = 4, by the number of modes."""
     family = rod(4.0, modes).over("freq_hz", freq_hz=1e4)
     found: list[Cycles] = []
     spent = best(lambda: found.append(ct.cycles.follow(family, (9500.0, 11300.0), longest=0.04)), rounds)
@@ -205,7 +205,7 @@ def of_branch(modes: int, rounds: int) -> Row:
 
 
 def times(quick: bool) -> list[Row]:
-    """Orbits from a neighbour's, of 2, 20 and 60 modes; two branches."""
+    """Times of orbits of 2, 20 and 60 modes, from a neighbouring orbit, and of two branches."""
     rows: list[Row] = []
     for name, driven, value, allowed in (
         ("2 modes, 1 contact", rod(4.0, 2), 1e4, 2.0), ("20 modes, 1 contact", rod(4.0), 1e4, 8.0),

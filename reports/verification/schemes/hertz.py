@@ -1,12 +1,12 @@
-"""A two-dimensional elastic disc pressed on rigid ground, assembled with scikit-fem and handed to contact as arrays.
+"""A two-dimensional elastic disc on rigid ground, assembled with scikit-fem and passed to `contact` as arrays.
 
 `python -m reports.verification.schemes.hertz [--quick] [--out DIR]` compares the pressure with Hertz's line contact
 (plane strain, disc of radius R under P per length on rigid ground; Johnson, Contact Mechanics, 1985, 4.2):
 
     E* = E/(1 - nu^2),  a = sqrt(4 P R/(pi E*)),  p(x) = 2 P/(pi a) sqrt(1 - (x/a)^2).
 
-The laws and schemes are those of the rods; contact knows M, C, K and the rows of the boundary's nodes. The disc is let
-down gently by a strongly damped implicit run until it rests.
+The laws and schemes are those of the rods; `contact` gets only M, C, K and the rows of the boundary's nodes. A strongly
+damped implicit run lowers the disc until it rests.
 """
 
 import math
@@ -92,12 +92,12 @@ def disc(finest: float, load: float = LOAD) -> Disc:
 
 
 def pace(weight: float, load: float) -> float:
-    """How fast the disc bounces on its contact, about [rad/s]: it sinks by some thousandth of its radius."""
+    """Approximate frequency of the disc on its contact [rad/s]: it sinks by some thousandths of its radius."""
     return math.sqrt(load / (1e-3 * RADIUS) / weight)
 
 
 def pressed(model: Disc) -> ct.Result:
-    """Let the load act until the disc rests."""
+    """Apply the load until the disc rests."""
     period = 2.0 * math.pi / pace(0.5 * math.pi * RADIUS**2 * RHO, LOAD)
     return ct.run(model.body, scheme=ct.scheme.Newmark(beta=0.6, gamma=1.0), t_end=40.0 * period, dt=0.1 * period)
 

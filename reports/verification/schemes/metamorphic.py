@@ -1,10 +1,10 @@
-"""Do related contact problems have related answers? Random patches and rims, each with relations that must be exact.
+"""Related contact problems must have related solutions: random patches and rims, each with exact relations.
 
 `python -m reports.verification.schemes.metamorphic [--count 400] [--first 0] [--quick] [--out DIR]` runs a random
-problem and its relatives: the same in other units (powers of two: equal to the last bit), with modes of the opposite
-sign, with its contacts in another order, seen in a mirror, with a contact far away added, with every contact split into
-two of half the stiffness, over a shorter time, and started earlier by some steps without contact. Where contacts repeat
-each other (no compliance of their own), their forces are not unique: the motion and the total impulse are compared.
+problem and its variants: in other units (powers of two: equal to the last bit), with modes of the opposite sign, with
+its contacts in another order, mirrored, with an additional distant contact, with every contact split into two of half
+the stiffness, over a shorter time, and started earlier by some steps without contact. Forces of redundant contacts
+without compliance are not unique: the motion and the total impulse are compared.
 """
 
 import time
@@ -44,11 +44,11 @@ class Numbers:
 
     @property
     def unique(self) -> bool:
-        """Whether each contact yields by itself, so that its force is determined."""
+        """Whether each contact has its own compliance, so that its force is determined."""
         return bool(self.S.any())
 
     def run(self) -> ct.Result:
-        """Its run, every step stored."""
+        """Result of a run with every step stored."""
         k, d, m = self.rows.shape
         names = tuple(f"c{i}.{j}" for i in range(k) for j in range(d))
         body = ct.ModalBody(
@@ -90,7 +90,7 @@ def random_patch(seed: int) -> Numbers:
 
 
 def gone(one: FloatArray, other: FloatArray) -> float:
-    """Largest difference over the largest value of the first."""
+    """Largest difference relative to the largest value of the first."""
     if one.shape != other.shape:
         return np.inf
     scale = float(np.abs(one).max(initial=0.0))
@@ -149,7 +149,7 @@ def far(p: Numbers, a: ct.Result) -> float:
 
 
 def split(p: Numbers, a: ct.Result) -> float:
-    """Every contact becomes two at its place with twice its compliance: each has half of the force."""
+    """Every contact becomes two at the same point with twice its compliance: each has half of the force."""
     k, d, _ = p.rows.shape
     own = np.einsum("idid->id", p.S)
     if not p.unique or np.any(p.S.reshape(k * d, -1) - np.diag(own.ravel())):
@@ -177,7 +177,7 @@ RELATIONS: dict[str, tuple[Callable[[Numbers, ct.Result], float], float]] = {
 
 
 def rim_scene(seed: int, *, mirror: bool = False, earlier: int = 0) -> ct.Scene:
-    """A random rim at rest before a blade that it meets after a while; `mirror`: turned the other way round."""
+    """A random rim that first touches its blade after some time; `mirror`: with the opposite sense of rotation."""
     rng, sign = np.random.default_rng(seed), -1.0 if mirror else 1.0
     size, modes = 2 * N_MAX + 1, int(rng.integers(2, 7))
     rows, mixing = rng.standard_normal((2 * size, modes)), 1e-4 * rng.standard_normal((2 * size, 2 * size))
@@ -208,7 +208,7 @@ def rim_scene(seed: int, *, mirror: bool = False, earlier: int = 0) -> ct.Scene:
 
 
 def rim_rows(seed: int) -> list[Row]:
-    """A rim beside its image in a mirror, and beside itself started earlier."""
+    """A rim compared with its mirror image, and with itself started earlier."""
     one, image, late = (ct.run(rim_scene(seed, **more)) for more in ({}, {"mirror": True}, {"earlier": EARLIER}))
     touches = bool(one.contact_steps.any())
     reflected = max(gone(one.force, image.force), gone(one.state, image.state))
@@ -221,7 +221,7 @@ def rim_rows(seed: int) -> list[Row]:
 
 
 def patch_rows(seed: int) -> list[Row]:
-    """A patch beside its relatives."""
+    """A patch compared with its variants."""
     p = random_patch(seed)
     a = p.run()
     touches = bool(a.contact_steps.any())

@@ -1,11 +1,11 @@
-"""Do runs and multipliers agree? Random bodies before random contacts under a harmonic force.
+"""Comparison of runs with Floquet multipliers: random bodies at random contacts under a harmonic force.
 
 `python -m reports.verification.schemes.random_orbits [--count 300] [--first 0] [--quick] [--out DIR]` takes bodies of
 three to six modes before one to three contacts: springs, residual compliance, rigid ones without and with rebound. A
-run of 2,000 periods from rest shows on which motion it settles, after one to eight periods of the force; the orbit
-found there must be called stable. Its branch is followed over 30 % of the frequency, to 60 orbits at most, and a run
-beside every orbit whose multiplier is beyond 1.02 must leave it: by a thousand times the 1e-10 of the state where it
-begins. Runs that are on no such motion, and branches that are refused, are counted and named.
+run of 2,000 periods from rest settles on a motion that repeats after one to eight periods of the force. The orbit found
+there must be stable. Its branch is followed over 30 % of the frequency, to 60 orbits at most. A run beside every orbit
+with a multiplier above 1.02 must leave it: its distance must grow a thousandfold from 1e-10 of the state. Runs that do
+not settle on such a motion, and branches that are refused, are counted and named.
 """
 
 import math
@@ -25,11 +25,11 @@ from reports.tables import Row, command_line, show, write
 from reports.verification.schemes.cycles import left
 
 KINDS = ("springs", "compliance", "rigid", "rebounding")
-CLOSES = 1e-7  # of the state: what a run misses its state of some periods before by
+CLOSES = 1e-7  # of the state: largest difference of a run from its state some periods before
 
 
 def random_body(seed: int) -> DrivenBody:
-    """Modes from 0.5 to 6 rad/s before contacts of the kind that the seed is."""
+    """Modes from 0.5 to 6 rad/s at contacts of a kind that the seed selects."""
     rng, kind = np.random.default_rng(seed), KINDS[seed % len(KINDS)]
     modes, k = int(rng.integers(3, 7)), int(rng.integers(1, 4))
     rows, S = rng.standard_normal((k + 1, modes)), np.zeros((k + 1, k + 1))
@@ -49,7 +49,7 @@ def random_body(seed: int) -> DrivenBody:
 
 
 def reached(family: Family, value: float) -> Orbit | None:
-    """The orbit on which a run from rest settles within 2,000 periods, None where it is on none of a few periods."""
+    """The orbit on which a run from rest settles within 2,000 periods; None if it does not."""
     x, start = family.begin, 0.0
     for _ in range(10):
         x, start = settled(family, value, 200, x=x, at=start)
@@ -63,7 +63,7 @@ def reached(family: Family, value: float) -> Orbit | None:
 
 
 def branch(family: Family, first: Orbit) -> Branch:
-    """The branch of an orbit up the frequency, where it ends, or 60 orbits."""
+    """The branch of an orbit towards higher frequencies, to its end or to 60 orbits."""
     size = 1e-3 * float(np.linalg.norm(first.x))
     course = Course(family=family, low=first.value, high=1.3 * first.value, size=size)
     way = begun(course, first, Tangent(np.zeros_like(first.x), 1.0), 0.05)
@@ -71,7 +71,7 @@ def branch(family: Family, first: Orbit) -> Branch:
 
 
 def agreed(seed: int) -> Row:
-    """What runs and multipliers say of one body."""
+    """Results of runs and multipliers for one body."""
     family = random_body(seed).over("freq_hz", freq_hz=0.3)
     value = 0.15 + 0.3 * np.random.default_rng(100_000 + seed).random()
     row: Row = {"body": seed, "kind": KINDS[seed % len(KINDS)], "periods": None, "stable": None, "points": 0,
@@ -95,7 +95,7 @@ def agreed(seed: int) -> Row:
 
 
 def main(out: Path, quick: bool = False, count: int = 300, first: int = 0) -> list[Row]:
-    """Print how often they agree, kind by kind; write a row for each body."""
+    """Print the agreement by kind of contact; write a row for each body."""
     rows: list[Row] = []
     for seed in range(first, first + (min(count, 12) if quick else count)):
         started = time.process_time()

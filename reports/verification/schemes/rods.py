@@ -1,8 +1,8 @@
-"""Two identical rods: contact force and displacement by Lagrange multipliers and by penalty, beside the exact solution.
+"""Two identical rods: contact force and displacement by Lagrange multipliers and by penalty, and the exact solution.
 
 `python -m reports.verification.schemes.rods [--quick] [--out DIR]` prints the table, writes rods.csv and draws
-rods.png. The scene is the classical one (Carpenter, Taylor, Katona 1991); the penalty is taken at several parameters,
-its best one among them.
+rods.png. The scene is the classical one (Carpenter, Taylor, Katona 1991); the penalty has several parameters, with the
+best one among them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ PICTURED = ("forward Lagrange", "massless boundary", "penalty 2e+08", "penalty 2
 
 
 def lagrange() -> list[Method]:
-    """Schemes with multipliers that a user would choose from."""
+    """Schemes with multipliers among which a user would choose."""
     return [
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
         Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),

@@ -30,7 +30,7 @@ PAIRS = ((0.5, 0.55), (0.25, 0.55), (0.25, 0.5))
 
 
 class Run(NamedTuple):
-    """A run and the balances that only its stepper knows; `failed` gives the reason it broke off."""
+    """A run and balances that only its stepper computes; `failed` is the reason why it ended early."""
 
     stepper: BeamStepper | ImplicitBeamStepper
     result: ct.Result
@@ -103,7 +103,7 @@ def before_contact(quick: bool) -> Iterator[Row]:
 
 
 def implicit(quick: bool) -> Iterator[Row]:
-    """Newmark pairs beside the explicit run."""
+    """Newmark's parameters compared with the explicit run."""
     scene = replace(CIRCLE, beam=replace(BEAM, elements=10 if quick else 20))
     t_end = (1.1 if quick else 1.6) * scene.first_contact_time
     yield row_of("central difference, courant .5", scene, run(scene, EXPLICIT, t_end, courant=0.5))
@@ -136,7 +136,7 @@ def flexible(quick: bool) -> Iterator[Row]:
 
 
 def torques(quick: bool) -> Iterator[tuple[Row, Run]]:
-    """A small torque rebounds; a large one buckles the beam and squeezes it past."""
+    """With a small torque the beam rebounds; a large torque buckles it and pushes it past the narrowest point."""
     for torque in (1.0,) if quick else (1.0, 10.0):
         scene = replace(CIRCLE, beam=replace(BEAM, elements=10 if quick else 40, torque=torque))
         found = run(scene, EXPLICIT, (1.4 if quick else 2.5) * scene.first_contact_time, courant=0.5)

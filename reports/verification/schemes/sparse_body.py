@@ -1,10 +1,10 @@
 """Large linear bodies: elastic blocks dropped on points of their foot, matrices kept as bands and as entries.
 
 `python -m reports.verification.schemes.sparse_body [--quick] [--out DIR]` prints and writes sparse_body.csv. Cubes of
-8-node bricks are assembled by scikit-fem, outside `contact`; plane grids of springs are beside them. Small ones run
-both ways, which shows where entries overtake bands and that nothing else changes; the largest runs as entries alone.
-Run times are of the step loop, best of three; "fill" counts places of the band, or entries of the factor, per entry of
-K.
+8-node bricks are assembled by scikit-fem, outside `contact`; plane grids of springs are beside them. Small bodies run
+in both forms, which shows the size from which entries are faster, and that results are equal. The largest body runs
+only with entries. Run times are of the step loop, best of three; "fill" counts places of the band, or entries of the
+factor, per entry of K.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from contact.scheme.linear.stepper import LinearStepper
 from reports.tables import Row, command_line, show, write
 
 SCHEMES = {"explicit": ct.CentralDifference(), "Moreau-Jean": ct.MoreauJean()}
-ALWAYS, NEVER = 0, 10**9  # places per entry beyond which entries are taken
+ALWAYS, NEVER = 0, 10**9  # places per entry above which entries are used
 
 
 def cube(cells: int, points: int) -> ct.LinearBody:
@@ -53,7 +53,7 @@ def net(points: int) -> ct.LinearBody:
 
 
 def ran(body: ct.LinearBody, scheme: str, steps: int, dt: float, empty: int) -> tuple[ct.Result, LinearStepper, float]:
-    """Fastest of three runs, the state at its end in `state`; what it stepped with, and the seconds to prepare it."""
+    """Fastest of three runs with its end state in `state`, its stepper, and the seconds to prepare it."""
     before, linear_system.EMPTY = linear_system.EMPTY, empty
     try:
         started = time.perf_counter()
@@ -68,7 +68,7 @@ def ran(body: ct.LinearBody, scheme: str, steps: int, dt: float, empty: int) -> 
 
 
 def measured(name: str, body: ct.LinearBody, scheme: str, steps: int, both: bool) -> Row:
-    """One body by one scheme: as entries, and as bands where there is room."""
+    """One body by one scheme: with entries, and with bands if memory suffices."""
     dt = 0.9 / linear_system.omega_max(linear_system.linear_system(body))
     lists, stepper, seconds = ran(body, scheme, steps, dt, ALWAYS)
     entries = stepper.parts.K.sparse.value.size

@@ -1,9 +1,9 @@
-"""How far each scheme can be pushed: stiffness and mass ratios, time step, gaps, rest and grazing.
+"""Limits of each scheme: stiffness and mass ratios, time step, gaps, rest and grazing.
 
 `python -m reports.verification.schemes.stability [--quick] [--out DIR]` prints and writes stability.csv. "refused": an
 error with numbers before the first step; "degraded": contact or scheme added more than 1 % of the run's largest energy,
-or the complementarity residual exceeds 1e-10 of the scene's length, which of the two and by how much (the printed
-result of such a run states it too); "NaN" must never be seen. Penalty runs keep a penetration, which is their law.
+or the complementarity residual exceeds 1e-10 of the scene's length; the table states which, and by how much. "NaN" must
+never occur. A penetration of penalty runs is part of their law.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def scenes(quick: bool) -> Iterator[tuple[str, Callable[[], Scene]]]:
 
 
 def tried(scene: Scene, method: Method) -> tuple[str, ct.Result | None]:
-    """Run and judge: a word, and the result if there is one."""
+    """Run a scene; returns the verdict in a word, and the result if there is one."""
     bodies, options = scene
     try:
         result = ct.run(bodies, law=method.law, scheme=method.scheme, record=ct.Record(every=100), **options)

@@ -1,1 +1,1 @@
-"""Whether modes are identified, paired and fitted as the truth has them, and how sure an update is."""
+"""Comparison of identified, paired and fitted modes with the truth, and of the uncertainty of updates."""

@@ -1,11 +1,11 @@
-"""What an update is on: exact derivatives, what a step costs, and what the measured blade says about its model.
+"""Foundations of an update: exact derivatives, run time of a step, and several models of the measured blade.
 
 `python -m reports.verification.updating.checks [--quick] [--out DIR]`. First table: derivatives of the frequencies of
 single modes, and of mean and split vector of doublets, against extrapolated differences of modes solved anew, relative
-to the largest of the parameter, with what the differences themselves are sure to
+to the largest of the parameter, and the uncertainty of the differences themselves
 (`reports.verification.updating.derivatives`). Second: seconds of a step with five parameters and 40 modes, by part.
-Third: the fan blade of Olson and Lindberg under several families of models: RMS error after the update, of rows left
-out, and the model's own error that explains what is left.
+Third: the fan blade of Olson and Lindberg under several families of models: RMS error after the update, error of rows
+left out, and the model error that explains the remainder.
 """
 
 import time
@@ -69,7 +69,7 @@ FAMILIES: tuple[tuple[tuple[str, ...], bool, bool], ...] = (
 
 
 def blade(quick: bool) -> list[Row]:
-    """Families of blade models: what is varied, with the clamp or without, with priors or without."""
+    """Families of blade models: the varied parameters, with or without the clamp, with or without priors."""
     table = cf.FrequencyTable.from_csv(DATA / "experiments" / "olson_lindberg.csv")
     shell = cf.Shell(
         chart=cf.Panel(radius=0.6096, length=0.3048, angle=0.5),

@@ -1,10 +1,10 @@
 """Derivatives of frequencies by each kind of parameter, against differences of modes solved anew.
 
-Central differences are off by their step squared and by round-off over their step, so that no single step tells a
-wrong derivative from a coarse difference. Here the step is halved and extrapolated to none (Ridders, Adv. Eng.
-Software 4, 1982, 75) until the last extrapolation changes by ENOUGH or less; the change is reported beside the
-error. Modes are followed by their shapes; pairs give their mean and split vector too, whose turning has the error
-of the adjoints' space (`modal.adjoint`): by modulus.p4.cos 1.2e-5, 7.8e-7, 5.6e-8 with depth 2, 3, 4; 3 is used.
+Central differences have errors of the square of their step, and of round-off over their step. A single step therefore
+cannot distinguish a wrong derivative from a coarse difference. Here the step is halved and extrapolated to zero
+(Ridders, Adv. Eng. Software 4, 1982, 75) until the last extrapolation changes by ENOUGH or less; the change is reported
+with the error. Modes are followed by their shapes; pairs give their mean and split vector too, whose turning has the
+error of the adjoints' space (`modal.adjoint`): by modulus.p4.cos 1.2e-5, 7.8e-7, 5.6e-8 with depth 2, 3, 4; 3 is used.
 """
 
 from collections.abc import Callable, Sequence
@@ -88,7 +88,7 @@ def as_doublets(solution: Solution) -> tuple[Match, ...]:
 
 
 def as_singles(matches: Sequence[Match]) -> tuple[Match, ...]:
-    """The members of the doublets, each for itself."""
+    """The members of the doublets as single modes."""
     return tuple(replace(match, rows=(k,), modes=(k,)) for match in matches for k in match.modes)
 
 
@@ -110,7 +110,7 @@ def residuals(
 
 
 def extrapolated(slope: Callable[[float], FloatArray], step: float) -> tuple[FloatArray, float]:
-    """Central differences extrapolated to no step, and the largest change by the last extrapolation kept."""
+    """Central differences extrapolated to a zero step, and the largest change by the last extrapolation."""
     row = [slope(step)]
     best, doubt = row[0], np.inf
     for _ in range(HALVINGS):
@@ -128,7 +128,7 @@ def extrapolated(slope: Callable[[float], FloatArray], step: float) -> tuple[Flo
 
 
 def errors(start: Solution, name: str) -> Row:
-    """Errors of the derivatives by one parameter, over the largest of their kind; what the differences are sure to."""
+    """Errors of the derivatives by one parameter, over the largest of their kind; uncertainty of the differences."""
     shell, modes = start.modes.shell, start.modes
     table, pairs = measured(start), as_doublets(start)
     kinds = (as_singles(pairs), pairs)

@@ -2,15 +2,14 @@
 
 `python -m reports.verification.updating.identification [--quick] [--seed N --sets M] [--sensors S] [--out DIR]` makes
 the sets of `reports.verification.updating.identification_sets`, half with one reference and half with two, identifies
-each without help, and prints one row a set, the failures, the errors by size of the split and how often the truth lies
-in the 95 % intervals of frequency, damping and orientation. It writes identification.csv and
+each with default options, and prints one row a set, the failures, the errors by size of the split, and the share of
+truths within the 95 % intervals of frequency, damping and orientation. It writes identification.csv and
 identification_intervals.csv.
 
-A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
-imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge). One
-found mode represents both members if it is said to be an unresolved pair, or if it has no partner and the bound it
-gives on a hidden split is above the true one. What is found beyond that is spurious: sure and
-doubtful modes are counted apart.
+A mode counts as found if a mode of the same n lies within its half-power bandwidth and within 45/n deg. If the
+imperfections mix two n, either n with a quarter of its energy counts, and the angle is not judged. One found mode
+represents both members if it is marked as an unresolved pair, or if it has no partner and its bound on a hidden split
+is above the true one. All further modes are spurious; sure and doubtful ones are counted separately.
 """
 
 from collections.abc import Sequence
@@ -28,7 +27,7 @@ from reports.tables import Row, command_line, show, write
 from reports.verification.updating.identification_sets import SENSORS, SNR_DB, TestSet, make_set
 
 SEEDS = range(13101, 13121)
-FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
+FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # required of pairs half a bandwidth apart or more
 RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be distinguished
 NORMAL = 1.96
 FAR = 1e6  # Hz: cost of a mode that is not the true one
@@ -37,7 +36,7 @@ CLASSES = (0.0, 0.1, 0.2, 0.5, 1.0, np.inf)
 
 
 class Judged(NamedTuple):
-    """One true mode: its pair's split in bandwidths (inf without partner), what became of it, errors over sigma."""
+    """One true mode: its pair's split in bandwidths (inf without partner), its outcome, errors over sigma."""
 
     seed: int
     references: int
@@ -108,7 +107,7 @@ def must(judged: Sequence[Judged]) -> list[Judged]:
 
 
 def set_row(found: Identified, judged: list[Judged], extra: list[int]) -> Row:
-    """One line of the table of sets; `extra` are the found modes that are none."""
+    """One line of the table of sets; `extra` are the spurious modes."""
     clear = must(judged)
     sure = sum(bool(found.sure[k]) for k in extra)
     met = [mode for mode in clear if mode.outcome == "found"]
@@ -151,7 +150,7 @@ def by_split(judged: Sequence[Judged]) -> list[Row]:
 
 
 def intervals(judged: Sequence[Judged]) -> list[Row]:
-    """How many of the 95 % intervals contain the truth, by size of the split, for found members only."""
+    """Number of 95 % intervals that contain the truth, by size of the split, for found members only."""
     classes = [*pairwise(CLASSES), (RESOLVED, np.inf)]
     rows: list[Row] = []
     for low, high in classes:

@@ -44,7 +44,7 @@ class TestSet(NamedTuple):
 
 
 def make_set(seed: int, references: int, sensors: int = SENSORS) -> TestSet:
-    """One casing and its responses at so many sensors to forces at one or two points."""
+    """One casing and its responses at a number of sensors to forces at one or two points."""
     rng = np.random.default_rng(seed)
     low, high = np.log(THICKNESS)
     size, phase = np.exp(rng.uniform(low, high, len(ORDERS))), rng.uniform(0.0, 2.0 * np.pi, len(ORDERS))

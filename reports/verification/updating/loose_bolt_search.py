@@ -1,17 +1,16 @@
-"""Two loose bolts of 24 found from splits and shifts: how often, against noise, with and without a baseline.
+"""Search for two loose bolts of 24 by splits and shifts: success rates by noise, with and without a baseline.
 
 `python -m reports.verification.updating.loose_bolt_search [--quick] [--short] [--out DIR]`. The casing of
-data/studies/bolted_ring.toml with all bolts tight. The truth is made on another mesh of another order, with a radius
-that a lathe left untrue, every bolt some per cent off its nominal stiffness, and two bolts at 30 %; the model that
-searches knows none of that. Frequencies up to 480 Hz, n = 4 to 11, have relative noise, and the phase n psi of every
-orientation .02 rad. With a baseline the same casing was measured before, with the same noise; without one the model is
-told to be off by 0.2 %.
+data/studies/bolted_ring.toml with all bolts tight. The truth has another mesh of another order, a radius with errors of
+a lathe, bolts that deviate by some per cent from their nominal stiffness, and two bolts at 30 %. The model of the
+search has none of these. Frequencies up to 480 Hz, n = 4 to 11, have relative noise, and the phase n psi of every
+orientation .02 rad. With a baseline the same casing was measured before, with the same noise; without one the search
+assumes a model error of 0.2 %.
 
-Half a turn of the casing changes no frequency and no orientation, so that a set of bolts and the opposite set are one
-answer. loose_bolts_found.csv: draws by noise; "truth fits better": the search stopped at bolts that explain less than
-the true ones do. loose_bolts_alike.csv: bolts that tables of fewer n cannot distinguish.
-masses_found.csv: one mass at any angle of the free rim. loose_bolts_reduced.csv: the reduced truth against full
-solutions.
+Half a turn of the casing changes no frequency and no orientation, so that a set of bolts and the opposite set count as
+one result. loose_bolts_found.csv: draws by noise; "truth fits better": the search ended at bolts that explain less than
+the true ones. loose_bolts_alike.csv: bolts that tables of fewer n cannot distinguish. masses_found.csv: one mass at any
+angle of the free rim. loose_bolts_reduced.csv: the reduced truth against full solutions.
 """
 
 import time
@@ -48,7 +47,7 @@ UNTRUE = FourierField.of(
     {p: (1e-4 / (1.0 + p / 4.0) * np.cos(p * p), 1e-4 / (1.0 + p / 4.0) * np.sin(p * p)) for p in range(2, 25)}
 )
 SCATTER, LOOSE, PHASE = 0.05, 0.3, 0.02
-UNKNOWN = 2e-3  # what a model without a baseline is told to be off by
+UNKNOWN = 2e-3  # assumed model error without a baseline
 SEED = 2025
 
 
@@ -70,7 +69,7 @@ def casing(mesh: ShellMesh, loose: dict[int, float] | None = None) -> Shell:
 
 
 def untrue(shell: Shell) -> Shell:
-    """The casing with what its manufacture left."""
+    """The casing with its manufacturing errors."""
     return replace(shell, radius_defect=UNTRUE)
 
 
@@ -82,7 +81,7 @@ def make_truth(mesh: ShellMesh) -> Truth:
 
 
 def true_modes(truth: Truth, loose: dict[int, float]) -> ModeSet:
-    """The modes of the true casing with some bolts loosened to a factor of what they have."""
+    """The modes of the true casing with some bolts loosened by a factor."""
     left = 1.0 + truth.off
     for bolt, factor in loose.items():
         left[bolt - 1] *= factor
@@ -90,7 +89,7 @@ def true_modes(truth: Truth, loose: dict[int, float]) -> ModeSet:
 
 
 def tested(found: ModeSet, noise: float, rng: np.random.Generator) -> FrequencyTable:
-    """What a test of these modes gives."""
+    """The frequency table of a test of these modes."""
     below = np.flatnonzero(found.freq < TOP)
     n, freq = found.nodal_diameters[below], found.freq[below]
     angle = np.nan_to_num(found.angle_deg[below]) + np.degrees(rng.normal(0.0, PHASE, len(n))) / n
@@ -109,12 +108,12 @@ def turned(bolts: frozenset[int]) -> frozenset[int]:
 
 
 def common(explanation: Explanation, true: frozenset[int]) -> int:
-    """How many of the true bolts an explanation has, the casing turned or not."""
+    """Number of true bolts in an explanation, also after half a turn."""
     return max(len(explanation.places & true), len(explanation.places & turned(true)))
 
 
 def better(found: Localisation, true: frozenset[int]) -> bool:
-    """Whether the true bolts, fitted, leave less than those found: then the search has missed them."""
+    """Whether the true bolts, fitted, leave smaller residuals than those found: then the search has missed them."""
     model, on = found.misfit.model, sorted(bolt - 1 for bolt in true)
     x = np.zeros(model.changes)
     x[on] = LOOSE - 1.0
@@ -166,7 +165,7 @@ def draws_of(truth: Truth, noise: float, baseline: bool, draws: int) -> Row:
 
 
 def alike(truth: Truth) -> list[Row]:
-    """Which bolts tables of some n cannot distinguish, to first order."""
+    """Bolts that tables of some n cannot distinguish, to first order."""
     model, _ = search_model(casing(SEARCHED), tested(true_modes(truth, {}), 1e-4, np.random.default_rng(1)))
     whole = tested(model.modes(np.zeros(24), MODES), 1e-6, np.random.default_rng(1))
     rows: list[Row] = []

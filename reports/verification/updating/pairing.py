@@ -1,10 +1,11 @@
-"""Pairing of rotated doublets seen by few sensors through noise: how often right, and where it breaks.
+"""Pairing of rotated doublets at few sensors with noise: the success rate and its limits.
 
 `python -m reports.verification.updating.pairing [--quick] [--out DIR]`. A frustum as the reference one, its wall 8 mm:
-20 modes, doublets of n = 2 to 11. A test is made of them: in each doublet's plane a basis at a random angle, radial
-motion at 24 sensors on one circle near the rim, noise of 5 % of each shape's rms, frequencies off by 1 % rms as an
-unfitted model's are, rows in order of frequency and without a label. Each draw is paired by frequency and shape
-together. pairing.csv: by noise, sensors lost and frequency error; a draw is right if every row is in its own doublet.
+20 modes, doublets of n = 2 to 11. A test consists of their radial motion at 24 sensors on one circle near the rim. Each
+doublet is rotated by a random angle in its plane. Noise is 5 % of each shape's rms, and frequencies have errors of 1 %
+rms, like those of a model before its update. Rows are in order of frequency and without a label. Each draw is paired by
+frequency and shape together. pairing.csv: by noise, sensors lost and frequency error; a draw is right if every row is
+in its own doublet.
 """
 
 from dataclasses import replace
@@ -63,7 +64,7 @@ def tested(
 
 
 def one(found: Modes, shapes: FloatArray, case: tuple[float, int, float], rng: np.random.Generator) -> Row:
-    """One draw: how many rows are in their own doublet, and the MACs of the true pairs."""
+    """One draw: number of rows in their own doublet, and the MACs of the true pairs."""
     noise, lost, off = case
     kept = np.sort(rng.permutation(SENSORS)[: SENSORS - lost])
     computed = shapes[kept]

@@ -1,15 +1,15 @@
-"""Modes of real responses that others published, beside what a person sees in them.
+"""Modes of real responses that others published, compared with the peaks that a person sees.
 
 `python -m reports.verification.updating.public_sets --folder FOLDER` identifies each set whose files are in FOLDER,
-without help, and compares the modes with the peaks of data/experiments/public_sets.csv, which were read by eye. The
-sets are not in this repository. The report prints the command that gets each missing one:
+with default options, and compares the modes with the peaks of data/experiments/public_sets.csv, which were read by eye.
+The sets are not in this repository. The report prints the command that gets each missing one:
 
     git clone https://github.com/OWNER/NAME FOLDER/OWNER/NAME
 
-A peak is sure, doubtful or a pair (one mode, marked as an unresolved pair) where a mode lies within the reading's
-`within_hz`; a sure mode decides before a doubtful one. Of the kinds of peaks, "peak" and "pair" are 6 dB above their
-surroundings and 20 dB above the noise: they must have a mode. "other sure" counts sure modes at no peak that was
-read, "twice" sure modes beyond the first within one reading. Times are processor seconds of the identification.
+A peak is sure, doubtful or a pair (one mode, marked as an unresolved pair) if such a mode lies within the reading's
+`within_hz`; a sure mode has precedence over a doubtful one. Of the kinds of peaks, "peak" and "pair" are 6 dB above
+their surroundings and 20 dB above the noise: they must have a mode. "other sure" counts sure modes away from all peaks,
+"twice" sure modes beyond the first within one reading. Times are processor seconds of the identification.
 """
 
 import time
@@ -132,7 +132,7 @@ def readings(path: Path = READINGS) -> dict[str, list[Reading]]:
 
 
 def outcome(found: Identified, peak: Reading) -> str:
-    """What became of a peak: sure, pair, doubtful or missed."""
+    """Outcome of a peak: sure, pair, doubtful or missed."""
     near = np.flatnonzero(np.abs(found.freq - peak.freq) <= peak.within)
     if not len(near):
         return "missed"

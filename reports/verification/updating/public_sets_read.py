@@ -1,4 +1,4 @@
-"""Responses of public sets, each read as its owners wrote it."""
+"""Readers of public sets, each for the layout of its owners."""
 
 import warnings
 from collections.abc import Sequence

@@ -1,11 +1,12 @@
-"""Whether the updater's standard deviations are right: a twin of its own family, noise on every row, many draws.
+"""Check of the updater's standard deviations: a twin of the same model family, noise on every row, many draws.
 
 `python -m reports.verification.updating.twin [--quick] [--out DIR]`. A steel frustum on an elastic base with harmonics
 8 and 16 in its radius; 20 frequencies, 0.1 % noise on the mean of each pair and on both components of its split vector,
-which is noise on frequencies and angles; five parameters. Without noise the parameters come back from a start 13 % off.
-Over the draws: how often the 95 % interval covers the truth (92 to 98 % is what 200 draws of an honest one give), and
-the scatter of the estimates over the Cramer-Rao bound, the sigma of the noise-free fit. The first draws begin 13 % off,
-the others at the noise-free solution: where a draw ends does not depend on it. Order 6, one row of 13 elements.
+which is noise on frequencies and angles; five parameters. Without noise the fit recovers the parameters from a start 13
+% off. The draws give the share of 95 % intervals that contain the truth (a correct interval has 92 to 98 % in 200
+draws), and the scatter of the estimates over the Cramer-Rao bound, the sigma of the noise-free fit. The first draws
+begin 13 % off, the others at the noise-free solution: the result of a draw does not depend on its start. Order 6, one
+row of 13 elements.
 """
 
 from pathlib import Path
@@ -50,7 +51,7 @@ class Draw(NamedTuple):
 
 
 def twin(values: dict[str, float], mesh: ShellMesh = MESH) -> cf.Shell:
-    """The casing with five numbers of its own."""
+    """The casing with five parameters."""
     return cf.Shell(
         chart=cf.Frustum(r_base=0.50, r_top=0.45, height=0.25),
         thickness=values["shell.thickness"],
@@ -69,7 +70,7 @@ def begun() -> cf.Shell:
 
 
 def measured(rows: int = ROWS, mesh: ShellMesh = MESH) -> cf.FrequencyTable:
-    """What a test without noise would measure."""
+    """The table of a test without noise."""
     found = cf.modes(twin(TRUTH, mesh), rows + 4)
     return cf.FrequencyTable.from_arrays(
         freq_hz=found.freq[:rows],
@@ -81,7 +82,7 @@ def measured(rows: int = ROWS, mesh: ShellMesh = MESH) -> cf.FrequencyTable:
 
 
 def noisy(table: cf.FrequencyTable, seed: int) -> cf.FrequencyTable:
-    """One draw: noise on means and split vectors, which a test sees as frequencies and angles."""
+    """One draw: noise on means and split vectors, converted to frequencies and angles."""
     random = np.random.default_rng(seed)
     freq, angle = table.freq_hz.copy(), table.angle_deg.copy()
     for group in table.groups():

@@ -1,10 +1,10 @@
-"""Identification judged on difficult tests, with all troubles of a real test at once.
+"""Identification of difficult tests, with all disturbances of a real test at once.
 
 `python -m reports.verification.updating.unkind [--quick] [--seed N --sets M] [--times] [--out DIR]` makes tests of rims
-with 30 modes, all in pairs, and every trouble of `casingfem.experiment.rig.troubles` switched on; identifies each
-without help, and prints what became of the modes whose peaks are above the noise, what is spurious among the sure ones,
-errors, intervals, pairs and times. The truth of a mode is the mean of its set-ups. `--seed` makes tests of some seeds
-only, without times; `--times` only the times, of 12 and 120 channels. It writes unkind.csv, unkind_modes.csv,
+with 30 modes, all in pairs, and every disturbance of `casingfem.experiment.rig.troubles`. It identifies each with
+default options, and prints the outcome of the modes whose peaks are above the noise, spurious sure modes, errors,
+intervals, pairs and times. The truth of a mode is the mean of its set-ups. `--seed` makes tests of some seeds only,
+without times; `--times` only the times, of 12 and 120 channels. It writes unkind.csv, unkind_modes.csv,
 unkind_summary.csv and unkind_times.csv.
 """
 
@@ -40,7 +40,7 @@ TROUBLES = Troubles(
 
 
 class Judged(NamedTuple):
-    """One true mode and what became of it; errors relative in frequency and damping, and over sigma."""
+    """One true mode and its outcome; errors relative in frequency and damping, and over sigma."""
 
     seed: int
     freq: float
@@ -73,9 +73,9 @@ def rim(seed: int, sensors: int = SENSORS) -> Rig:
 
 
 def matched(gap: FloatArray, sure: BoolArray) -> dict[int, int]:
-    """Which true mode (rows) each found one (columns) is, by gaps of which those below 1 may be; sure ones first.
+    """The true mode (rows) of each found mode (columns), by gaps below 1; sure modes first.
 
-    What is stated of a sure mode is stated of the true one next to it, whatever a doubtful one beside it may be.
+    A sure mode is assigned to the nearest true one, independent of doubtful modes beside it.
     """
     match: dict[int, int] = {}
     for some in (np.flatnonzero(sure), np.flatnonzero(~sure)):
@@ -136,7 +136,7 @@ def set_row(judged: Sequence[Judged], beside: Row, seconds: float) -> Row:
 
 
 def summary(judged: Sequence[Judged], rows: Sequence[Row]) -> Row:
-    """All tests in a line; goals beside it are those of the project's own list."""
+    """All tests in a line, with the goals of the project."""
     above = [mode for mode in judged if mode.above]
     sure = [mode for mode in above if mode.outcome == "sure"]
     freq, zeta = (100.0 * np.abs([getattr(mode, name) for mode in sure]) for name in ("freq_error", "zeta_error"))
@@ -174,7 +174,7 @@ def pairs(judged: Sequence[Judged]) -> list[Row]:
 
 
 def duration(channels: int) -> Row:
-    """Time by the clock for a test of so many channels over 15,000 lines, and what became of its modes."""
+    """Wall-clock time for a test with a number of channels over 15,000 lines, and the outcome of its modes."""
     rig = rim(SEEDS[0], channels)
     lines = np.linspace(0.9 * rig.freq[0], 1.05 * rig.freq[-1], LINES)
     what = replace(TROUBLES, half_rim=False, shift=3e-4)

@@ -1,14 +1,13 @@
-"""Wrong rows of a frequency table are found, and the update comes out as without them.
+"""Detection of wrong rows of a frequency table, and comparison of the update with one without them.
 
 `python -m reports.verification.updating.wrong_rows [--quick] [--out DIR]`. The twin of
 `reports.verification.updating.twin`, 24 rows with 0.1 % noise, on a coarse mesh of its own family (order 5, one row of
 11 elements), from a start 3 % off. In one half of the draws 1 to 3 frequencies are wrong by 1 to 5 %, up or down; the
-other half are clean tables. A row counts as named if it is set aside, or said to pair with no mode; rows that are named
-and right are counted apart. The parameters are compared with those of the same draw before it was spoilt, fitted with
-all rows: in the fit's own standard deviations, which are larger where what was spoilt had told of a split alone, and in
-those of the fit to the clean table. In the latter no fit can always be near: who loses the one row that told of a
-parameter, loses what it told. So the fit that knows the wrong rows and leaves them out is judged beside it; where that
-one is near, this one should be.
+other half are clean tables. A row counts as found if it is set aside, or if the output states that no mode pairs with
+it; correct rows that are set aside are counted separately. The parameters are compared with those of a fit to all rows
+of the clean table. Differences are given in the fit's own standard deviations, and in those of the fit to the clean
+table. In the latter no fit can always be close, because the wrong row may be the only one that determines a parameter.
+A fit without the known wrong rows is therefore the reference: if it is close, the automatic fit should be too.
 """
 
 import warnings
@@ -29,7 +28,7 @@ DRAWS, QUICK = 200, 4
 
 
 class Draw(NamedTuple):
-    """One table: how many rows were wrong, how many of them and of the others were named, largest distances.
+    """One table: numbers of wrong rows, of wrong and correct rows that were found, and largest distances.
 
     Largest distances of a parameter from the fit to the clean table: in sigma of the fit itself, in those of the clean
     fit, that of the fit which knows the wrong rows in those too, and that of the fit with all rows. How many of the
@@ -77,7 +76,7 @@ def drawn(exact: cf.FrequencyTable, seed: int, wrong: int) -> Draw:
 
 
 def share(which: list[bool]) -> float:
-    """Per cent of some draws."""
+    """Percentage of some draws."""
     return float(100.0 * np.mean(which)) if which else float("nan")
 
 

@@ -1,1 +1,1 @@
-"""Whether every broken model is refused, or gives a warning, with its code."""
+"""Check that every broken model is refused, or gives a warning, with its code."""

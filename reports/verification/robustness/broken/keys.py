@@ -70,7 +70,7 @@ def misspelt(word: str) -> str:
     return word[::-1] if len(word) > 1 and word != word[::-1] else word + "m"
 
 
-# what may be left out, by table: it has a default, or says what else is wanted
+# keys that may be left out, by table: they have a default, or another key replaces them
 OPTIONAL = {
     "imperfection": "n_max degree scale p_max", "support.base": "offset", "support.base.support": "k_rot loose",
     "modes": "count", "mesh": "order rows around", "reduce": "n_max modes zeta out", "taper": "along across",
@@ -82,7 +82,7 @@ OPTIONAL = {
     "record": "every state_every", "circle": "offset", "rod": "elements velocity", "scene": "gravity", "mass": "x",
     "wall": "x", "speed": "steps", "sweep": "kind", "continuation": "channels",
 }  # fmt: skip
-# what may be below zero: angles, places and what has a sense; bounds are judged with the parameter they are of
+# keys that may be below zero: angles, positions, directions; bounds are checked with their parameter
 SIGNED = {
     "material": "nu", "rotation": "stagger_deg", "chart": "twist_deg", "rig.drive": "angle_deg",
     "rig.scan": "mirror_hz snr_db", "rig.test": "snr_db", "blade": "lean_deg", "speed": "hz from_hz",
@@ -90,7 +90,7 @@ SIGNED = {
     "mass": "x", "sweep.vary": "from to", "update.parameter": "lower",
 }  # fmt: skip
 WHOLE = ("casing", "rub", "pair")
-NAMED = {"scene": "scene", "rod": "rod"}  # what is missed then: the kind of a scene, the second rod of a sweep
+NAMED = {"scene": "scene", "rod": "rod"}  # key that is missing then: the kind of a scene, the second rod of a sweep
 VARIED = ("sweep", "rod.velocity")  # a sweep puts values of its own there
 UNITS = {
     "E": "Pa", "rho": "kg/m3", "nu": "-", "hz": "Hz", "freq_hz": "Hz", "dt": "s", "t_end": "s", "mass": "kg",
@@ -135,7 +135,7 @@ def changed(text: str, place: int, line: str | None) -> str:
 def broken_line(line: Line) -> Iterator[tuple[str, str | None, str]]:
     """Ways to break a key and its value: a description, the new line, and what the message must name."""
     wrong = misspelt(line.key)
-    yield "misspelt", f"{wrong} = {line.value}", "kind" if line.key == "kind" else wrong  # tells which keys there are
+    yield "misspelt", f"{wrong} = {line.value}", "kind" if line.key == "kind" else wrong  # lists the existing keys
     if line.key not in OPTIONAL.get(line.table, "").split():
         yield "left out", None, line.key
     if line.numeral:

@@ -72,7 +72,7 @@ def wavy(harmonics: dict[int, Any], quantity: str = "radius", **changes: Any) ->
 
 @dataclass(frozen=True)
 class Bent:
-    """A plate of one's own, 0.2 x 0.1 m on [0, 1]^2, with a fault put in."""
+    """A user's plate, 0.2 x 0.1 m on [0, 1]^2, with a fault."""
 
     fault: str = ""
 
@@ -83,7 +83,7 @@ class Bent:
 
     @property
     def periodic(self) -> bool:
-        """Not closed, whatever it says."""
+        """Always false."""
         return self.fault == "seam"
 
     @property
@@ -116,12 +116,12 @@ class Bent:
 
 
 def own(fault: str) -> Make:
-    """A blade on one's own chart with a fault."""
+    """A blade on a user's chart with a fault."""
     return lambda: blade(chart=Bent(fault), thickness=2e-3)
 
 
 def materials() -> list[Broken]:
-    """Materials that cannot be, and units mixed up."""
+    """Impossible materials, and mixed units."""
     bad = {
         "modulus": [("E", -210e9), ("E", 0.0), ("E", NAN), ("E", INF)],
         "density": [("rho", -7800.0), ("rho", 0.0), ("rho", NAN)],

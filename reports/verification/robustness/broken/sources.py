@@ -10,7 +10,7 @@ CLAMPED = '[support.root]\nkind = "clamped"\n'
 
 
 class Source(NamedTuple):
-    """A file: what reads it, its text."""
+    """A file: its reader and its text."""
 
     name: str
     reader: str

@@ -1,7 +1,7 @@
 """Broken models and their outcomes: each is refused or gives a warning by name; none is computed silently.
 
-`python -m reports.verification.robustness.broken` prints model, outcome and code. By name: with the code of its fault,
-or with the file and the key, column or line that is at fault.
+`python -m reports.verification.robustness.broken` prints model, outcome and code. The name is the code of the fault, or
+the file and the key, column or line at fault.
 """
 
 import warnings

@@ -1,4 +1,4 @@
-"""Broken models, part four: tables and responses as test benches, spreadsheets and hands leave them.
+"""Broken models, part four: tables and responses with faults of test software, spreadsheets and manual editing.
 
 Each table is a file of its own; the message must name the file and the fault in it.
 """
@@ -20,7 +20,7 @@ TABLES = {
     "table.csv": ("freq_hz", "371.2"), "survey.csv": ("radius_m", "0.5000"), "blades.csv": ("deviation", "-0.01"),
     "places.csv": ("angle_deg", "36.5"), "picks.csv": ("freq_hz", "371.2"), "profile.csv": ("depth_m", "2.5e-5"),
 }  # fmt: skip
-# what may be in the cell of a number
+# wrong contents of the cell of a number
 CELLS = {
     "a word": "broken", "a decimal comma": "371,2", "a question mark": "?", "its unit": "371.2 Hz", "nan": "nan",
     "inf": "inf", "a thousands mark": "1'000.0", "an error of a spreadsheet": "#DIV/0!", "nothing": "",
@@ -74,14 +74,14 @@ def once(old: str, new: str) -> Callable[[str], str]:
 
 
 def head(text: str) -> int:
-    """Where the line of column names ends."""
+    """End of the line of column names."""
     lines = text.splitlines(keepends=True)
     cards = sum(1 for line in lines if line.startswith("#"))
     return sum(map(len, lines[: cards + 1]))
 
 
 def tables() -> list[Broken]:
-    """Every table in the same ways."""
+    """The same faults for every table."""
     found = []
     for name, (column, number) in TABLES.items():
         shapes: dict[str, tuple[Callable[[str], str | bytes], str]] = {
@@ -95,7 +95,7 @@ def tables() -> list[Broken]:
             "with a column twice": (once(column, f"{column},{column}"), column),
         }
         cells = dict(CELLS)
-        if name == "picks.csv":  # of one column: nothing cuts a row short, and an empty one is none
+        if name == "picks.csv":  # tables of one column: rows cannot be short, and an empty row is ignored
             del shapes["with a row cut short"], cells["nothing"]
         found += [
             Broken(f"{name} {how}", read(name, change), "", (name, named)) for how, (change, named) in shapes.items()
@@ -152,7 +152,7 @@ def missing(name: str) -> Broken:
 
 
 def folders(name: str) -> Broken:
-    """A folder where a file is asked for."""
+    """A folder in place of a file."""
 
     def make() -> object:
         path = Path(beside().name) / f"folder_{name}"
@@ -173,7 +173,7 @@ def other_format(name: str, content: str) -> Broken:
     return Broken(f"{content} under the name {name}", make, "", (f"other_{name}",))
 
 
-# what has the name of one kind and holds another
+# files whose name states another kind
 MIXED = {
     "frfs.npz": "blade.npz", "blade.npz": "frfs.npz", "scan.npz": "casing.npz", "identified.npz": "frfs.npz",
     "result.npz": "blade.npz", "craig_bampton.npz": "result.npz", "frfs.csv": "survey.csv",

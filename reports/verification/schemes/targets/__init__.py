@@ -1,1 +1,1 @@
-"""Which targets of the contact part are met, line by line."""
+"""Comparison of the contact part with its targets, line by line."""

@@ -13,7 +13,7 @@ from reports.verification.schemes.targets.rods import target
 
 
 def rows(quick: bool) -> list[Row]:
-    """All lines; quick takes coarser beams and leaves the ring and the fine disc out."""
+    """All lines; `quick` uses coarser beams and omits the ring and the fine disc."""
     lines = [*_beam(10 if quick else 20), *_disc(0.2 if quick else 0.1)]
     return lines if quick else [*lines, *_ring()]
 

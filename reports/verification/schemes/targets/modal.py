@@ -14,7 +14,7 @@ SPACING = np.pi * 30.0 / 10.0  # rad/s between the bar's modes
 
 
 def rows(quick: bool) -> list[Row]:
-    """All lines; the long runs only when there is time."""
+    """All lines; `quick` omits the long runs."""
     lines = [line for product in (0.8, 3.0) for line in _shot(product)]
     return lines if quick else [*lines, *_ten_periods(), *_million(), *_speed()]
 
@@ -65,7 +65,7 @@ def _ten_periods() -> list[Row]:
 
 
 def _million() -> list[Row]:
-    """Drift of the energy; a single run of the averaged law draws it by its rounding, their mean is what it keeps."""
+    """Drift of the energy; for the averaged law the mean of several runs, because rounding changes single ones."""
     lines = []
     for law, product, limit, runs in (("energy", 0.8, 1e-9, 1), ("averaged", 0.05, 1e-3, 16)):
         drifts, impacts = [], []

@@ -21,7 +21,7 @@ SEED = 20_251
 
 
 def rows(quick: bool) -> list[Row]:
-    """All lines; quick draws fewer problems and takes no times."""
+    """All lines; `quick` draws fewer problems and measures no times."""
     count = 2_000 if quick else 100_000
     return [*_redundant(quick), *_degenerate(count), *_friction(count // 5), *_oscillator(), *_sixteen(quick)]
 

@@ -32,7 +32,7 @@ A_TIME = "slow: a time, which needs a machine to itself"
 
 
 def target(name: str, asked: float, reached: float, *, at_least: bool = False, missed: str = "MISSED") -> Row:
-    """A row: pass when `reached` is at most `asked` (or at least); else the word for a miss."""
+    """A row: it passes if `reached` is at most `asked` (or at least); else the row has the word for a miss."""
     good = reached >= asked if at_least else reached <= asked
     sign = ">=" if at_least else "<="
     return {
@@ -80,7 +80,7 @@ def _line(case: Case, result: ct.Result) -> dict[str, float]:
 
 
 def _spikes(quick: bool) -> list[Row]:
-    """First spike: worst over Courant .05 to .9 for the massless boundary, and what forward Lagrange shows at .1."""
+    """First spike: largest over Courant .05 to .9 for the massless boundary, and that of forward Lagrange at .1."""
     case = two_rods_case()
     grid = (0.05, 0.5, 0.9) if quick else (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
     peaks = [run(case, MASSLESS, 100, c, every=10).peak_force[0] / case.plateau for c in grid]
@@ -163,7 +163,7 @@ def _speed() -> list[Row]:
 
 
 def _extremes() -> list[Row]:
-    """Nothing may end in NaN, and the schemes to recommend must survive or refuse with numbers."""
+    """No run may end in NaN; recommended schemes must finish or refuse with numbers."""
     with tempfile.TemporaryDirectory() as folder:
         table = stability.main(Path(folder), quick=True)
     words = [str(row[name]) for row in table for name in row if name != "scene"]

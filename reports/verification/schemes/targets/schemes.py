@@ -24,7 +24,7 @@ KNOWN = {
 
 
 def rows(quick: bool) -> list[Row]:
-    """All lines; quick takes fewer scenes."""
+    """All lines; `quick` uses fewer scenes."""
     return [*_orders(), *_impacts(), *_ledgers(quick)]
 
 
@@ -60,7 +60,7 @@ def _free(method: Method, dt: float) -> Array:
 
 
 def _impacts() -> list[Row]:
-    """Rates at which impulse and closing time of a dropped bar of 20 elements settle with the step."""
+    """Rates at which impulse and closing time of a dropped bar of 20 elements converge with the step."""
     lines = []
     steps = 0.77 * 0.6 ** np.arange(9)  # no divisors of the closing time
     for method in methods(60.0):
@@ -80,7 +80,7 @@ def _drop(method: Method, courant: float) -> Array:
 
 
 def _ledgers(quick: bool) -> list[Row]:
-    """Worst unaccounted energy of each scheme over all scenes with an exact solution, and where."""
+    """Largest unaccounted energy of each scheme over all scenes with an exact solution, and the scene."""
     worst: dict[str, tuple[float, str]] = {}
     for case in cases()[:3] if quick else cases():
         for method in methods(spring(case, 25)):

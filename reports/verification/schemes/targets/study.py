@@ -1,4 +1,4 @@
-"""What the source study says about contact of rods, each statement confirmed or not by a figure."""
+"""Statements of the source study about contact of rods, each compared with a computed figure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Targets of the contact part, line by line: what is asked, what is reached, and whether that passes.
+"""Targets of the contact part, line by line: the target, the result, and the verdict.
 
 `python -m reports.verification.schemes.targets [--quick] [--out DIR]` prints and writes contact_targets.csv. The lines
 come from the functions in `LINES`; each returns rows made by `target`. Missed lines are marked. --quick leaves out the
@@ -19,7 +19,7 @@ LINES: tuple[Callable[[bool], list[Row]], ...] = (
 
 
 def summary(verdicts: list[str]) -> Row:
-    """How many targets are met, statements of the study counted, how many are known misses, how many times."""
+    """Numbers of targets met (with statements of the study), of known misses, and of times."""
     return {
         "targets": len(verdicts),
         "met": sum(word in ("pass", study.CONFIRMED) for word in verdicts),
