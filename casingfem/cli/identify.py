@@ -126,7 +126,6 @@ def identify(
     shared: dict[str, Any] = {"angles": angles, "places": places, "band": band, "order": order, "n_max": n_max}
     coherence = None
     with ProgressMessage(f"modes in {file.name}") as working:
-        shared["say"] = lambda what: working.say(f"modes in {file.name}: {what}")
         if output_only:
             from casingfem.experiment.frf.records.read import read_responses
             from casingfem.experiment.identify.output_only.output_only import identify_output_only

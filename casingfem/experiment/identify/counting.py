@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtri
 
-from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, refined, tried
+from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, refined, tried, widths
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 
@@ -80,11 +80,6 @@ def worth(fit: PoleFit, rules: Thresholds = USUAL) -> FloatArray:
 def asked(channels: int, rules: Thresholds = USUAL) -> float:
     """Required decrease of the sum of squares, in variances of the noise, for a pole seen by a number of channels."""
     return float(chdtri(2 * channels + 2, rules.chance))
-
-
-def widths(poles: Array) -> FloatArray:
-    """Half-power bandwidths [rad/s]."""
-    return np.asarray(-2.0 * poles.real)
 
 
 def _without_needless(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit:

@@ -11,9 +11,9 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.identify.mode import Mode
+from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 
 ENTRY = "exponential_window_s"  # of a card
-ABOVE_ZERO = 2.0  # standard deviations that damping must be above zero
 
 
 def window_time(frfs: FrfSet, given: float | None) -> float | None:
@@ -38,20 +38,20 @@ def window_time(frfs: FrfSet, given: float | None) -> float | None:
     return tau
 
 
-def without_window(modes: list[Mode], tau: float) -> list[Mode]:
+def without_window(modes: list[Mode], tau: float, rules: Thresholds = USUAL) -> list[Mode]:
     """Modes of the corrected poles p + 1/tau.
 
     A mode whose corrected damping is not significantly above zero is doubtful. Negative damping is replaced by zero.
     """
-    return [_without(mode, tau) for mode in modes]
+    return [_without(mode, tau, rules) for mode in modes]
 
 
-def _without(mode: Mode, tau: float) -> Mode:
+def _without(mode: Mode, tau: float, rules: Thresholds) -> Mode:
     omega = 2.0 * np.pi * mode.freq
     decay, damped = mode.zeta * omega - 1.0 / tau, omega * np.sqrt(1.0 - mode.zeta**2)
     own = float(np.hypot(decay, damped))
     added = f"its damping is within the {100.0 / (tau * omega):.2g} % that the exponential window adds: check tau"
-    unclear = decay / omega < ABOVE_ZERO * mode.sigma_zeta
+    unclear = decay / omega < rules.above_zero * mode.sigma_zeta
     reason = "; ".join(part for part in (mode.reason, added if unclear else "") if part)
     return replace(mode, freq=own / (2.0 * np.pi), zeta=max(decay, 0.0) / own, reason=reason)
 

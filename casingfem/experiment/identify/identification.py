@@ -1,17 +1,19 @@
 """Identify modes from frequency responses: spectra, poles, shapes, verdicts.
 
 1. `usable`: lines, channels, kind of response. `spectra`: noise, visible peaks, the end of the ringing.
-2. `lscf`: poles that recur over the orders of p-LSCF. `pole_fit`, `counting`, `clusters`: maximum likelihood of close
-   modes together, as many as the data justify.
-3. `setups`: channels that were measured together are identified alone, and their modes are merged.
-4. `mode`, `verdict`: shapes, nodal diameters, pairs, what is doubtful. Every visible peak has a mode.
+2. `lscf`: poles that recur over the orders of p-LSCF. `groups`: close modes are fitted together by maximum likelihood
+   (`pole_fit`), as many as the data justify (`counting`), until every visible peak has a mode.
+3. `setups`: channels that were measured together are identified alone; `tracks` averages their modes.
+4. `mode`: shapes and what is doubtful; `labels`: nodal diameters and antinodes; `pairs`.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,35 +22,29 @@ from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, sensor_grid
-from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, oriented, sensor_notes
-from casingfem.experiment.identify.clusters import (
-    Modal,
-    Responses,
-    first_poles,
-    fitted_groups,
-    leaks,
-    missing_peaks,
-    modal_of,
+from casingfem.experiment.identify.exponential import window_note, window_time, without_window
+from casingfem.experiment.identify.groups import (
+    SetUp,
+    all_fitted,
+    picked_fits,
     refined_end,
-    settled_fits,
-    unexplained,
+    with_leakage,
     with_residues,
 )
-from casingfem.experiment.identify.exponential import window_note, window_time, without_window
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.lscf import Stabilisation
-from casingfem.experiment.identify.mode import Mode, Sensors, found_in, merged, mode_of, pair_notes, paired, settled
-from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.setups import SetUp, setups_of
-from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, visible_peaks
+from casingfem.experiment.identify.labels import circle_notes, labelled, oriented, sensor_notes
+from casingfem.experiment.identify.lscf import Candidates, recurring_poles
+from casingfem.experiment.identify.mode import Mode, Sensors, found_in, mode_of, reasons
+from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled, without_copies, without_twins
+from casingfem.experiment.identify.setups import setups_of
+from casingfem.experiment.identify.spectra import Responses, over_noise
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
-from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
+from casingfem.experiment.identify.tracks import tracked
 from casingfem.experiment.identify.usable import usable
-from casingfem.experiment.identify.verdict import reasons, without_copies, without_twins
 from casingfem.io.arrays import Array, FloatArray
+from contact.io.progress import tell
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
-PASSES = False, True, True  # whether each fit may add poles; every fit may remove some
 
 
 def identify(
@@ -63,7 +59,6 @@ def identify(
     pick: ArrayLike | None = None,
     exponential: float | None = None,
     coherence: FrfSet | None = None,
-    say: Callable[[str], None] = lambda _: None,
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
 
@@ -94,8 +89,6 @@ def identify(
         line `exponential_window_s: ...` of the set's card, if it has one.
     coherence
         Coherence of the responses, over the same lines: lines with low coherence have less weight.
-    say
-        Called with the name of the current step.
 
     Raises
     ------
@@ -113,114 +106,81 @@ def identify(
     ([100.0], [0.004], [2])
     """
     if frfs.kind == "time":
-        return _of_records(frfs, angles, places, band, order, n_max, say, form, pick, exponential, coherence)
+        refused = {"form": form, "pick": pick, "exponential": exponential, "coherence": coherence}
+        return _of_records(frfs, refused, angles=angles, places=places, band=band, order=order, n_max=n_max)
     started = time.perf_counter()
     rules = USUAL
     tau = window_time(frfs, exponential)
-    frfs, freq, H, power, along, said = usable(frfs, band, form, coherence)
-    grid = sensor_grid(frfs, angles, places)
-    picked = None if pick is None else _picked(frfs.path, pick, freq)
-    noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
-    data, left = _responses(freq, H, noise, along, rules)
-    data, poles, diagram = _first(data, order, say, rules)
-    fits = (
-        _fits(data, with_residues(data, poles, rules), say, rules)
-        if picked is None
-        else _picked_fits(data, with_residues(data, _picks(picked, poles), rules), rules)
-    )
+    used = usable(frfs, band, form, coherence)
+    grid = sensor_grid(used.frfs, angles, places)
+    picked = None if pick is None else _picked(frfs.path, pick, used.freq)
+    data = over_noise(used.freq, used.H, used.along, rules)
+    data, (poles, diagram) = _recurring(data, order, rules)
+    if picked is None:
+        parts = _identified(data, poles, grid, order, rules)
+    else:
+        start = with_residues(data, _picks(picked, poles), rules)
+        parts = [SetUp(np.arange(len(used.H)), data, picked_fits(data, start, rules))]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    alone = [] if picked is not None else _setups(data, fits, grid, order, say, rules)
-    if picked is None and not alone and leaks([(data, modal_of(fits, len(noise)))], rules):
-        data = data._replace(leak=float(freq[1] - freq[0]))
-        fits = _fits(data, modal_of(fits, len(noise)), say, rules)
-    elif alone:
-        data = data._replace(leak=alone[0].data.leak)
-    alone, tracks = tracked(alone, noise, grid, circle, rules) if alone else ([], [])
-    modes, sensors = labelled(
-        lambda at: _modes(fits, tracks, noise, at, picked is not None, rules), Sensors.of(grid, power, circle)
-    )
-    modes = modes if tracks or picked is not None else without_copies(modes, grid.directions)
+    several = tracked(parts, grid, circle, rules) if len(parts) > 1 else None
+    found = partial(_modes, parts[0], picked is not None, rules) if several is None else several.modes
+    modes, sensors = labelled(found, Sensors.of(grid, used.power, circle))
+    modes = modes if several or picked is not None else without_copies(modes, grid.directions)
     doublets = paired(modes)
     modes = oriented(settled(modes, doublets), doublets, sensors)
     modes = modes if picked is not None else without_twins(modes, doublets)
     notes = (
-        *said, *_empty(modes, rules), *_test_notes(data, left, rules), *setup_notes(tracks),
-        *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle), *pair_notes(modes, doublets),
+        *used.notes, *_empty(modes, rules), *_test_notes(parts[0].data, rules),
+        *(several.notes if several else ()), *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle),
+        *pair_notes(modes, doublets),
     )  # fmt: skip
     if tau is not None:
-        modes, notes = without_window(modes, tau), (window_note(tau), *notes)
-    return Identified(
-        **columns_of(modes, doublets, grid),
-        sensors=grid,
-        lines=freq,
-        measured=H,
-        fitted=_fitted(data, fits, noise, alone),
-        doublets=doublets,
-        unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
-        reasons=tuple(mode.reason for mode in modes),
+        modes, notes = without_window(modes, tau, rules), (window_note(tau), *notes)
+    return Identified.of(
+        modes,
+        doublets,
+        grid,
+        lines=used.freq,
+        measured=used.H,
+        fitted=_fitted(several.parts if several else parts),
         notes=notes,
         diagram=diagram,
-        card=frfs.card,
+        card=used.frfs.card,
         seconds=time.perf_counter() - started,
-        shift=shift_of(tracks),
+        shift=several.shift if several else 0.0,
     )
 
 
-def _of_records(
-    records: FrfSet, angles: Mapping[int, float] | None, places: Mapping[int, ArrayLike] | None,
-    band: tuple[float, float] | None, order: int | None, n_max: int | None, say: Callable[[str], None], *others: object,
-) -> Identified:  # fmt: skip
-    """Modes of responses alone; `others` are options that belong to frequency responses."""
+def _of_records(records: FrfSet, refused: Mapping[str, object], **options: Any) -> Identified:
+    """Modes of responses alone; `refused` are options that belong to frequency responses."""
     from casingfem.experiment.identify.output_only.output_only import identify_output_only
 
-    names = ("form", "pick", "exponential", "coherence")
-    given = [name for name, value in zip(names, others, strict=True) if value is not None]
+    given = [name for name, value in refused.items() if value is not None]
     if given:
         found = f"{', '.join(given)} with time records"
         raise InputError(records.path, found=found, expected="frequency responses for these options")
-    return identify_output_only(
-        records, angles=angles, places=places, band=band, order=order, n_max=n_max, say=say
-    )  # fmt: skip
+    return identify_output_only(records, **options)
 
 
-def _responses(
-    freq: FloatArray, H: Array, noise: FloatArray, along: FloatArray, rules: Thresholds
-) -> tuple[Responses, float]:
-    """The responses over their noise, and the part of the ringing left at the end of the record."""
-    end, left = ringing(freq, H)
-    faded = tapered(freq, H, end)
-    quiet = noise if not np.isfinite(end) else np.maximum(line_noise(faded), 1e-9 * np.abs(H).max(axis=1))
-    peaks = visible_peaks((faded / quiet[:, None]).T, rules)
-    return Responses(freq, (H / noise[:, None]).T, along, peaks, end), left
-
-
-def _first(
-    data: Responses, order: int | None, say: Callable[[str], None], rules: Thresholds
-) -> tuple[Responses, Array, Stabilisation]:
+def _recurring(data: Responses, order: int | None, rules: Thresholds) -> tuple[Responses, Candidates]:
     """Find the recurring poles, and the responses with the duration of ringing that fits them."""
-    poles, diagram = first_poles(data, order, say, rules)
+    found = recurring_poles(data, order, rules)
     if np.isfinite(data.end):
-        data = data._replace(end=refined_end(data, poles, rules))
-        poles, diagram = first_poles(data, order, say, rules)
-    return data, poles, diagram
+        data = data._replace(end=refined_end(data, found.poles, rules))
+        found = recurring_poles(data, order, rules)
+    return data, found
 
 
-def _fits(data: Responses, modes: Modal, say: Callable[[str], None], rules: Thresholds) -> list[PoleFit]:
-    """Fit all groups of modes: add and remove poles until every visible peak has one."""
-    channels, fits = data.Y.shape[1], list[PoleFit]()
-    for number, more in enumerate(PASSES):
-        say(f"fit {number + 1} of {len(PASSES)}")
-        starts = missing_peaks(data, modes)
-        modes = Modal.join([modes, Modal(starts, np.zeros((len(starts), channels)))], channels)
-        fits = fitted_groups(data, modes, more, rules)
-        modes = modal_of(fits, channels)
-    fits = settled_fits(data, fits, rules)
-    return fits + unexplained(data, fits, rules)
-
-
-def _picked_fits(data: Responses, modes: Modal, rules: Thresholds) -> list[PoleFit]:
-    """Fit the picked modes: refine them, without adding or removing any."""
-    return settled_fits(data, fitted_groups(data, modes, None, rules), rules)
+def _identified(data: Responses, poles: Array, grid: SensorGrid, order: int | None, rules: Thresholds) -> list[SetUp]:
+    """Fit all channels together; if they were measured in several set-ups, fit each alone."""
+    whole = SetUp(np.arange(len(data.noise)), data, all_fitted(data, with_residues(data, poles, rules), rules))
+    alone = list[SetUp]()
+    for channels in setups_of(whole, grid, rules):
+        tell(f"set-up {len(alone) + 1}: {len(channels)} channels")
+        own = data.some(channels, rules)
+        start = with_residues(own, recurring_poles(own, order, rules).poles, rules)
+        alone.append(SetUp(channels, own, all_fitted(own, start, rules)))
+    return with_leakage(alone or [whole], rules)
 
 
 def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:
@@ -242,35 +202,11 @@ def _picks(picked: FloatArray, poles: Array) -> Array:
     return np.asarray(2.0 * np.pi * picked * (-zeta + 1j * np.sqrt(1.0 - zeta**2)))
 
 
-def _setups(
-    data: Responses, fits: list[PoleFit], grid: SensorGrid, order: int | None, say: Callable[[str], None],
-    rules: Thresholds,
-) -> list[SetUp]:  # fmt: skip
-    """Identify each set-up alone; return nothing if all channels belong to one set-up."""
-    alone = list[SetUp]()
-    for channels in setups_of(data, fits, grid, rules):
-        say(f"set-up {len(alone) + 1}: {len(channels)} channels")
-        own = data.some(channels, rules)
-        start = with_residues(own, first_poles(own, order, say, rules)[0], rules)
-        alone.append(SetUp(channels, own, _fits(own, start, say, rules)))
-    if alone and leaks([(part.data, modal_of(part.fits, len(part.channels))) for part in alone], rules):
-        leak = float(data.freq[1] - data.freq[0])
-        alone = [part._replace(data=part.data._replace(leak=leak)) for part in alone]
-        alone = [
-            part._replace(fits=_fits(part.data, modal_of(part.fits, len(part.channels)), say, rules)) for part in alone
-        ]
-    return alone
-
-
-def _modes(
-    fits: list[PoleFit], tracks: list[Track], noise: FloatArray, sensors: Sensors, kept: bool, rules: Thresholds
-) -> list[Mode]:
-    """Modes with their verdicts; unresolved neighbours are merged unless they were picked."""
-    if tracks:
-        return [replace(mode_of(track.found, sensors), reason=track.reason) for track in tracks]
+def _modes(whole: SetUp, kept: bool, rules: Thresholds, sensors: Sensors) -> list[Mode]:
+    """Modes with their verdicts, ascending; unresolved neighbours are merged unless all are `kept`."""
     found: list[Mode] = []
-    for fit in fits:
-        modes = [mode_of(pole, sensors) for pole in found_in(fit, noise, rules)]
+    for fit in whole.fits:
+        modes = [mode_of(pole, sensors) for pole in found_in(fit, whole.data.noise, rules)]
         phases = [mode.collinearity for mode in modes]
         modes = [replace(mode, reason=why) for mode, why in zip(modes, reasons(fit, phases, rules), strict=True)]
         found += modes if kept else merged(fit, modes)
@@ -286,26 +222,26 @@ def _empty(modes: list[Mode], rules: Thresholds) -> tuple[str, ...]:
     return () if modes else (text,)
 
 
-def _test_notes(data: Responses, left: float, rules: Thresholds) -> tuple[str, ...]:
+def _test_notes(data: Responses, rules: Thresholds) -> tuple[str, ...]:
     """Notes on the record: whether it ends before the ringing has decayed, and leakage."""
     ended = (
-        f"the records end {data.end:.3g} s after the hit, when {100.0 * left:.0f} % of the ringing is left; the fit"
-        " includes this end. Measure longer, or use an exponential window and give its time constant"
+        f"the records end {data.end:.3g} s after the hit, when {100.0 * data.left:.0f} % of the ringing is left; the"
+        " fit includes this end. Measure longer, or use an exponential window and give its time constant"
     )
     leaked = "peaks are widened as by a Hann window; the fit includes this"
-    return (*([ended] if left > rules.ended else []), *([leaked] if data.leak else []))
+    return (*([ended] if data.left > rules.ended else []), *([leaked] if data.leak else []))
 
 
-def _fitted(data: Responses, fits: list[PoleFit], noise: FloatArray, alone: list[SetUp]) -> Array:
+def _fitted(parts: list[SetUp]) -> Array:
     """Fitted responses in the units of the measured ones (channels, lines); nan where nothing was fitted."""
-    whole = np.full(data.Y.T.shape, complex(np.nan, np.nan))
-    parts = [(part.channels, part.fits) for part in alone] or [(np.arange(len(whole)), fits)]
-    for channels, own in parts:
-        for fit in own:
+    lines, channels = len(parts[0].data.freq), sum(len(part.channels) for part in parts)
+    whole = np.full((channels, lines), complex(np.nan, np.nan))
+    for part in parts:
+        data = part.data
+        for fit in part.fits:
             first = int(np.searchsorted(data.freq, fit.window.freq[0]))
             there = np.flatnonzero(fit.window.along > 0.0)
             rest = fit.rest[there] / fit.window.along[there, None]
-            values = (data.Y[np.ix_(first + there, channels)] - rest) * noise[channels]
-            whole[np.ix_(channels, first + there)] = values.T
+            whole[np.ix_(part.channels, first + there)] = ((data.Y[first + there] - rest) * data.noise).T
     whole[:, np.isnan(whole).any(axis=0)] = np.nan
     return whole

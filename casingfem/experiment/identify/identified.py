@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from casingfem.experiment.identify.mode_columns import COLUMNS
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 from contact.io.columns import table_lines
 from contact.io.reported import Reported
+
+if TYPE_CHECKING:
+    from casingfem.experiment.identify.mode import Mode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -112,6 +115,36 @@ class Identified(Reported):
 
     def __len__(self) -> int:
         return len(self.freq)
+
+    @classmethod
+    def of(
+        cls, modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...], sensors: SensorGrid, **further: Any
+    ) -> Identified:
+        """The columns of some modes, and `further` fields that are not of single modes."""
+
+        def column(name: str) -> FloatArray:
+            return np.array([getattr(mode, name) for mode in modes], float)
+
+        count = len(sensors), len(sensors.references)
+        names = ("freq", "sigma_freq", "zeta", "sigma_zeta", "purity", "collinearity", "signal", "residue_scale")
+        members = {k for pair in doublets for k in pair}
+        bound = np.array([np.nan if k in members or mode.n == 0 else mode.split_bound for k, mode in enumerate(modes)])
+        columns: dict[str, Any] = {name: column(name) for name in names}
+        return cls(
+            **columns,
+            n=np.array([mode.n for mode in modes], np.int64),
+            angle_deg=np.degrees(column("angle")),
+            sigma_angle=np.degrees(column("sigma_angle")),
+            shapes=np.array([mode.shape for mode in modes]).reshape(-1, count[0]).T,
+            sigma_shapes=np.array([mode.sigma_shape for mode in modes]).reshape(-1, count[0]).T,
+            residues=np.array([mode.residues for mode in modes], complex).reshape(-1, *count).transpose(1, 2, 0),
+            split_bound=bound.reshape(-1),
+            doublets=doublets,
+            unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
+            reasons=tuple(mode.reason for mode in modes),
+            sensors=sensors,
+            **further,
+        )
 
     @property
     def sure(self) -> BoolArray:

@@ -1,4 +1,4 @@
-"""Poles for increasing model orders, and those that recur: the p-LSCF estimator in NumPy.
+"""Poles that recur over increasing model orders, in bands of a few visible peaks: the p-LSCF estimator in NumPy.
 
 Over the lines of a band, with z_k = exp(i a k/(L - 1)) on an arc a, each response is N_c(z)/D(z) with one denominator
 for all channels. The equation error w_k (N_c - H_c D) is linear in the coefficients; with the numerators eliminated,
@@ -16,15 +16,19 @@ each mode: a second numerator, multiplied by e^{-i omega D}, makes the model exa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.experiment.identify.spectra import Responses
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
+from contact.io.progress import each
 
 ARC = 1.5 * np.pi  # of the unit circle; a whole circle would require equal values at both ends of the band
 OUTSIDE = 0.05  # of a band, beyond its ends, where poles are kept
+EMPTY_LINES = 1500  # of a band without visible peaks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,6 +62,14 @@ class Candidates(NamedTuple):
 
     poles: Array
     diagram: Stabilisation
+
+
+class Band(NamedTuple):
+    """Lines within which poles count, lines of the window around them, and the number of visible peaks there."""
+
+    core: slice
+    window: slice
+    peaks: int
 
 
 def normal_matrix(Y: Array, order: int, late: Array | None = None) -> Array:
@@ -163,3 +175,52 @@ def compressed(Y: Array) -> Array:
     if channels < lines:
         return np.asarray(Y @ vectors[:, keep])
     return np.asarray(vectors[:, keep] * np.sqrt(np.maximum(values[keep], 0.0)))
+
+
+def bands(power: FloatArray, at: IntArray, rules: Thresholds = USUAL) -> list[Band]:
+    """Divide lines of a mode indicator `power` (lines,) into bands of a few visible peaks, which are `at` these lines.
+
+    The limits are in the deepest valleys between groups of peaks.
+    """
+    most = rules.peaks_a_band
+    cuts = [0]
+    start = 0
+    while len(at) - start > most:
+        choices = range(start + most // 2, start + most)
+        valleys = [int(at[k - 1] + np.argmin(power[at[k - 1] : at[k] + 1])) for k in choices]
+        best = int(np.argmin([power[v] for v in valleys]))
+        cuts.append(valleys[best])
+        start += most // 2 + best
+    cuts.append(len(power))
+    whole = []
+    for low, high in pairwise(cuts):
+        pieces = max(1, -(-(high - low) // (4 * EMPTY_LINES)))
+        edges = np.linspace(low, high, pieces + 1).astype(int).tolist()
+        for first, end in pairwise(edges):
+            margin = max(rules.reach_lines, (end - first) // 12)
+            window = slice(max(0, first - margin), min(len(power), end + margin))
+            inside = int(np.sum((at >= window.start) & (at < window.stop)))
+            whole.append(Band(slice(first, end), window, inside))
+    return whole
+
+
+def bands_of(data: Responses, rules: Thresholds = USUAL) -> list[Band]:
+    """Bands of a few visible peaks."""
+    return bands(np.sum(np.abs(data.Y) ** 2, axis=1), data.peaks.at, rules)
+
+
+def recurring_poles(data: Responses, most: int | None, rules: Thresholds = USUAL) -> Candidates:
+    """Poles that recur in any band, and the diagram of all bands."""
+    poles, diagrams = [np.zeros(0, complex)], list[Stabilisation]()
+    for core, window, count in each(bands_of(data, rules), "poles: band"):
+        Y = data.along[window, None] * data.Y[window]
+        found = candidates(data.freq[window], Y, count, data.end, most, rules)
+        low = data.freq[core.start] if core.start else -np.inf
+        high = data.freq[core.stop] if core.stop < len(data.freq) else np.inf
+        inside = (found.poles.imag >= 2.0 * np.pi * low) & (found.poles.imag < 2.0 * np.pi * high)
+        drawn = (found.diagram.freq >= low) & (found.diagram.freq < high)
+        poles.append(found.poles[inside])
+        diagrams.append(
+            Stabilisation(**{name: getattr(found.diagram, name)[drawn] for name in found.diagram.__slots__})
+        )
+    return Candidates(np.concatenate(poles), Stabilisation.join(diagrams))

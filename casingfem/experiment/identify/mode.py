@@ -1,4 +1,4 @@
-"""Turn fitted poles into modes: shape, nodal diameters, orientation, partner, smallest detectable split.
+"""Turn a fitted pole into a mode: shape, nodal diameters, smallest detectable split, reasons why it is doubtful.
 
 The residues of one mode over sensors o and references i are phi_o phi_i, of rank one. Their first singular vectors are
 the shape and the references' share; a second singular value above the noise shows that one pole represents two modes
@@ -7,22 +7,23 @@ of the same frequency.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.circle.orientation import Circle, Label, quadrature
+from casingfem.experiment.circle.orientation import Circle, Label
 from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs
-from casingfem.experiment.identify.counting import asked
-from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.counting import asked, repeated
+from casingfem.experiment.identify.pole_fit import PoleFit, widths
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 NOWHERE = float("nan")
-ALIKE = 25.0  # largest chi-squared of differences of fitted poles by chance: 4.5 standard deviations
 TWO = 0.1  # least ratio of singular values of residues that contain two shapes
+FEW = 6  # channels from which on they confirm each other; fewer need clearer peaks
+MANY = 8  # channels from which on a mode can be local
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,117 +197,70 @@ def _shape(residues: Residues, channels: IntArray) -> Shape:
     return Shape(whole.real / norm, direct / norm**2, slopes / norm, norm**2 / energy, double)
 
 
-def neighbours(n: Sequence[int], chi: Sequence[float], most: float) -> list[tuple[int, ...]]:
-    """Group neighbouring modes: two form a group if they have one n and their poles differ by no more than chance.
+def reasons(fit: PoleFit, phases: list[float], rules: Thresholds = USUAL) -> list[str]:
+    """Reasons why each pole of a fit is doubtful, "" for a sure one.
 
-    `chi` (modes - 1,) is chi-squared of the differences in frequency and damping; `most` is the largest value that
-    chance explains.
+    `phases` are the shares of the shapes' energy that are in phase.
     """
-    done, k = list[tuple[int, ...]](), 0
-    while k < len(n):
-        two = k + 1 < len(n) and n[k] == n[k + 1] and chi[k] <= most
-        done.append((k, k + 1) if two else (k,))
-        k += len(done[-1])
-    return done
+    twice = repeated(fit, rules)
+    return ["; ".join(_reasons(fit, k, phases[k], bool(twice[k]), rules)) for k in range(len(fit))]
 
 
-def merged(fit: PoleFit, modes: list[Mode]) -> list[Mode]:
-    """Merge the modes of a fit whose difference is not resolved."""
-    spread = np.sqrt(np.tile(fit.noise, 2))
-    covariance = fit.covariance * np.outer(spread, spread)
-    differences = [_difference(fit, covariance, k) for k in range(len(modes) - 1)]
-    groups = neighbours([mode.n for mode in modes], [chi for chi, _ in differences], ALIKE)
-    return [modes[k[0]] if len(k) == 1 else one_of([modes[i] for i in k], differences[k[0]][1]) for k in groups]
-
-
-def _difference(fit: PoleFit, covariance: FloatArray, low: int) -> tuple[float, float]:
-    """Chi-squared between a pole and the next one, and the standard deviation [Hz] of their frequency difference."""
-    high, count = low + 1, len(fit)
-    sigma = -fit.poles.real
-    change = np.zeros((2, 2 * count))
-    change[0, low], change[0, high] = -sigma[low], sigma[high]
-    change[1, count + low], change[1, count + high] = -1.0, 1.0
-    gap = np.array([fit.poles[high].imag - fit.poles[low].imag, np.log(sigma[high] / sigma[low])])
-    both = change @ covariance @ change.T
-    far = gap[0] > 2.0 * max(sigma[low], sigma[high])
-    chi = np.inf if far else float(gap @ np.linalg.pinv(both) @ gap)
-    return chi, float(np.sqrt(both[0, 0])) / (2.0 * np.pi)
-
-
-def one_of(both: list[Mode], gap: float) -> Mode:
-    """Mean of two modes that are not resolved as a pair; `gap` [Hz] is the deviation of their difference.
-
-    Half of the split is added to the uncertainty of its frequency.
-    """
-    stronger = max(both, key=lambda mode: mode.signal)
-    weights = np.array([mode.sigma_freq for mode in both]) ** -2.0
-    freq = float(weights @ [mode.freq for mode in both] / weights.sum())
-    zeta = float(np.mean([mode.zeta for mode in both]))
-    bound = (both[1].freq - both[0].freq + 2.0 * gap) / freq
-    one = replace(stronger, freq=freq, zeta=zeta, sigma_freq=1.0 / float(np.sqrt(weights.sum())), split_bound=bound)
-    one = replace(one, sigma_zeta=max(stronger.sigma_zeta, 0.5 * abs(both[1].zeta - both[0].zeta)))
-    return replace(without_antinode(one), unresolved=True)
-
-
-def without_antinode(mode: Mode) -> Mode:
-    """Remove the orientation of a mode that may represent a pair, and add half the largest split to its uncertainty."""
-    sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
-    return replace(mode, sigma_freq=sigma, angle=NOWHERE, sigma_angle=NOWHERE)
-
-
-def paired(modes: list[Mode], span: float = 0.3, apart: float = 0.7) -> tuple[tuple[int, int], ...]:
-    """Doublets (lower, upper): neighbours of the same n a quarter wave apart, of a relative split below `span`."""
-    pairs, taken = [], set[int]()
-    for k, mode in enumerate(modes):
-        if k in taken or mode.n < 1 or mode.unresolved:
-            continue
-        later = (m for m in range(k + 1, len(modes)) if m not in taken and not modes[m].unresolved)
-        partner = next((m for m in later if modes[m].n == mode.n), None)
-        if partner is None or modes[partner].freq - mode.freq > span * mode.freq:
-            continue
-        if quadrature(mode.angle, modes[partner].angle, mode.n) > apart:
-            pairs.append((k, partner))
-            taken |= {k, partner}
-    return tuple(pairs)
-
-
-def settled(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mode]:
-    """Mark modes that show two shapes and have no partner as unresolved pairs.
-
-    A mode of n >= 1 without partner may be a pair that the references drive in one plane only. Its antinode is then
-    that of the drive, so no antinode is given. Half the largest hidden split is added to the uncertainty of its
-    frequency.
-    """
-    members = {k for pair in doublets for k in pair}
-    done = []
-    for k, mode in enumerate(modes):
-        if k in members or mode.unresolved or (mode.n < 1 and not mode.double):
-            done.append(mode)
+def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds) -> Iterator[str]:
+    wide = float(widths(fit.poles)[k]) / (2.0 * np.pi)
+    lines = wide * 2.0 * np.pi / fit.window.step
+    by_freq, by_zeta = (0.5 * float(fit.sigma[0, k]), float(fit.sigma[1, k]))
+    size = np.abs(fit.A[k]) ** 2
+    share = float(size.sum() ** 2 / (np.sum(size**2) + 1e-300)) / len(size)
+    channels = len(size)
+    seconds = 4.0 / max(wide, 1e-9)
+    if not fit.refined:
+        yield (
+            "its peak does not have the shape of a resonance: noise, a tone, or a structure that is not linear? Measure"
+            " again with more averages, and with another force"
+        )
+        return
+    if lines < rules.narrow and _one_line(fit, k):
+        yield "one line without skirts: mains hum or another tone? Measure again at another time"
+        return
+    if by_freq > rules.sure_freq:
+        yield (
+            f"its frequency is known to {100.0 * by_freq:.0f} % of its bandwidth only: measure longer, more averages,"
+            " or another reference"
+        )
+    if by_zeta > rules.known_zeta:
+        if lines < rules.narrow:
+            yield (
+                f"its damping is uncertain by {100.0 * by_zeta:.0f} %: the bandwidth is {lines:.2g} lines; a record of"
+                f" {seconds:.2g} s would show it"
+            )
         else:
-            done.append(replace(without_antinode(mode), unresolved=mode.double))
-    return done
+            yield f"its damping is uncertain by {100.0 * by_zeta:.0f} %: measure longer, or more averages"
+    zeta = float(-fit.poles[k].real / abs(fit.poles[k]))
+    if zeta > rules.damped:
+        yield f"its damping of {100.0 * zeta:.2g} % is that of a residual, or of several modes"
+    ratio = float(fit.peaks[k] / np.sqrt(fit.local[k]))
+    least = rules.sure_peak * max(1.0, FEW / channels)
+    if ratio < least:
+        few = f" in {channels} channel{'s' * (channels > 1)}" if channels < FEW else ""
+        yield f"its peak is {ratio:.2g} times what the fit leaves there{few}, {least:.2g} are needed: use more sensors"
+    if phase < rules.in_phase:
+        yield f"only {100.0 * phase:.0f} % of its shape is in phase: two modes, or a sensor's phase?"
+    if channels >= MANY and share < rules.local:
+        yield (
+            f"only {max(1, round(share * channels))} of {channels} channels see it: a local mode, of a fixture or a"
+            " sensor's mount?"
+        )
+    if twice:
+        yield "it repeats the shape of a stronger mode within a bandwidth: one mode? Check for loose parts or level"
 
 
-def pair_notes(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> tuple[str, ...]:
-    """Describe unresolved pairs and modes without a partner."""
-    members = {k for pair in doublets for k in pair}
-    alone = [mode for k, mode in enumerate(modes) if mode.n > 0 and k not in members and not mode.unresolved]
-    return (
-        *unresolved_notes(modes, "a second reference elsewhere around, or a longer record, may resolve it"),
-        *(
-            f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is below"
-            f" {mode.split_bound * mode.freq:.2g} Hz; no orientation is given. A second reference elsewhere around"
-            " would show it"
-            for mode in alone
-        ),
-    )
-
-
-def unresolved_notes(modes: list[Mode], remedy: str) -> tuple[str, ...]:
-    """Notes on unresolved pairs, and measurements that may resolve them."""
-    return tuple(
-        f"pair at {mode.freq:.2f} Hz, unresolved: its split is below {mode.split_bound * mode.freq:.2g} Hz; it is given"
-        f" as one mode; {remedy}"
-        for mode in modes
-        if mode.unresolved
-    )
+def _one_line(fit: PoleFit, k: int) -> bool:
+    """Whether the peak is a single line: the neighbouring lines are not above the residual of the fit."""
+    at = int(np.argmin(np.abs(2.0 * np.pi * fit.window.freq - fit.poles[k].imag)))
+    column = fit.window.resonances(fit.poles[[k]])[0][:, 0]
+    size = float(np.sqrt(np.mean(np.abs(fit.A[k]) ** 2) / 2.0))
+    beside = [j for j in (at - 1, at + 1) if 0 <= j < len(column)]
+    skirts = float(np.max(np.abs(column[beside]))) * size
+    rest = float(np.sqrt(0.5 * np.mean(np.abs(fit.rest[beside]) ** 2)))
+    return skirts < 3.0 * max(rest, 1.0) or abs(column[at]) > 30.0 * np.max(np.abs(column[beside]))

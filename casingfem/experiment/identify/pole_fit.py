@@ -173,6 +173,11 @@ class State(NamedTuple):
     squares: float
 
 
+def widths(poles: Array) -> FloatArray:
+    """Half-power bandwidths [rad/s]."""
+    return np.asarray(-2.0 * poles.real)
+
+
 def fit_poles(window: Window, poles: Array, *, steps: int = STEPS) -> PoleFit:
     """Refine poles [rad/s] by Levenberg-Marquardt; residues and polynomials follow by linear least squares.
 

@@ -36,10 +36,11 @@ from scipy.spatial.distance import squareform
 from scipy.special import chdtri
 
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.clusters import Responses
 from casingfem.experiment.identify.counting import counted
+from casingfem.experiment.identify.groups import SetUp
 from casingfem.experiment.identify.lscf import candidates, compressed
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.identify.spectra import Responses
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import FloatArray, IntArray
 
@@ -54,14 +55,6 @@ SHARES = np.linspace(0.0, 1.0, 6)[:, None, None]  # parts of the largest share t
 WIDTHS = np.geomspace(1e-8, 1.0, 50)[:, None]  # gamma
 
 
-class SetUp(NamedTuple):
-    """Channels measured together (channels,), their responses, and the fits of their modes."""
-
-    channels: IntArray
-    data: Responses
-    fits: list[PoleFit]
-
-
 class _Group(NamedTuple):
     """Channels (channels,) and their own fit in each window."""
 
@@ -69,9 +62,9 @@ class _Group(NamedTuple):
     fits: list[PoleFit]
 
 
-def setups_of(data: Responses, fits: list[PoleFit], grid: SensorGrid, rules: Thresholds = USUAL) -> list[IntArray]:
-    """Channels of each set-up; an empty list if there is one set-up."""
-    fits = [fit for fit in fits if len(fit) and fit.refined]
+def setups_of(whole: SetUp, grid: SensorGrid, rules: Thresholds = USUAL) -> list[IntArray]:
+    """Channels of each set-up, from fits of all channels together; an empty list if there is one set-up."""
+    data, fits = whole.data, [fit for fit in whole.fits if len(fit) and fit.refined]
     heard = _heard(fits)
     if len(heard) < 2 * LEAST_CHANNELS:
         return []

@@ -1,8 +1,9 @@
-"""Quantities of the responses before any fit: noise, mode indicator, peaks, duration of the ringing."""
+"""What the responses show before any fit: noise, visible peaks, the duration of the ringing."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -43,6 +44,44 @@ class Peaks:
 
     def __post_init__(self) -> None:
         freeze(self, "at", "width")
+
+
+class Responses(NamedTuple):
+    """Responses Y (lines, channels) divided by their `noise` (channels,), at `freq` [Hz].
+
+    `along` (lines,) has the weights of the lines. `peaks` are the visible peaks. `end` is the duration of the recorded
+    ringing [s], `left` the share of the ringing that is left then. `leak` is the distance of lines [Hz] over which a
+    Hann window leaks, else 0.
+    """
+
+    freq: FloatArray
+    Y: Array
+    noise: FloatArray
+    along: FloatArray
+    peaks: Peaks
+    end: float = np.inf
+    left: float = 0.0
+    leak: float = 0.0
+
+    @property
+    def step(self) -> float:
+        """Distance of lines [rad/s]."""
+        return 2.0 * np.pi * float(self.freq[1] - self.freq[0])
+
+    def some(self, channels: IntArray, rules: Thresholds = USUAL) -> Responses:
+        """The responses of some channels, with the visible peaks of these channels."""
+        Y = self.Y[:, channels]
+        return self._replace(Y=Y, noise=self.noise[channels], peaks=visible_peaks(Y, rules))
+
+
+def over_noise(freq: FloatArray, H: Array, along: FloatArray, rules: Thresholds = USUAL) -> Responses:
+    """Responses H (channels, lines) over the noise of their channels, with their peaks and the end of their ringing."""
+    noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
+    end, left = ringing(freq, H)
+    faded = tapered(freq, H, end)
+    quiet = noise if not np.isfinite(end) else np.maximum(line_noise(faded), 1e-9 * np.abs(H).max(axis=1))
+    peaks = visible_peaks((faded / quiet[:, None]).T, rules)
+    return Responses(freq, (H / noise[:, None]).T, noise, along, peaks, end, left)
 
 
 def visible_peaks(Y: Array, rules: Thresholds = USUAL) -> Peaks:

@@ -49,6 +49,8 @@ class Thresholds:
     sure_freq
         Largest standard deviation of the frequency of a sure mode, in bandwidths; that of ln zeta is `known_zeta`, for
         damping ratios of repeated tests scatter by as much.
+    above_zero
+        Standard deviations by which a damping ratio must be above zero.
     sure_peak
         Least ratio of the peak to what the fit leaves there: 10 dB.
     in_phase
@@ -88,6 +90,7 @@ class Thresholds:
     same_shape: float = 0.9
     near: float = 1.0
     sure_freq: float = 0.1
+    above_zero: float = 2.0
     sure_peak: float = 3.0
     in_phase: float = 0.6
     damped: float = 0.1

@@ -13,14 +13,12 @@ import numpy as np
 
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.clusters import Modal, fitted_group, groups, modal_of
+from casingfem.experiment.identify.groups import SetUp, fitted_group, groups
 from casingfem.experiment.identify.matching import Matching, Row, matching
-from casingfem.experiment.identify.mode import Found, Residues, found_in
+from casingfem.experiment.identify.mode import Found, Mode, Residues, Sensors, found_in, mode_of, reasons
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.setups import SetUp
 from casingfem.experiment.identify.shared_shape import Member, Shapes
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
-from casingfem.experiment.identify.verdict import reasons
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 UNLIKE = 2.5  # a mode whose spread over the set-ups is so many times the usual one may be two
@@ -38,43 +36,52 @@ class Track(NamedTuple):
     reason: str
 
 
-def tracked(
-    alone: list[SetUp], noise: FloatArray, grid: SensorGrid, circle: Circle | None, rules: Thresholds = USUAL
-) -> tuple[list[SetUp], list[Track]]:
-    """Modes of all set-ups, each once, ascending; and the set-ups with the modes found in the second search."""
+class Tracks(NamedTuple):
+    """Modes of several set-ups, each once, ascending; and the set-ups with the modes of the second search."""
+
+    parts: list[SetUp]
+    tracks: list[Track]
+
+    @property
+    def shift(self) -> float:
+        """Standard deviation of ln frequency between set-ups."""
+        spread = [float(np.var(np.log(track.freqs), ddof=1)) for track in self.tracks if len(track.freqs) > 1]
+        return float(np.sqrt(np.mean(spread))) if spread else 0.0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on a test with several set-ups."""
+        if not self.tracks:
+            return ()
+        most = max(len(track.freqs) for track in self.tracks)
+        return (
+            f"peaks lie at different frequencies in {most} groups of channels (a roving mass, a moved hammer): each was"
+            f" identified alone. Frequencies are means; they differ by {100.0 * self.shift:.2g} % (standard"
+            " deviation), and sigma is what one more set-up would show",
+        )
+
+    def modes(self, sensors: Sensors) -> list[Mode]:
+        """Modes with the verdict of all set-ups."""
+        return [replace(mode_of(track.found, sensors), reason=track.reason) for track in self.tracks]
+
+
+def tracked(alone: list[SetUp], grid: SensorGrid, circle: Circle | None, rules: Thresholds = USUAL) -> Tracks:
+    """Match the modes of the set-ups, search again for missing ones, and average."""
     channels = [part.channels for part in alone]
     for look in range(LOOKS + 1):
-        members = [_members(part, noise, rules) for part in alone]
+        members = [_members(part, rules) for part in alone]
         match = matching(members, Shapes.of(members, channels, grid, circle))
         if look < LOOKS:
             alone = [_searched(part, _expected(match, members, s), match, rules) for s, part in enumerate(alone)]
     clear = _clear(match, members)
-    tracks = [_track(k, match, members, channels, len(noise), clear[k], rules) for k in range(len(match.rows))]
-    return alone, sorted(tracks, key=lambda track: track.found.freq)
+    tracks = [_track(k, match, members, channels, clear[k], rules) for k in range(len(match.rows))]
+    return Tracks(alone, sorted(tracks, key=lambda track: track.found.freq))
 
 
-def shift_of(tracks: list[Track]) -> float:
-    """Standard deviation of ln frequency between set-ups, 0 if there is only one."""
-    spread = [float(np.var(np.log(track.freqs), ddof=1)) for track in tracks if len(track.freqs) > 1]
-    return float(np.sqrt(np.mean(spread))) if spread else 0.0
-
-
-def setup_notes(tracks: list[Track]) -> tuple[str, ...]:
-    """Notes on a test with several set-ups."""
-    if not tracks:
-        return ()
-    most = max(len(track.freqs) for track in tracks)
-    return (
-        f"peaks lie at different frequencies in {most} groups of channels (a roving mass, a moved hammer): each was"
-        f" identified alone. Frequencies are means; they differ by {100.0 * shift_of(tracks):.2g} % (standard"
-        " deviation), and sigma is what one more set-up would show",
-    )
-
-
-def _members(part: SetUp, noise: FloatArray, rules: Thresholds) -> list[Member]:
+def _members(part: SetUp, rules: Thresholds) -> list[Member]:
     found = []
     for fit in part.fits:
-        poles = found_in(fit, noise[part.channels], rules)
+        poles = found_in(fit, part.data.noise, rules)
         found += [Member(pole, why) for pole, why in zip(poles, reasons(fit, [1.0] * len(fit), rules), strict=True)]
     return sorted(found, key=lambda member: member.found.freq)
 
@@ -119,12 +126,10 @@ def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) ->
     starts = starts[(starts.imag > low) & (starts.imag < high)]
     if not len(starts):
         return part
-    channels, step = len(part.channels), 2.0 * np.pi * float(part.data.freq[1] - part.data.freq[0])
     lax = replace(rules, chance=EXPECTED, same_shape=1.1, known_freq=OPEN, known_zeta=OPEN)
-    modes = modal_of(part.fits, channels)
-    both = Modal.join([modes, Modal(starts, np.zeros((len(starts), channels)))], channels)
+    both = part.modes.with_poles(starts)
     fits = []
-    for group in groups(both.poles, step, rules):
+    for group in groups(both.poles, part.data.step, rules):
         fresh = group[np.isin(both.poles[group], starts)]
         fit = fitted_group(part.data, both, group, False if len(fresh) else None, lax if len(fresh) else rules)
         if len(fresh) and not _at_their_places(fit, both.poles[fresh], match.scatter):
@@ -132,7 +137,7 @@ def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) ->
             there = np.flatnonzero(np.isin(kept, group))
             if not len(there):
                 continue
-            fit = fitted_group(part.data, both.some(kept), there, None, rules)
+            fit = fitted_group(part.data, both.without(fresh), there, None, rules)
         fits.append(fit)
     return part._replace(fits=fits)
 
@@ -175,7 +180,7 @@ def _clear(match: Matching, members: list[list[Member]]) -> list[list[bool]]:
 
 
 def _track(
-    number: int, match: Matching, members: list[list[Member]], parts: list[IntArray], channels: int, clear: list[bool],
+    number: int, match: Matching, members: list[list[Member]], parts: list[IntArray], clear: list[bool],
     rules: Thresholds,
 ) -> Track:  # fmt: skip
     """Mean of a row with equal weights of its set-ups, since each set-up shifts the frequency."""
@@ -196,7 +201,7 @@ def _track(
     scatter = float(np.sum(weights * (np.array([each.zeta for each in found]) - zeta) ** 2)) / max(count - 1, 1)
     sigma_zeta = float(np.sqrt(max(scatter, 1.0) / weights.sum()))
     mean = Found(
-        freq, float(np.linalg.norm([own, lacking, unclear])), zeta, sigma_zeta, _residues(some, parts, channels),
+        freq, float(np.linalg.norm([own, lacking, unclear])), zeta, sigma_zeta, _residues(some, parts),
         max(each.signal for each in found), max(each.split_bound for each in found),
     )  # fmt: skip
     share = own / (2.0 * zeta * freq)
@@ -210,8 +215,9 @@ def _track(
     return Track(mean, freqs, "; ".join(why))
 
 
-def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: int) -> Residues:
+def _residues(some: list[tuple[int, Member]], parts: list[IntArray]) -> Residues:
     """Residues of a row at all channels, 0 where the row has none."""
+    channels = sum(len(part) for part in parts)
     values, direct, moved = np.zeros(channels, complex), np.zeros(channels), []
     for setup, member in some:
         residues, at = member.found.residues, parts[setup]

@@ -95,6 +95,8 @@ def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSe
             notes.append(f"{what}: {_channels(off)}; left out: point {points}")
     if not kept.any():
         raise InputError(frfs.path, found="; ".join(notes), expected="a signal")
+    if kept.all():
+        return frfs, notes
     return replace(frfs, **{name: getattr(frfs, name)[kept] for name in ("responses", *PLACES)}), notes
 
 

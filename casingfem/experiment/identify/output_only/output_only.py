@@ -1,81 +1,46 @@
 """Frequencies, damping and shapes of the modes in responses to loads that are not measured.
 
-1. `correlations`: all sensors with some references, in blocks of the record.
-2. Bands of a few peaks of the power spectra; `subspace`: poles that recur over the orders by frequency, damping, shape.
-3. Step 2 is repeated without each block in turn: the jackknife gives the uncertainty of every number (Efron and Stein,
-   Ann. Stat. 9, 1981, 586). It is no less than the true one on average, and larger for the shapes of close pairs.
-4. Pairs, nodal diameters and orientations follow as for frequency responses; each mode is sure, or doubtful for a
+1. `correlations`: all sensors with some references, in blocks of the record. `bands`: bands of a few peaks.
+2. `subspace`: poles that recur over the orders by frequency, damping, shape. `jackknife`: their uncertainty.
+3. Pairs, nodal diameters and orientations follow as for frequency responses; each mode is sure, or doubtful for a
    reason.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import find_peaks, peak_widths
-from scipy.signal.windows import blackmanharris
 from scipy.special import chdtri
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, sensor_grid
-from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, oriented, sensor_notes
-from casingfem.experiment.identify.clusters import Responses, bands
-from casingfem.experiment.identify.exponential import ABOVE_ZERO
 from casingfem.experiment.identify.identified import Identified
+from casingfem.experiment.identify.labels import circle_notes, labelled, oriented, sensor_notes
 from casingfem.experiment.identify.lscf import Stabilisation
-from casingfem.experiment.identify.mode import (
-    Found,
-    Mode,
-    Residues,
-    Sensors,
-    mode_of,
-    neighbours,
-    one_of,
-    paired,
-    unresolved_notes,
-)
-from casingfem.experiment.identify.output_only.correlations import (
-    BLOCKS,
-    EDGE,
-    Correlations,
-    chosen_references,
-    correlated,
-    zoomed,
-)
-from casingfem.experiment.identify.output_only.subspace import Cluster, Swept, again, clusters, fits_in, swept
-from casingfem.experiment.identify.spectra import Peaks
+from casingfem.experiment.identify.mode import Mode, Residues, Sensors, mode_of
+from casingfem.experiment.identify.output_only.bands import bands_about, peaks_of, spectrum_of
+from casingfem.experiment.identify.output_only.correlations import BLOCKS, Correlations, chosen_references, correlated
+from casingfem.experiment.identify.output_only.jackknife import Estimated, modes_of
+from casingfem.experiment.identify.pairs import neighbours, one_of, paired, unresolved_notes
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from contact.io.progress import each, tell
 
 LAG_PART = 4.0  # length of a block in longest lags
 LEAST = 2000  # samples of a record
-PRESENT = 0.8  # of the records without a block, in which a mode must be found again
-KNOWN = 0.5  # of a bandwidth: largest standard deviation of a frequency without a visible peak
 OFTEN = 0.5  # of the model orders, in which a sure mode recurs
 ALIKE = float(chdtri(2, 1e-3))  # largest chi-squared by chance of two modes' differences, once in a thousand
-NORMAL = 2.0  # least standard deviations of a split without a note, and of the power of a peak
+NORMAL = 2.0  # least standard deviations of a split without a note
 LONGER = "a longer record may resolve it"
-EMPTY = 6  # a band wider than so many times the lines around its peaks is divided
-LOBES = 1e-8  # of the largest power: ten times the side lobes of the window
-WIDEST = 4.0  # lines: half-power width of the window's main lobe, and more
 MISSED, NAMED = 2.0, 8  # lines within which a peak is that of a mode; peaks that a note names
 MADE = "identified from responses alone: stochastic subspaces of their correlations, jackknife over blocks"
-MARGIN = 1.3  # widening of a band at each end, in edges of its filter
-
-
-class Estimated(NamedTuple):
-    """A mode, and the share of the model orders in which it recurs."""
-
-    found: Found
-    recurs: float
 
 
 def identify_output_only(
@@ -88,7 +53,6 @@ def identify_output_only(
     n_max: int | None = None,
     references: Sequence[int] | None = None,
     seconds: float | None = None,
-    say: Callable[[str], None] = lambda _: None,
 ) -> Identified:
     """Modes of responses to random loads that are not measured.
 
@@ -119,36 +83,37 @@ def identify_output_only(
     own = _references(frfs, y, references)
     lags = _lags(y, fs, seconds, records.path)
     scale = y.std(axis=1)
-    say("correlations")
+    tell("correlations")
     found = correlated(y / scale[:, None], fs, lags, own)
     grid, channels = _grid(frfs, own, angles, places)
-    freq, power = _spectra(found)
     low, high = band or (0.0, 0.5 * fs)
-    kept = (freq >= max(low, freq[1])) & (freq <= high)
+    whole = spectrum_of(found)
+    kept = (whole.freq >= max(low, whole.freq[1])) & (whole.freq <= high)
     if kept.sum() < 8 or not low < high:
         found_band = f"band {low:g} to {high:g} Hz"
         raise InputError(records.path, found=found_band, expected=f"from < to, up to {0.5 * fs:g} Hz")
-    peaks = _peaks(freq[kept], power[kept], _scatter(found)[kept], rules)
-    estimated, diagram = _bands(found, freq[kept], power[kept], peaks, order, say, rules)
+    spectrum = whole.at(kept)
+    peaks = peaks_of(spectrum, rules)
+    cut = bands_about(spectrum, peaks, 0.5 * fs, rules)
+    parts = [modes_of(found, part, order, rules) for part in each(cut, "band")]
     factors = np.outer(scale, scale[own])
+    estimated = [_scaled(mode, factors) for modes, _ in parts for mode in modes]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    whole = [_scaled(each, factors[None]) for each in estimated]
-    modes, sensors = labelled(lambda at: _modes(whole, channels, at, rules), Sensors.of(grid, 0, circle))
+    modes, sensors = labelled(lambda at: _modes(estimated, channels, at, rules), Sensors.of(grid, 0, circle))
     doublets = paired(modes)
     modes = oriented(modes, doublets, sensors)
-    lines, measured, fitted = _compared(found, whole, factors, channels, low, high)
+    lines, measured, fitted = _compared(found, estimated, factors, channels, low, high)
     notes = (
         f"output only: {len(own)} reference{'s' * (len(own) > 1)}, lags up to {lags / fs:.3g} s, {BLOCKS} blocks;"
         " shapes have no scale",
         *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle),
         *unresolved_notes(modes, LONGER), *_close(modes, doublets), *_lonely(modes, doublets),
-        *_bare(modes, freq[kept][peaks.at], float(freq[1])),
+        *_bare(modes, spectrum.freq[peaks], float(whole.freq[1])),
     )  # fmt: skip
-    return Identified(
-        **columns_of(modes, doublets, grid), sensors=grid, lines=lines, measured=measured, fitted=fitted,
-        doublets=doublets, unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
-        reasons=tuple(mode.reason for mode in modes), notes=notes, diagram=diagram,
-        card=(*records.card, MADE), seconds=time.perf_counter() - started,
+    return Identified.of(
+        modes, doublets, grid, lines=lines, measured=measured, fitted=fitted, notes=notes,
+        diagram=Stabilisation.join([diagram for _, diagram in parts]), card=(*records.card, MADE),
+        seconds=time.perf_counter() - started,
     )  # fmt: skip
 
 
@@ -208,135 +173,6 @@ def _grid(
     return sensor_grid(pairs, angles, places), np.column_stack([row, column])
 
 
-def _spectra(found: Correlations) -> tuple[FloatArray, FloatArray]:
-    """Lines [Hz] and the power of the references at them."""
-    freq = np.asarray(np.fft.rfftfreq(found.R.shape[-1], 1.0 / found.fs), np.float64)
-    power = _power(found, found.mean)
-    return freq, np.asarray(np.maximum(power, 1e-12 * power.max()))
-
-
-def _scatter(found: Correlations) -> FloatArray:
-    """Standard deviation of the power of the references (lines,), by jackknife over the blocks."""
-    count = len(found.R)
-    power = np.array([_power(found, found.without(block)) for block in range(count)])
-    return np.asarray(np.sqrt((count - 1) / count * np.sum((power - power.mean(axis=0)) ** 2, axis=0)))
-
-
-def _power(found: Correlations, R: FloatArray) -> FloatArray:
-    """Power of the references (lines,) from correlations R (sensors, references, 2 L).
-
-    The window over the lags has no side lobes of tones. It is zero at its ends, where the correlations of modes that
-    have not decayed have a kink.
-    """
-    window = blackmanharris(R.shape[-1], sym=False)
-    own = R[found.references, np.arange(len(found.references))]
-    return np.asarray(np.fft.rfft(own * np.fft.ifftshift(window - window[0]), axis=-1).real.sum(axis=0))
-
-
-def _peaks(freq: FloatArray, power: FloatArray, scatter: FloatArray, rules: Thresholds) -> Peaks:
-    """Peaks that are above their surroundings, significant by their scatter, and not too wide for a mode."""
-    at, _ = find_peaks(10.0 * np.log10(power), prominence=rules.prominence_db)
-    at = at[power[at] > np.maximum(NORMAL * scatter[at], LOBES * power.max())]
-    width = peak_widths(power, at)[0] if len(at) else np.zeros(0)
-    narrow = width * (freq[1] - freq[0]) < np.maximum(2.0 * rules.zeta_most * freq[at], WIDEST * (freq[1] - freq[0]))
-    return Peaks(at=at[narrow], width=width[narrow])
-
-
-def _bands(
-    found: Correlations, freq: FloatArray, power: FloatArray, peaks: Peaks, order: int | None,
-    say: Callable[[str], None], rules: Thresholds,
-) -> tuple[list[Estimated], Stabilisation]:  # fmt: skip
-    """Identify the modes of all bands, in ascending order, with their diagram."""
-    data = Responses(freq, np.sqrt(power)[:, None], np.ones(len(freq)), peaks)
-    cut = [part for core, _, _ in bands(data, rules) for part in _around(core, peaks.at, rules)]
-    modes, diagrams = list[Estimated](), list[Stabilisation]()
-    seen = freq[peaks.at]
-    for k, core in enumerate(cut):
-        say(f"band {k + 1} of {len(cut)}")
-        low, high = float(freq[core.start]), float(freq[core.stop - 1])
-        inside = seen[(seen >= low) & (seen <= high)]
-        reach = MARGIN * EDGE * (high - low) / (1.0 - 2.0 * MARGIN * EDGE)
-        ends = max(0.0, low - reach), min(0.5 * found.fs, high + reach)
-        most = order or min(rules.order_a_peak * max(len(inside), 1) + rules.order_extra, rules.order_most)
-        here, diagram = _band(found, ends, most, inside, rules)
-        step = float(freq[1] - freq[0])
-        modes += [mode for mode in here if low <= mode.found.freq < high + step]
-        diagrams.append(diagram)
-    return modes, Stabilisation.join(diagrams)
-
-
-def _around(core: slice, at: IntArray, rules: Thresholds) -> list[slice]:
-    """Divide a band into the lines around its peaks and the lines beyond, if the latter are many more.
-
-    The step between the lags of a band is its inverse width. A wide band with few peaks would not resolve close modes.
-    """
-    inside = at[(at >= core.start) & (at < core.stop)]
-    if not len(inside):
-        return [core]
-    margin = max(rules.reach_lines, int(inside[-1] - inside[0]) // 2)
-    start, stop = max(core.start, int(inside[0]) - margin), min(core.stop, int(inside[-1]) + margin)
-    if core.stop - core.start < EMPTY * (stop - start):
-        return [core]
-    return [part for part in (slice(core.start, start), slice(start, stop), slice(stop, core.stop)) if _lines(part)]
-
-
-def _lines(part: slice) -> int:
-    return int(part.stop - part.start)
-
-
-def _band(
-    found: Correlations, ends: tuple[float, float], most: int, seen: FloatArray, rules: Thresholds
-) -> tuple[list[Estimated], Stabilisation]:
-    """Identify the modes of one band."""
-    zoom = zoomed(found.mean, found.fs, *ends)
-    largest = fits_in(zoom, most)
-    if largest < 2:
-        return [], Stabilisation.join([])
-    orders = range(max(1, largest // 4), largest + 1)
-    whole = swept(zoom, orders)
-    candidates, diagram = clusters(whole, orders, rules)
-    parts = [swept(zoomed(found.without(block), found.fs, *ends), orders) for block in range(len(found.R))]
-    found_again = [_jackknifed(cluster, whole, parts, len(orders), rules) for cluster in candidates]
-    every = [estimated for estimated in found_again if estimated is not None]
-    modes = [estimated for estimated in every if _known(estimated.found)]
-    for peak in seen.tolist():  # the nearest mode of each peak without a well-known mode
-        near = [each for each in every if abs(each.found.freq - peak) < each.found.zeta * peak]
-        if near and not any(each in modes for each in near):
-            modes.append(min(near, key=lambda each: abs(each.found.freq - peak)))
-    return sorted(modes, key=lambda each: each.found.freq), diagram
-
-
-def _jackknifed(cluster: Cluster, whole: Swept, parts: list[Swept], orders: int, rules: Thresholds) -> Estimated | None:
-    """Add the jackknife uncertainty to a mode; return None if too few of the records without a block contain it."""
-    mode = again(whole, cluster, rules)
-    others = [other for part in parts if (other := again(part, cluster, rules)) is not None]
-    count = len(others)
-    if mode is None or count < PRESENT * len(parts):
-        return None
-    poles = np.array([other.pole for other in others])
-    factor = float(np.sqrt((count - 1) / count))
-    freq, zeta = _numbers(np.array([mode.pole]))
-    spread = [factor * float(np.sqrt(np.sum((v - v.mean()) ** 2))) for v in _numbers(poles)]
-    A = np.array([other.A for other in others])
-    moved = (factor * (A - A.mean(axis=0))).reshape(count, -1).T
-    residues = Residues(mode.A.ravel(), np.zeros(mode.A.size), moved)
-    signal = float(np.linalg.norm(mode.A) / (np.linalg.norm(moved) + 1e-300))
-    found = Found(float(freq[0]), spread[0], float(zeta[0]), spread[1], residues, signal, float("nan"))
-    return Estimated(found, len(mode.orders) / orders)
-
-
-def _numbers(poles: Array) -> tuple[FloatArray, FloatArray]:
-    """Frequencies [Hz] and damping ratios."""
-    size: FloatArray = np.hypot(poles.real, poles.imag)
-    return np.asarray(size / (2.0 * np.pi), np.float64), np.asarray(-poles.real / size, np.float64)
-
-
-def _known(found: Found) -> bool:
-    """Whether a mode without a visible peak is well determined: precise frequency, and damping above zero."""
-    wide = 2.0 * found.zeta * found.freq
-    return found.sigma_freq < KNOWN * wide and ABOVE_ZERO * found.sigma_zeta < found.zeta
-
-
 def _scaled(estimated: Estimated, factors: FloatArray) -> Estimated:
     """Scale a mode to the units of the responses."""
     residues, by = estimated.found.residues, factors.ravel()
@@ -375,7 +211,7 @@ def _reasons(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
     """Reasons why a mode is doubtful, "" for a sure one; the shape of an unresolved pair may have any phase."""
     found = estimated.found
     reasons, wide = list[str](), 2.0 * found.zeta * found.freq
-    if found.zeta < ABOVE_ZERO * found.sigma_zeta:
+    if found.zeta < rules.above_zero * found.sigma_zeta:
         reasons.append("its damping is not above zero: a tone of a machine, mains hum? Measure again at another time")
     if found.sigma_freq > rules.sure_freq * wide:
         reasons.append(
@@ -438,10 +274,10 @@ def _compared(
     lines, fs = freq[kept], found.fs
     measured = np.fft.rfft(R, axis=-1)[..., kept] / fs
     fitted = np.zeros_like(measured)
-    for each in estimated:
-        omega = 2.0 * np.pi * each.found.freq
-        pole = omega * (-each.found.zeta + 1j * np.sqrt(1.0 - each.found.zeta**2))
-        A = each.found.residues.values.reshape(factors.shape)
+    for mode in estimated:
+        omega = 2.0 * np.pi * mode.found.freq
+        pole = omega * (-mode.found.zeta + 1j * np.sqrt(1.0 - mode.found.zeta**2))
+        A = mode.found.residues.values.reshape(factors.shape)
         for p, residues in ((pole, A), (pole.conjugate(), A.conj())):
             q = p - 2j * np.pi * lines
             fitted += residues[..., None] * (np.exp(q * lags / fs) - 1.0) / q
