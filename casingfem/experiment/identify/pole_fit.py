@@ -228,7 +228,8 @@ def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
         gain, predicted = at.squares - new.squares, float(step @ (damping * scale * step - gradient))
         if gain >= 0.0:
             at, system, rise = new, None, 2.0
-            damping = max(damping * max(0.1, 1.0 - (2.0 * gain / max(predicted, 1e-300) - 1.0) ** 3), 1e-10)
+            ratio = min(gain / max(predicted, 1e-300), 1.0)
+            damping = max(damping * max(0.1, 1.0 - (2.0 * ratio - 1.0) ** 3), 1e-10)
             if gain < max(CONVERGED * max(1.0, at.squares / entries), least):
                 break
         else:
