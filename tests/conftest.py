@@ -26,6 +26,9 @@ LOOPS = {
         "test_rub.py",
         "test_rub_forces.py",
         "test_scene_patch.py",
+        "test_force_laws.py",
+        "test_scene_laws.py",
+        "test_turning_steps.py",
     ],
     "one contact": [
         "test_rim.py",

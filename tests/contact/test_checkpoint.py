@@ -42,7 +42,7 @@ SLOWS = ct.rotor.rotor_rub(
     [ct.ContactPoint(blade=j, angle_deg=120.0 * j) for j in range(3)], clearance=1e-4,
     spin=ct.rotor.Spin(inertia=0.2),
 )  # fmt: skip
-LONG = {"dt": 1e-6, "t_end": 0.03}  # one call of a loop takes 20,000 steps at most
+LONG = {"dt": 1e-6, "t_end": 0.026}  # one call of a loop takes 20,000 steps at most
 LINEAR = {
     name: ([ROD, ct.Wall(x=0.0)], {"scheme": getattr(ct.scheme, name)(), "t_end": 0.03, "dt": 1e-6})
     for name in (

@@ -120,16 +120,15 @@ def test_kirchhoff_love_limit(frustum, table):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("thickness", [5e-4, 5e-5])
-def test_thin_walls_do_not_lock(frustum, thickness):
-    """R/t = 1000 and 10,000 on order 8, 4 rows, against a graded mesh of order 12, 12 rows: within 2e-4.
+def test_thin_walls_do_not_lock(frustum):
+    """R/t = 10,000 on order 8, 4 rows, against a graded mesh of order 12, 12 rows: within 2e-4.
 
-    With as many nodes, order 2 is off by 2e-3 and 5e-3.
+    With as many nodes, order 2 is off by 5e-3.
     """
     edges = sorted({*np.linspace(0, 0.1, 5), *np.linspace(0.1, 0.9, 5), *np.linspace(0.9, 1, 5)})
 
     def frequencies(mesh):
-        return cf.modes(frustum(thickness=thickness, mesh=mesh), 6, method="fourier").freq
+        return cf.modes(frustum(thickness=5e-5, mesh=mesh), 6, method="fourier").freq
 
     fine = frequencies(cf.ShellMesh(order=12, rows=tuple(edges), around=1))
     high = np.abs(frequencies(cf.ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()

@@ -266,8 +266,8 @@ def test_whatever_is_at_a_key_the_study_loads_or_states_what_is_wrong(tmp_path):
     whole += '[reduce]\ninterface = "top"\nmodes = 9\nout = "a.npz"\n'
     data = tomllib.loads(whole)
     refused = 0
-    for place in places(data):
-        for odd in ODD:
+    for k, place in enumerate(places(data)):
+        for odd in ODD[k % 3 :: 3]:  # `reports.verification.robustness.schema` puts all of them everywhere
             changed = deepcopy(data)
             owner: Any = changed
             for key in place[:-1]:
@@ -281,7 +281,7 @@ def test_whatever_is_at_a_key_the_study_loads_or_states_what_is_wrong(tmp_path):
             key = str(place[0])
             assert all(line.startswith(str(tmp_path / "study.toml")) for line in found)
             assert not found or any(f": {key}" in line for line in found), (place, odd, found)
-    assert refused > 600
+    assert refused > 200
 
 
 STRIPS = (

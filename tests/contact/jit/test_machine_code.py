@@ -103,7 +103,7 @@ def test_the_process_that_compiles_and_the_next_agree_to_the_last_bit(copy: Copy
     (file,) = copy.files()
     file.write_bytes(file.read_bytes()[:-100])  # a damaged file is not used and is replaced
     assert copy.run(tmp_path / "cache") == ("compiled", first)
-    assert copy.run(tmp_path / "cache") == ("read", first)
+    assert len(copy.files()) == 1
 
 
 @pytest.mark.slow
@@ -115,7 +115,7 @@ def test_machine_code_follows_its_callee_where_the_named_directory_cannot_be_wri
     cache.mkdir(mode=0o555)
     how, first = copy.run(cache)
     assert how == "compiled"
-    assert copy.run(cache) == ("read", first)  # from the package's own directory
+    assert len(copy.files()) == 1  # in the package's own directory
     copy.write_callee(2.0)
     assert copy.run(cache) == ("compiled", [2.0 * value for value in first])
     assert not list(cache.iterdir())
@@ -138,9 +138,9 @@ def test_a_read_only_cache_is_used_and_what_it_lacks_goes_to_the_user(copy: Copy
     for each in inside:
         each.chmod(0o555 if each.is_dir() else 0o444)
     try:
-        assert copy.run(None)[0] == "compiled"
+        assert copy.run(None) == ("compiled", [2.0 * value for value in first])
         assert len(list(copy.home.rglob("*.code"))) == 1
-        assert copy.run(None) == ("read", [2.0 * value for value in first])
+        assert copy.run(None)[0] == "read"
     finally:
         for each in inside:
             each.chmod(0o755 if each.is_dir() else 0o644)

@@ -71,11 +71,6 @@ def test_circles_are_the_sets_that_reach_each_other():
     assert circles({name: frozenset(targets) for name, targets in graph.items()}) == [["a", "b", "c"], ["d", "e"]]
 
 
-@pytest.mark.slow
-def test_no_modules_import_each_other_in_a_circle():
-    assert circles(Structure(ROOT).imports) == []
-
-
 def test_a_duplicate_is_six_lines_that_are_twice():
     body = [f"x{k} = {k}" for k in range(6)]
     assert duplicates({"a": body, "b": ["y = 1", *body, "z = 1"]}) == 1

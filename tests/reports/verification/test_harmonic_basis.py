@@ -27,13 +27,15 @@ def scaled_difference(a, b):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("orders", [1, 3, 9])
+@pytest.mark.parametrize(
+    "orders", [1, pytest.param(3, marks=pytest.mark.campaign), pytest.param(9, marks=pytest.mark.campaign)]
+)
 def test_static_push_does_not_depend_on_the_modes_kept(orders):
     few, many = harmonic_basis(casing(), RIM, orders=orders), harmonic_basis(casing(), RIM, orders=20)
     assert scaled_difference(few.compliance, many.compliance)[0] < 1e-10
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_agrees_with_the_two_dimensional_reduction():
     shell, rim = casing(), cf.Rim("top", n_max=14)
     plane, ring = cf.reduce(shell, rim, modes=30), harmonic_basis(shell, rim, orders=2)
@@ -71,7 +73,7 @@ def test_orders_may_depend_on_n():
     assert len(basis) == 2 + 2 * 2  # n = 0 holds a radial and a torsional motion
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_edge_fixed_in_its_own_frame():
     shell = casing(supports={"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_r=1e8)})
     plane, ring = cf.reduce(shell, RIM, modes=10), harmonic_basis(shell, RIM, orders=2)

@@ -61,6 +61,10 @@ def test_stated_names_of_arrays_come_before_common_ones(kind, tmp_path):
     found = CliRunner().invoke(main, ["identify", str(path), *words])
     assert found.exit_code == 0, found.output
     assert "60.0" in found.output
+
+
+def test_names_of_arrays_that_are_not_there_are_refused(tmp_path):
+    path = written(tmp_path, "npz", Freq_domain=FREQ, Hf_chan_2=H[:, 0], f=np.arange(7.0), form="receptance")
     wrong = ["--array", "frf=Hf"], ["--array", "frg=Hf_chan_2"], ["--array", "frf="]
     for (_, word), reason in zip(
         wrong, ("no array 'Hf' among Freq_domain", "no such meaning", "MEANING=NAME"), strict=True
@@ -69,7 +73,7 @@ def test_stated_names_of_arrays_come_before_common_ones(kind, tmp_path):
         assert refused.exit_code == 2, refused.output
         assert reason in refused.output
     with pytest.raises(cf.errors.InputError, match="a file of arrays"):
-        cf.frf.read_frfs(tmp_path / "t.csv", arrays=names)
+        cf.frf.read_frfs(tmp_path / "t.csv", arrays={"freq_hz": "Freq_domain", "frf": "Hf_chan_2"})
 
 
 def test_arrays_of_a_struct_and_of_version_7_3_are_read(tmp_path):

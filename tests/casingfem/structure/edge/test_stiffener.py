@@ -12,10 +12,10 @@ BAR = cf.edge.Section.rectangle(width=0.012, depth=0.004)
 OUTSIDE = (0.0075, 0.0)
 
 
-def first(shell, n):
-    """The lowest frequency of n nodal diameters [Hz]."""
+def firsts(shell):
+    """The lowest frequency of each number of nodal diameters [Hz]."""
     found = cf.modes(shell, 60, method="fourier")
-    return float(found.freq[found.nodal_diameters == n][0])
+    return {int(n): found.freq[found.nodal_diameters == n][0] for n in np.unique(found.nodal_diameters)}
 
 
 @pytest.fixture
@@ -45,10 +45,10 @@ def test_the_shell_with_stiffeners_is_its_harmonics(casing):
 def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
     near = casing(0.25 - 1e-5)
     edge = casing(supports={"base": cf.Clamped(), "top": near.rings["stiffener 1"]})
-    bare = casing()
+    end, on_edge, bare = map(firsts, (near, edge, casing()))
     for n in (3, 6, 8):
-        assert first(near, n) == pytest.approx(first(edge, n), rel=1e-3)
-        assert abs(first(near, n) / first(bare, n) - 1) > 0.01
+        assert end[n] == pytest.approx(on_edge[n], rel=1e-3)
+        assert abs(end[n] / bare[n] - 1) > 0.01
 
 
 @pytest.mark.slow
@@ -59,11 +59,11 @@ def test_eccentric_stiffeners_are_those_of_three_dimensional_bricks(casing):
     """
     bricks = {1.0: {2: 1152.0, 4: 645.3, 6: 680.4, 8: 863.0}, -1.0: {2: 1136.0, 4: 622.5, 6: 729.9, 8: 907.6}}
     for side, table in bricks.items():
-        shell = casing(0.08, 0.16, offset=(0.0075 * side, 0.0))
-        error = np.array([first(shell, n) / exact - 1 for n, exact in table.items()])
+        found = firsts(casing(0.08, 0.16, offset=(0.0075 * side, 0.0)))
+        error = np.array([found[n] / exact - 1 for n, exact in table.items()])
         assert np.all((error < 0.0) & (error > -7e-3))
-    centred = casing(0.08, 0.16, offset=(0.0, 0.0))
-    assert first(centred, 6) < 0.8 * bricks[1.0][6]  # eccentricity matters
+    centred = firsts(casing(0.08, 0.16, offset=(0.0, 0.0)))
+    assert centred[6] < 0.8 * bricks[1.0][6]  # eccentricity matters
 
 
 @pytest.mark.parametrize(

@@ -105,7 +105,7 @@ def test_thin_plates_are_within_half_a_per_cent_of_3d(reference):
     assert beyond.error.abs().max() < 8.5e-3
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_what_is_beyond_are_the_faces_which_lean_against_the_normal(reference):
     """A solid with turned sections is the reference; one along the normal is the shell."""
     parts = anatomy(reference("twisted_plate_3d.csv"), 1, 20, 60)
