@@ -18,7 +18,7 @@ the least of 2 to 12 runs; 20 other processes shared the machine.
 
 ## Which method is quickest within an error
 
-A dash means that no run comes so near. The error of the force is its L1 norm.
+A dash means that no run is accurate enough. The error of the force is its L1 norm.
 """
 TAIL = """
 ## Conclusions
@@ -29,7 +29,7 @@ TAIL = """
   the next one. The massless boundary and exact modal steps reach 10 % in about the same time.
 - Rods of unequal length: CD-Lagrange and Paoli-Schatzman on elements reach 3 % before modes do.
 - A rub: take the rigid contact with exact modal steps. A spring of 1e9 N/m costs more.
-- An error of the impulse may change its sign between two meshes or steps. Then a small one is chance.
+- An error of the impulse may change its sign between two meshes or steps. A small error is then a coincidence.
 
 ## Pictures
 

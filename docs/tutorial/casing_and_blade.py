@@ -2,9 +2,9 @@ r"""
 One casing and one blade
 ========================
 
-From a survey and a hammer test to the dangerous speeds, in one script. It takes about a minute. There is no real
-casing here: a virtual test rig replaces the laboratory, and all its data are marked SYNTHETIC. With data of your own,
-leave out the parts headed *the laboratory* and read your files instead.
+From a survey and a hammer test to the dangerous speeds, in one script. It takes about a minute. A virtual test rig
+replaces the laboratory, and all its data are marked SYNTHETIC. If you have measured data, leave out the parts headed
+*the laboratory* and read your files.
 """
 
 import tempfile
@@ -30,7 +30,7 @@ rng = np.random.default_rng(20261)
 # %%
 # The laboratory: a survey
 # ------------------------
-# A probe goes round at three heights and writes angle, height and radius of each point.
+# A probe moves around the casing at three heights and writes angle, height and radius of each point.
 
 theta = np.tile(np.arange(0.0, 360.0, 7.5), 3)
 height = np.repeat([20.0, 120.0, 230.0], 48)
@@ -49,7 +49,7 @@ axes.set_box_aspect((2, 2, 2.5))
 axes.set_axis_off()
 
 # %%
-# The measured points, their deviation drawn 100 times.
+# The measured points, with 100 times their deviation.
 
 # %%
 # The survey becomes a field
@@ -69,7 +69,7 @@ axes.set_box_aspect((2, 2, 2.5))
 axes.set_axis_off()
 
 # %%
-# The fitted radius, its deviation drawn 100 times: red is outside the mean, blue is inside.
+# The fitted radius, with 100 times its deviation: red is outside the mean, blue is inside.
 
 assert abs(survey.residual_rms_m - 4e-6) < 1e-6
 
@@ -92,7 +92,8 @@ print(drawn)
 figure = figure_shapes(drawn, [0, 2, 4])
 
 # %%
-# One member of each of the lowest three pairs. The frequencies, beside those of the perfect casing:
+# One member of each of the lowest three pairs. The next picture compares the frequencies with those of the perfect
+# casing:
 
 figure = figure_frequencies(drawn, cf.modes(replace(casing, radius_defect=None), count=8))
 
@@ -101,8 +102,8 @@ figure = figure_frequencies(drawn, cf.modes(replace(casing, radius_defect=None),
 #
 # The laboratory: a hammer test
 # -----------------------------
-# The real casing differs from the drawing: its steel and its base are softer. Sixteen accelerometers are around the
-# rim, and a hammer strikes one place. The analyser writes a universal file.
+# The real casing differs from the drawing: its steel and its base are softer. Sixteen accelerometers are on the rim,
+# and a hammer strikes it at one point. The analyser writes a universal file.
 
 real = replace(
     casing, material=cf.Material(E=205e9, nu=0.3, rho=7800.0), supports={"base": cf.ElasticEdge(k_face=3e12)}
@@ -126,8 +127,8 @@ axes.legend(loc="upper left")
 # %%
 # From responses to a table
 # -------------------------
-# The nodal diameters of a mode follow from the angles of the sensors. These are points 2 to 17 of the file; at point 1
-# the hammer struck. The result is the frequency table for the update. Each mode has its uncertainty.
+# The nodal diameters of a mode follow from the angles of the sensors. These are points 2 to 17 of the file; point 1 is
+# that of the hammer. The result is the frequency table for the update. Each mode has its uncertainty.
 
 measured = cf.frf.FrfSet.from_uff(here / "hammer.uff")
 angles = {1: np.degrees(0.35)} | {point: 22.5 * (point - 2) for point in range(2, 18)}
@@ -153,7 +154,7 @@ assert found.unresolved == (4,)
 
 # %%
 # The pair of two nodal diameters at 628 Hz is given as one mode. Its split is 0.1 Hz, less than the line spacing and a
-# twentieth of its bandwidth, and the hammer struck one place only. A note gives the bound on its split.
+# twentieth of its bandwidth, and the hammer struck only one point. A note gives the bound on its split.
 
 # %%
 # The model is updated
@@ -219,7 +220,7 @@ axes.set_xticklabels([])
 axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 # %%
-# The contact sees the rim of the casing by its harmonics, and the tip of the blade.
+# The interface of the casing is its rim, described by harmonics; that of the blade is its tip.
 
 # %%
 # The dangerous speeds
@@ -257,8 +258,8 @@ axes.set(xlabel="time [ms]", ylabel="largest modal coordinate [m kg$^{1/2}$]")
 axes.legend()
 
 # %%
-# The motion at the worst speed grows by a constant factor in equal times. The run stops at a tenth of the radius; the
-# linear model is not valid up to there. The rim at the end of that run, its largest deflection drawn as 20 mm:
+# The motion at the worst speed grows exponentially. The run stops at a tenth of the radius, beyond the range of the
+# linear model. The rim at the end of that run, its largest deflection drawn as 20 mm:
 
 casing_part = bodies[0].rows @ histories[worst].state[-1][: bodies[0].omega.size]
 waves = {"cos": np.cos, "sin": np.sin}

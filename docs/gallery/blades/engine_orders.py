@@ -3,7 +3,8 @@ How far does mistuning amplify an engine order?
 ===============================================
 
 Each blade of a wheel meets the wakes before it one after the other: an engine order is a travelling wave of forces.
-Blades that differ by a few per cent no longer answer alike. One of them moves more than any blade of the tuned wheel.
+Blades that differ by a few per cent have different amplitudes. One of them moves more than any blade of the tuned
+wheel.
 """
 
 import numpy as np
@@ -22,7 +23,7 @@ print(found.words, drawn.words, sep="\n")
 figure = figure_response(found, drawn)
 
 # %%
-# No draw passes Whitehead's bound (1 + sqrt(N))/2.
+# No draw exceeds Whitehead's bound (1 + sqrt(N))/2.
 
 assert 1.0 < found.amplification < found.bound
 assert drawn.amplification.max() < drawn.bound == 0.5 * (1.0 + np.sqrt(24.0))

@@ -2,8 +2,8 @@
 A blade from a mesh
 ===================
 
-Any mesher's part goes the same way as a shell on a chart. Here the mesh of a strip is written in the format of Abaqus,
-as if another program had made it, and read with its sets; millimetres become metres by `scale`.
+A part from a mesher is used like a shell on a chart. This example writes the mesh of a strip in the format of Abaqus,
+and reads it with its sets. `scale` converts millimetres to metres.
 """
 
 import tempfile
@@ -47,6 +47,6 @@ axes.set(xlabel="mode", ylabel="frequency [Hz]")
 axes.legend()
 
 # %%
-# Four-node cells of this size are a little stiff; the first bending mode is off by less than one per cent.
+# Four-node cells of this size are slightly too stiff: the error of the first bending mode is below one per cent.
 
 assert abs(freq["imported"][0] / freq["on a chart"][0] - 1.0) < 0.01

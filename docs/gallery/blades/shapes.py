@@ -2,7 +2,7 @@
 The modes of a blade
 ====================
 
-A blade has laws for chord, camber and twist from root to tip, and a wall that tapers.
+Chord, camber and twist of a blade vary from root to tip, and its wall tapers.
 """
 
 import casingfem as cf

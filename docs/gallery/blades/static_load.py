@@ -25,7 +25,7 @@ axes.set_box_aspect((4, 1, 1.5))
 axes.set(xticks=[0.0, 0.1, 0.2, 0.3], yticks=[-0.01, 0.01], zticks=[0.0, 0.001, 0.002, 0.003])
 
 # %%
-# The deflected strip; all lengths are in metres. Its middle line, beside beam theory:
+# The deflected strip; all lengths are in metres. The next picture compares its middle line with beam theory:
 
 x = np.linspace(0.0, length, 31)
 flap = np.array([bent.at(a, 0.0)[2] for a in x])

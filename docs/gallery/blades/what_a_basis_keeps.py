@@ -3,7 +3,7 @@ What a reduced basis keeps
 ==========================
 
 A few modes have only a part of the compliance of a tip. The residual compliance S adds the rest: the static compliance
-of the basis is that of the blade, whatever the number of modes.
+of the basis is that of the blade for any number of modes.
 """
 
 import matplotlib.pyplot as plt
@@ -23,7 +23,7 @@ blade = cf.Shell(
 figure = figure_shapes(cf.modes(blade, count=3), [0, 1, 2])
 
 # %%
-# The first modes of the blade. The share of the tip's compliance that they have:
+# The first modes of the blade. The next picture has their share of the tip's compliance:
 
 counts = [1, 2, 4, 8]
 carried, whole = [], []

@@ -2,7 +2,7 @@
 A flange is a strip of another thickness
 ========================================
 
-Strips change the wall along the axis. A perfect casing with strips stays perfect, and keeps its fast path: one small
+Strips change the wall along the axis. A perfect casing with strips is still perfect, and is solved fast: one small
 problem for each number of nodal diameters.
 """
 

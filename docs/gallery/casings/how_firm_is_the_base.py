@@ -2,8 +2,8 @@
 From a free edge to a clamp
 ===========================
 
-An elastic edge has springs per length, or a foundation per area (`k_face`, N/m³). Somewhere between soft and stiff the
-frequencies depend on it; outside they do not, and no test can determine it there.
+An elastic edge has springs per length, or a foundation per area (`k_face`, N/m³). Frequencies depend on its stiffness
+only in a middle range. A test cannot determine a stiffness outside this range.
 """
 
 import matplotlib.pyplot as plt

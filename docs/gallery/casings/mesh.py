@@ -2,8 +2,8 @@
 How fine a mesh
 ===============
 
-Elements are of high order: two rows along the meridian and some twenty around give forty modes. The default does that;
-a finer mesh shows what is left to gain.
+Elements are of high order: two rows along the meridian and some twenty around give forty modes. This is the default;
+the picture shows the error of coarser meshes.
 """
 
 import matplotlib.pyplot as plt
@@ -30,7 +30,7 @@ finest = lowest(11)
 figure = figure_shapes(finest, [0, 2, 4])
 
 # %%
-# Three of the eight modes on elements of order 11. The error of lower orders against them:
+# Three of the eight modes on elements of order 11, which are the reference for lower orders:
 
 worst = [np.abs(lowest(order).freq / finest.freq - 1.0).max() for order in orders]
 

@@ -2,8 +2,8 @@
 A defect fixes where the antinodes are
 ======================================
 
-The modes of a perfect casing may be at any angle. A defect fixes it: if the defect turns, the modes
-turn with it.
+The modes of a perfect casing may be at any angle. A defect fixes this angle: if the defect is turned, the modes turn
+with it.
 """
 
 import matplotlib.pyplot as plt

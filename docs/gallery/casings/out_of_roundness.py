@@ -1,9 +1,9 @@
 """
-What contact sees of a radius
-=============================
+Out-of-roundness of a rim in contact
+====================================
 
-A blade meets the rim's deviation from a circle, in metres. `cf.modal.out_of_roundness` takes it from the casing's
-field as terms that a rub reads.
+The gap of a rub contains the rim's deviation from a circle, in metres. `cf.modal.out_of_roundness` computes it from the
+casing's field, as terms for a rub.
 """
 
 import matplotlib.pyplot as plt
@@ -29,7 +29,7 @@ axes.plot(theta, np.full(theta.size, 0.45), color="0.6", linewidth=1)
 axes.set_title("the rim, its deviation drawn 200 times")
 
 # %%
-# 0.04 % of the rim's radius of 0.45 m are 0.18 mm.
+# A deviation of 0.04 % of the rim's radius of 0.45 m is 0.18 mm.
 
 two = next(term for term in terms if term["p"] == 2)
 assert abs(two["cos"] - 4e-4 * 0.45) < 1e-9

@@ -1,9 +1,9 @@
 """
-Casings of a batch
-==================
+Random imperfections
+====================
 
-Where nobody has measured the imperfections, they are drawn: from the size that each harmonic usually has, a median and
-a 90th percentile. The splits of a batch are then a distribution.
+Imperfections that were not measured can be drawn at random. The spectrum has the usual size of each harmonic, by median
+and 90th percentile. The splits of many casings are then a distribution.
 """
 
 import numpy as np

@@ -1,9 +1,9 @@
 """
-Stray points of a survey
-========================
+Outliers of a survey
+====================
 
-A few wrong points bend every harmonic. A plain fit keeps them and warns; a robust one sets aside what contradicts all
-other points, and is marked so.
+A few wrong points change every harmonic. A plain fit uses them and warns; a robust fit leaves out points that
+contradict all others, and lists them.
 """
 
 import warnings
@@ -29,7 +29,7 @@ axes.set_box_aspect((3, 3, 1))
 axes.set_axis_off()
 
 # %%
-# The measured points, their deviation drawn 30 times. Two lie far outside.
+# The measured points with 30 times their deviation. Two points are outliers.
 
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")

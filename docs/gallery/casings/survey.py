@@ -3,7 +3,7 @@ A surveyed radius becomes a field
 =================================
 
 A table of points (angle, height, radius) is fitted by a Fourier series around and a polynomial along the axis. The
-field says up to which harmonic the points resolve it. The survey is SYNTHETIC.
+field has the highest harmonic that the points resolve. The survey is SYNTHETIC.
 """
 
 import matplotlib.pyplot as plt

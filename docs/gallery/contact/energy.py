@@ -1,9 +1,9 @@
 """
-Where the energy goes
-=====================
+The energy budget of a run
+==========================
 
-Every run keeps a ledger: what was there at the start and at the end, and what contact, friction, damping and rotation
-took or gave. What is left over shows how exact the run is.
+Every run has an energy budget: the energy at the start and at the end, and the work of contact, friction, damping and
+rotation. The remainder shows the accuracy of the run.
 """
 
 import matplotlib.pyplot as plt

@@ -1,6 +1,6 @@
 r"""
-A mass on a Hertz contact, a bumper and a law of one's own
-==========================================================
+A mass on a Hertz contact, a bumper and your own law
+====================================================
 
 A ball that touches a flat surface meets the force :math:`F = k\,d^{3/2}` at the depth :math:`d` (Hertz 1881; Johnson,
 Contact Mechanics, 1985, section 4.2). A mass of 2 kg arrives with 1.5 m/s.
@@ -28,8 +28,8 @@ force = hertz.k * depth**1.5
 time = 2.9432 * depth / speed
 
 # %%
-# A bumper is known as a table of depths and forces. The third law is a function of one's own: Hertz's force with a
-# loss that grows with the rate (Hunt and Crossley 1975), so that less comes back than went in.
+# A bumper is known as a table of depths and forces. The third law is a user's function: Hertz's force with a loss that
+# grows with the rate (Hunt and Crossley 1975).
 
 
 def lossy(depth, rate, values):
@@ -57,7 +57,8 @@ over_depth.set(xlabel="depth [mm]", ylabel="force [kN]", xlim=(0.0, None))
 over_time.legend()
 
 # %%
-# Peak and depth agree with the closed form to 1e-4. The two laws without loss give back the whole momentum.
+# Peak and depth agree with the closed form to 1e-4. With the two laws without loss the mass rebounds with its initial
+# speed.
 
 assert abs(results["Hertz"].peak_force[0] / force - 1.0) < 1e-4
 assert abs(results["Hertz"].max_penetration[0] / depth - 1.0) < 1e-4

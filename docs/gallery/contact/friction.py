@@ -2,8 +2,8 @@ r"""
 An oscillator on a rough floor
 ==============================
 
-Sliding friction takes the same from every swing: amplitudes fall by :math:`4\mu N/k` a period, and the mass stops where
-the spring is weaker than friction.
+Sliding friction reduces every swing by the same amount: amplitudes fall by :math:`4\mu N/k` a period. The mass stops
+when the spring force is below the friction force.
 """
 
 import matplotlib.pyplot as plt

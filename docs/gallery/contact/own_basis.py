@@ -1,9 +1,9 @@
 """
-A body from nothing but arrays
-==============================
+A body from arrays
+==================
 
-A modal body is frequencies, damping, what its channels see of each mode, and the compliance of what is left out. Any
-program can make one. Here a mass on a spring bounces on the floor under its own weight.
+A modal body consists of frequencies, damping, the motion of its channels in each mode, and the compliance of the
+omitted modes. Any program can make one. Here a mass on a spring bounces on the floor under its own weight.
 """
 
 import matplotlib.pyplot as plt
@@ -20,7 +20,7 @@ axes.plot(result.time, 1e3 * result.gap[:, 0])
 axes.set(xlabel="time [s]", ylabel="gap [mm]")
 
 # %%
-# It comes back after twice the time of its fall, again and again: the law keeps energy.
+# The mass returns to its height after twice the time of its fall, every time: the law conserves energy.
 
 falls = np.array([start for start, _ in result.merged_intervals()[0]])
 assert np.allclose(np.diff(falls), 2.0 * np.sqrt(2.0 * 0.05 / 9.81), rtol=0.01)

@@ -1,9 +1,9 @@
 r"""
-Two rods that meet
-==================
+Two rods that collide
+=====================
 
 Equal rods meet at v and part after two passages of the wave, 2L/c. In between the force is constant,
-:math:`F = \tfrac12 v \sqrt{E\rho}A`, and everything of the one's motion goes over to the other.
+:math:`F = \tfrac12 v \sqrt{E\rho}A`, and the rods exchange their velocities.
 """
 
 import matplotlib.pyplot as plt

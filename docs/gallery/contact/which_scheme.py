@@ -2,8 +2,8 @@
 One impact, five schemes
 ========================
 
-A bar hits a rigid wall. Schemes differ in how they spend the step at which the contact closes: in energy, in the first
-force, in the noise behind it.
+A bar hits a rigid wall. Schemes differ at the step in which the contact closes: in energy, in the first force, and in
+the oscillation after it.
 """
 
 import matplotlib.pyplot as plt

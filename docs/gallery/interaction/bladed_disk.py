@@ -2,8 +2,8 @@
 The zigzag of a bladed disk
 ===========================
 
-A disk of N blades has nodal diameters up to N/2, and shows higher ones as aliases. Drawn folded, a line for each speed
-crosses what it may meet.
+A disk of N blades has nodal diameters up to N/2, and shows higher ones as aliases. In the folded diagram the line of a
+speed crosses the modes with which it may coincide.
 """
 
 import casingfem as cf
@@ -16,6 +16,7 @@ print(found)
 figure = figure_zzenf(found, disk, speed_hz=174.0)
 
 # %%
-# The pair of four nodal diameters meets the disk's own four, 316 Hz, at (380 + 316)/4 = 174 turns a second.
+# The casing's pair of four nodal diameters, 380 Hz, coincides with that of the disk, 316 Hz, at (380 + 316)/4 = 174
+# turns a second (10,440 rpm).
 
 assert any(abs(meeting.speed_hz - 174.0) < 1e-9 for meeting in found.meetings)

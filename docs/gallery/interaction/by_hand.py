@@ -2,8 +2,8 @@
 The hand calculation
 ====================
 
-One pair of a turning casing against one mode of a fixed blade, held closed by a contact stiffness. Where n f is the sum
-of the two frequencies the contact feeds both: the motion grows, without any friction.
+One pair of a turning casing against one mode of a fixed blade, held closed by a contact stiffness. If n f is the sum of
+the two frequencies, the contact transfers energy to both: the motion grows even without friction.
 """
 
 import numpy as np
@@ -21,9 +21,9 @@ print(found.words)
 figure = figure_stability(found)
 
 # %%
-# Without contact the sum is met at 420/8 = 52.5 Hz. The contact's own stiffness shifts it. First-order theory gives, in
-# rad/s of n times the speed, with c of the casing and b of the blade: a shift of (c + b)/S and half a width of the band
-# of 2 sqrt(bc)/S. The largest growth is sqrt(bc)/S.
+# Without contact the coincidence is at 420/8 = 52.5 Hz (3150 rpm). The stiffness of the contact shifts it. First-order
+# theory gives, in rad/s of n times the speed, with c of the casing and b of the blade: a shift of (c + b)/S and half a
+# width of the band of 2 sqrt(bc)/S. The largest growth is sqrt(bc)/S.
 
 S, c, b = 1e-4, 1.0 / (4.0 * 1.5 * 2.0 * np.pi * 300.0), 1.0 / (0.4 * 2.0 * 2.0 * np.pi * 120.0)
 (band,) = found.bands_hz

@@ -1,6 +1,6 @@
 """
-At which speeds may they meet?
-==============================
+At which speeds can casing and blade interact?
+==============================================
 
 Every speed at which a pair of the casing meets a frequency of the blade, as waves that run with or against the blade:
 f_c + f_b = n f and f_b = f_c - n f.
@@ -21,6 +21,7 @@ print(found)
 figure = figure_campbell(found, [360.0])
 
 # %%
-# The lowest pair has n = 8 and 367.9 Hz: its sum with the blade is met at (367.9 + 360)/8 turns a second.
+# The lowest pair has n = 8 and 367.9 Hz. The coincidence of its sum with the blade is at (367.9 + 360)/8 = 91.0 turns a
+# second (5459 rpm).
 
 assert any(abs(meeting.speed_hz - (modes.freq[0] + 360.0) / 8.0) < 1e-6 for meeting in found.meetings)

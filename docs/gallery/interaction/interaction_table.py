@@ -2,8 +2,8 @@
 The dangerous speeds of a rub
 =============================
 
-Poles of closed contact propose speeds and say which motion grows; runs of the scene decide. The blades turn in a fixed
-casing, as in an engine: waves whose sum is met diverge even without friction.
+Poles of closed contact give candidate speeds and the growing motion; runs of the scene decide. The blades turn in a
+fixed casing, as in an engine: at f_c + f_b = n f the motion grows even without friction.
 """
 
 import tempfile
@@ -48,16 +48,16 @@ print(found)
 figure = figure_interactions(found)
 
 # %%
-# In the worst range a wave grows that travels with the blade. In the run contact opens, and the motion grows more
-# slowly than closed contact says.
+# In the worst range a wave grows that travels with the blade. In the run the contact opens, and the motion grows more
+# slowly than with closed contact.
 
 worst = found.rows[0]
 assert (worst.at.verdict, worst.wave) == ("unstable", "with")
 assert 0.0 < worst.at.growth < worst.at.closed
 
 # %%
-# On a rig that turns the casing before a fixed blade, Coriolis forces keep every wave ahead of the blade: the sum is
-# never met (:doc:`theory </theory/interaction>`).
+# On a rig whose casing turns in front of a fixed blade, Coriolis forces make every wave faster than the blade: this
+# coincidence does not occur (:doc:`theory </theory/interaction>`).
 
 rig = ct.stability.peaks(replace(rub, turning="casing"), np.linspace(60.0, 220.0, 161), mu=0.1)
 assert max([row.growth for row in rig.rows], default=0.0) < 0.5 * worst.at.closed

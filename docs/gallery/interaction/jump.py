@@ -1,9 +1,9 @@
 """
-A jump before stops
-===================
+A jump of a mass between stops
+==============================
 
-A driven mass between soft stops has two motions at one frequency. Following the periodic motions shows where the large
-one ends, in a fold; a run in time would only jump.
+A driven mass between soft stops has two motions at one frequency. The continuation of the periodic motions shows that
+the large one ends in a fold; a run in time would only jump there.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Many runs at once
 =================
 
-Runs of one kind go eight at a time through the processor, each as if it were alone. Here a clearance is varied, and the
-number of contacts a turn.
+Eight runs of the same kind are computed at a time; each has the result of a single run. This example varies the
+clearance, which changes the number of contacts a turn.
 """
 
 import tempfile

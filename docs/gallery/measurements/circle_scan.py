@@ -1,10 +1,10 @@
 r"""
-A laser spot that runs round a casing
-=====================================
+A laser spot that moves around a casing
+=======================================
 
-A spot that turns at a rate W sees :math:`\cos n\theta \cos\omega t` as two lines at :math:`\omega \pm nW`. Equal lines
-mean a standing wave; their difference is what travels. A casing driven at the frequency of one member of a pair moves a
-little in the other one too, a quarter of a period late: some of the wave travels. The record is SYNTHETIC.
+A spot that rotates at a rate W measures :math:`\cos n\theta \cos\omega t` as two lines at :math:`\omega \pm nW`. Equal
+lines mean a standing wave; their difference is the travelling part. A casing driven at the frequency of one member of a
+pair moves a little in the other one too, a quarter of a period late: some of the wave travels. The record is SYNTHETIC.
 """
 
 import casingfem as cf

@@ -2,8 +2,8 @@
 A hammer test on the virtual rig
 ================================
 
-The rig makes what a test would measure: here forces of a hammer and what two accelerometers see, in blocks, from rest.
-All of it is SYNTHETIC, and states it.
+The rig makes the data of a test: the force of a hammer and the signals of two accelerometers, in blocks, from rest. All
+data are marked SYNTHETIC.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +26,7 @@ modes = cf.modes(casing, count=8)
 figure = figure_shapes(modes, [0, 2, 4])
 
 # %%
-# Modes of the casing that is struck. The force, and the response at the second place:
+# Modes of the casing that is struck. The force, and the response at the second point:
 
 bench = rig.rig_of(modes, places, zeta=0.01)
 hammer = rig.Impact(peak=200.0, width=3e-4)  # N, s

@@ -2,8 +2,8 @@
 Modes in frequency responses
 ============================
 
-Poles are sought with more and more of them; what stays is a mode. Each has its uncertainty, nodal diameters and
-orientation. The responses are SYNTHETIC.
+Poles are computed for increasing model orders; a pole that recurs is a mode. Each mode has its uncertainty, nodal
+diameters and orientation. The responses are SYNTHETIC.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ modes = cf.modes(casing, count=8)
 figure = figure_shapes(modes, [0, 1])
 
 # %%
-# The two modes in the band. They are found again from noisy responses:
+# The two modes in the band. They are identified from noisy responses:
 
 bench = rig.rig_of(modes, [rig.Place(at=(0.25, 0.3)), *rig.circle(0.25, 16)], zeta=0.002)
 low, high = modes.freq[0] - 60.0, modes.freq[1] + 60.0

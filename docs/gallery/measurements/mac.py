@@ -1,9 +1,9 @@
 """
-Measured shapes beside computed ones
-====================================
+Measured shapes compared with computed ones
+===========================================
 
 The modal assurance criterion compares every measured shape with every computed one. Members of a nearly perfect pair
-mix, and only the pair together compares. The shapes are SYNTHETIC: those of a slightly different casing.
+mix, so that only the pair as a whole can be compared. The shapes are SYNTHETIC: those of a slightly different casing.
 """
 
 from dataclasses import replace
@@ -28,7 +28,7 @@ truth = cf.modes(real, count=6)
 figure = figure_shapes(truth, [0, 2, 4])
 
 # %%
-# The shapes that are measured, at 24 places of the rim:
+# The shapes that are measured at 24 points of the rim:
 
 bench = rig.rig_of(truth, rig.circle(0.25, 24), zeta=0.002)
 points = np.array([probe.point for probe in bench.probes])

@@ -2,8 +2,8 @@
 A wrong row is found
 ====================
 
-One frequency of a table is off by 3 %. No set of parameters explains it together with all the others: the row is set
-aside and named. The table is SYNTHETIC.
+One frequency of a table is off by 3 %. No set of parameters explains it together with all other rows: the update leaves
+the row out and names it. The table is SYNTHETIC.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 Fit a blade to a measured table
 ===============================
 
-The fan blade of Olson and Lindberg: seven MEASURED frequencies, three unknowns with what is known of them beforehand.
+The fan blade of Olson and Lindberg: seven MEASURED frequencies, and three parameters with prior knowledge.
 """
 
 import casingfem as cf

@@ -2,8 +2,8 @@
 Which bolt is loose?
 ====================
 
-A loose bolt shifts and splits pairs. The fewest changes that explain a table are sought, and what it does not determine
-apart is named. The table is SYNTHETIC.
+A loose bolt shifts and splits pairs. The search finds the fewest changes that explain a table, and lists bolts that the
+table cannot distinguish. The table is SYNTHETIC.
 """
 
 import numpy as np
@@ -45,7 +45,7 @@ print(found)
 figure = figure_located(found)
 
 # %%
-# Bolt 4, or the one opposite: turned by half a turn, a casing has the same frequencies and orientations.
+# The result is bolt 4, or the opposite one: after half a turn a casing has the same frequencies and orientations.
 
 assert found.found[0].place in (4, 10)
 assert abs(found.found[0].value - 0.3) < 0.1

@@ -2,8 +2,8 @@
 Parameters that the data cannot separate
 ========================================
 
-Frequencies determine E/ρ, not E and ρ. An update of both shows it: their correlation is 1, and the direction in which
-nothing changes is named. The table is SYNTHETIC.
+Frequencies determine E/ρ, not E and ρ. An update of both shows this: their correlation is 1, and the result names the
+combination that changes no frequency. The table is SYNTHETIC.
 """
 
 import casingfem as cf
