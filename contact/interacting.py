@@ -37,7 +37,7 @@ from contact.stability.rotor import rotor_peaks
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
-AROUND, STEPS = 2.0, 200  # times the scene's highest speed, in so many steps, where no range is stated
+AROUND, STEPS = 2.0, 200  # without a stated range: its end in the scene's highest speeds; its number of steps
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

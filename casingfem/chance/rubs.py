@@ -90,7 +90,7 @@ def group_file(folder: Path, draws: list[int]) -> Path:
 
 
 def head_of(found: Chance, draws: list[int]) -> dict[str, Any]:
-    """What a stored group belongs to."""
+    """Head of the file of a stored group: its draws and the turns of a run."""
     return {"draws": draws, "turns": found.drawn.given.table.turns}
 
 

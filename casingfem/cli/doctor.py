@@ -82,7 +82,7 @@ def numba_compiles() -> dict[str, object]:
 
         compiled: Any = njit(total)
         right = compiled(5) == 10.0
-    except Exception as error:  # whatever a broken compiler raises is the finding
+    except Exception as error:  # any error of a broken compiler is a finding
         return {"compiles": False, "why": f"{type(error).__name__}: {error}"}
     return {"compiles": right, "seconds": time.perf_counter() - started}
 

@@ -84,7 +84,7 @@ def read(path: str, module: str, function: str, seconds: str, memory: str) -> No
 def hand_over(path: str, module: str, function: str, seconds: str, memory: str) -> None:
     """Call the reader within limits and write its result to standard output (in the child)."""
     stream = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever a library prints goes elsewhere
+    os.dup2(2, 1)  # a library may print: its text goes to standard error
     call = bounded(module, function, seconds, memory)
     code = give(stream, call, Path(path))
     stream.close()
@@ -110,7 +110,7 @@ def give(stream: IO[bytes], call: Callable[[Path], Mapping[str, Any]], path: Pat
             raise TypeError(f"{odd[0]} is no array of numbers")
     except MemoryError:
         return 1
-    except Exception as error:  # whatever it trips over is a malformed file
+    except Exception as error:  # any error of the reader means a malformed file
         np.save(stream, np.array([str(error) or type(error).__name__, "raised"]))
         return REFUSED
     np.save(stream, np.array([*arrays, "read"]))

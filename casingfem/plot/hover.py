@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
 
-MOST = 400  # values of one line; of a longer one every so many
+MOST = 400  # values of one line; a longer line is thinned evenly
 CELLS = 4000  # of a map; larger ones show none
 Series = dict[str, Any]
 

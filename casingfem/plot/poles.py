@@ -9,7 +9,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.plot.identify import indicator
 from casingfem.plot.page import Picture, coded, island, packed
 
-MOST_LINES = 3000  # of a curve: of more, the largest of every so many
+MOST_LINES = 3000  # of a curve; a longer one shows the largest value of each group of lines
 MOST_VALUES = 400_000  # lines times channels
 TINY = 1e-300
 

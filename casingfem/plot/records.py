@@ -7,7 +7,7 @@ from casingfem.experiment.frf.records.estimated import Estimate
 from casingfem.plot.experiment import figure_responses, say_synthetic
 from casingfem.plot.style import AFTER, BEFORE, MEASURED, PERFECT, new_figure, styled
 
-MOST_SAMPLES = 4000  # of a curve: more are drawn by the extremes of so many parts
+MOST_SAMPLES = 4000  # of a curve; a longer one is drawn by the extremes of its parts
 PULSE = 8.0  # widths of a pulse that the picture of the force shows
 
 

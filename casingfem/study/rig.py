@@ -21,7 +21,7 @@ from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable, RigTable, ScanTable, SensorTable
 
-NOISE, SCAN, DAMPING = 1, 2, 3  # added to the seed: what is random is so by itself
+NOISE, SCAN, DAMPING = 1, 2, 3  # added to the seed, so that each random part is independent of the others
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,7 +26,7 @@ from casingfem.modal.mode_set import ModeSet
 from casingfem.updating.targets import has_angle, is_doublet, values
 
 LEVEL = 0.01  # chance of a false alarm in a table without wrong rows
-SHARE = 5  # one row of so many may be wrong
+SHARE = 5  # rows of the table for each row that may be wrong
 STEP = 1e-6  # relative, or in degrees: of the differences that give u_r, which is all but constant
 FREE = 3  # degrees of freedom that must be left
 Kind = Literal["frequency", "split", "orientation"]

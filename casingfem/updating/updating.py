@@ -31,8 +31,8 @@ from casingfem.updating.solve import WAYS, covariance, require_enough, solve, so
 from casingfem.updating.targets import with_model_error
 from contact.io.notebook import notebook_progress
 
-FAR = 6  # modes below the highest row, to each row, from which the table's unit is doubted
-MOST_MODES = 500  # and so many in all are not computed unless they are asked for: each fit would take minutes
+FAR = 6  # modes below the highest row for each row: from this ratio on, the table's unit may be wrong
+MOST_MODES = 500  # more modes are computed only on request: each fit would take minutes
 LOOKS = 5  # rounds in which rows may be set aside or taken back
 
 

@@ -18,7 +18,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from contact.io.notebook import in_notebook
 
-LONG = 2.0  # seconds until it is said
+LONG = 2.0  # seconds of compilation until the line is printed
 WORDS = "compiling the loops of this run for this processor; kept on disk, so that the next run starts at once"
 
 listener: Any = event.Listener

@@ -31,7 +31,7 @@ from contact.result import Result
 from contact.run_many import Outcome
 from contact.sweep.columns import COLUMNS
 
-STATES = 256  # about so many states are stored for the amplitudes
+STATES = 256  # approximate number of states stored for the amplitudes
 FORMAT = "contact-run-3"
 Row = dict[str, Any]
 

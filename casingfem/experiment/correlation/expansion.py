@@ -22,7 +22,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
 
-WORST = 100.0  # condition number above which modes are left out when nobody chose them
+WORST = 100.0  # condition number above which modes are left out, unless the caller named the modes
 CHANNELS = 1e-10  # least ratio of the static compliance's eigenvalues: channels that are no repetition of others
 
 

@@ -23,7 +23,7 @@ OPPOSES, SILENT = -0.6, 0.4  # correlation over the modes with the other sensors
 OTHERS, AS_OTHER = 0.9, 0.6  # of two exchanged sensors: most correlation with their own place, least with the other's
 GAIN = 0.1  # least gain of their exchange
 SCALE = 2.0  # ratio to the other sensors, or its inverse, beyond which a sensor is named
-CLEAR = 1.2  # a mode with a misfit above so many medians is not used
+CLEAR = 1.2  # a mode whose misfit exceeds this number of medians is not used
 STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; relative deviation that counts as zero
 
 

@@ -1,4 +1,4 @@
-"""What the responses show before any fit: noise, visible peaks, the duration of the ringing."""
+"""Properties of the responses before any fit: noise, visible peaks, the duration of the ringing."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from casingfem.experiment.identify.shared_shape import Member, Shapes
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-UNLIKE = 2.5  # a mode whose spread over the set-ups is so many times the usual one may be two
+UNLIKE = 2.5  # a mode whose spread over the set-ups exceeds the usual one by this factor may be two modes
 LOOKS = 2  # searches for modes that a set-up lacks
 EXPECTED = 0.02  # probability that noise adds a pole that other set-ups predict
 OPEN = 0.4  # largest deviation of such a pole's frequency in bandwidths, and of its ln zeta

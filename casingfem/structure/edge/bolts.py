@@ -69,7 +69,7 @@ class Bolts:
 
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
-    uniform: ClassVar[bool] = False  # they act at places
+    uniform: ClassVar[bool] = False  # bolts act at separate angles
 
     __repr__ = brief
 

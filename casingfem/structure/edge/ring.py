@@ -118,7 +118,7 @@ class Ring:
                 return replace(self, material=replace(self.material, **changes))
         if isinstance(self.support, Numbered):
             return replace(self, support=self.support.with_number(path, value))
-        held: Any = self.support  # the protocol is no dataclass; `replace` refuses what is none
+        held: Any = self.support  # `replace` refuses a support that is no dataclass
         return replace(self, support=replace(held, **changes))
 
 
@@ -164,14 +164,14 @@ class Stiffener:
     def __post_init__(self) -> None:
         if not np.isfinite(self.at):
             raise ModelError("stiffener-place", f"stiffener.at: found {self.at!r}")
-        if not isinstance(self.offset, tuple | list):  # a ring on an edge may leave it out
+        if not isinstance(self.offset, tuple | list):  # optional only for a ring on an edge
             raise ModelError("ring-offset", f"stiffener.offset: found {self.offset!r}")
-        _ = self.ring  # refuses what is no pair of lengths
+        _ = self.ring  # refuses an offset that is not a pair of lengths
 
     @property
     def ring(self) -> Ring:
         """The beam, with the shear factor of a rectangle fixed at its root."""
-        free = Ring(section=self.section, material=self.material, offset=self.offset)  # refuses what is no offset
+        free = Ring(section=self.section, material=self.material, offset=self.offset)  # refuses an invalid offset
         arm = float(np.real(abs(self.offset[0]) - 0.5 * self.section.width))
         return replace(free, section=held_at_root(self.section, arm))
 

@@ -7,7 +7,7 @@ import numpy as np
 from casingfem.io.arrays import Array
 
 Outside: TypeAlias = Literal["fit", "nearest", "zero"]
-FADE = 0.25  # of the measured heights: over what length a field goes down to zero
+FADE = 0.25  # of the measured heights: length over which a field decreases to zero
 
 
 class Reach(NamedTuple):

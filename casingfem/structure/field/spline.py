@@ -99,6 +99,6 @@ def _curves(basis: Spline) -> tuple[BSpline, FloatArray]:
         return curves, np.eye(count)
     mixing = np.eye(count)[:, 1:-1]
     for end, row, place in ((0, 0, inner[0]), (-1, count - 1, inner[-1])):
-        bend = curves(place, 2)  # of the coefficients: what must vanish fixes the one at the end
+        bend = curves(place, 2)  # the curvature vanishes there, which determines the coefficient at the end
         mixing[row] = -bend[1:-1] / bend[end]
     return curves, mixing

@@ -15,7 +15,7 @@ from casingfem.structure.geometry.revolved import Revolved, RevolvedPanel
 
 ALIKE = 0.1  # a survey's mean and the nominal radius or thickness may differ by this part
 MOST = 0.5  # of the shell's height: a survey over less needs a rule for the rest
-WHOLE = 0.9  # of the shell's height: what a survey covers that must leave nothing out
+WHOLE = 0.9  # of the shell's height: least part that a survey must cover if the rule is to refuse gaps
 Outside = Literal["fit", "nearest", "zero", "refuse"]
 
 

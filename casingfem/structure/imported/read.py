@@ -107,7 +107,7 @@ def from_meshio(file: Path, module: str) -> Any:
         return getattr(meshio, module).read(file)
     except OSError:
         raise
-    except Exception as error:  # whatever it trips over is a malformed file
+    except Exception as error:  # any error of the reader means a malformed file
         what = str(error) or type(error).__name__
         raise ModelError("mesh-file", f"{file.name}: cannot be read ({what})") from None
 

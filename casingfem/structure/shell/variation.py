@@ -72,17 +72,20 @@ MANY = 30  # stretches between the ends of strips: more of them are too short fo
 def default_mesh(shell: ShellParts) -> ShellMesh:
     """The mesh used when none is given; `python -m reports.verification.modes.frustum` measures the choice.
 
-    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h); 17 if
-    something varies around, so that rotating it changes no frequency by more than about 1e-10 and symmetric pairs are
-    not split (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves, without harmonics below
-    2 % of their largest. The number is odd, since even ones are less accurate for rotated fields; if springs vary, it
-    is a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear layer
-    of an edge without support (free, on springs, bolts or a ring), about 2 t wide, gets a separate row; the rest is
-    divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an element line at each
-    of their ends or places, and each interval between them is divided separately; if there are many, the order is
-    reduced. Lengths are those of the surface in metres, whatever the chart's parameters are; if the second one is not
-    proportional to length, the number of elements increases by the ratio of the longest to the mean element. With bolts
-    the number is a multiple of theirs, which preserves symmetric pairs, at 8 nodes per wave if nothing else varies.
+    Around a casing there are 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as
+    .46 R/sqrt(t h). If something varies around, there are 17. Its rotation then changes no frequency by more than about
+    1e-10, and symmetric pairs are not split (`reports.verification.splitting`). Fields get 14 nodes a wave, without
+    harmonics below 2 % of their largest. The number of elements is odd, since even ones are less accurate for rotated
+    fields. If springs vary, it is a multiple of the common period if that exceeds twice those nodal diameters. With
+    bolts it is a multiple of theirs, which preserves symmetric pairs, at 8 nodes a wave if nothing else varies.
+
+    Along the meridian the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide,
+    gets a separate row. The rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and
+    stiffeners put an element line at each of their ends or places, and each interval between them is divided
+    separately. If there are many, the order is reduced.
+
+    Lengths are those of the surface in metres, independent of the chart's parameters. If the second parameter is not
+    proportional to length, the number of elements increases by the ratio of the longest to the mean element.
     """
     (a0, a1), _ = np.real(shell.chart.bounds)
     t, lengths = shell.thinnest, chart_lengths(shell.chart)

@@ -1,7 +1,7 @@
-"""Tables of tasks: modes, an update, a reduction; and the whole of study.toml.
+"""Tables of tasks (modes, an update, a reduction) and the whole of study.toml.
 
-Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED` names those
-that the study of a shell on a chart needs; one of an imported mesh needs the first.
+Every table may be missing here, so that one bad table does not hide the problems of the others. `REQUIRED` names the
+tables that the study of a shell on a chart needs. The study of an imported mesh needs only the first of them.
 """
 
 from typing import Annotated, Any, Literal, Self, TypedDict

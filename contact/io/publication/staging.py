@@ -24,7 +24,7 @@ from contact.io.publication.manifest import (
 )  # fmt: skip
 
 PROCESSES = Path("/proc")  # of Linux
-ABANDONED = 86_400.0  # s: whatever the machine, nobody writes one file for a day
+ABANDONED = 86_400.0  # s: no machine takes a day to write one file
 HALF = ("manifest.part", "manifest.copy")  # of a manifest on its way
 LONGEST = 100  # bytes of a name that the name of its part repeats
 

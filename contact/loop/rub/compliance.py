@@ -43,7 +43,7 @@ def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
 
 @jit_inside
 def row_of_few(w: Work, side: int, j: int, first: int) -> int:
-    """Where entry `first` of the S of tip j stands, at t_n or before."""
+    """Row of entry `first` of the S of tip j, at t_n or before."""
     at: int = (side * w.S.shape[1] + j) * w.S.shape[2] + first
     return at
 

@@ -23,8 +23,8 @@ def motion_limits(radius: float, thickness: float) -> Array:
     Two thresholds of the deflection.
 
     Deflections below WATCHED are not computed; the value reached is then 0. The deflection of every LOOK-th step
-    decides whether a run ends, whatever is stored. LARGEST includes these and all stored states. If `thickness` is 0 or
-    infinite (unknown), both limits are a tenth of the radius.
+    decides whether a run ends, independently of the stored states. LARGEST includes these and all stored states. If
+    `thickness` is 0 or infinite (unknown), both limits are a tenth of the radius.
 
     >>> motion_limits(0.5, 3e-3).tolist(), motion_limits(0.5, 0.0).tolist()
     ([0.0015, 0.05, 0.0, 0.0, 0.0015, 0.0], [0.05, 0.05, 0.0, 0.0, 0.05, 0.0])

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import RubState, Solver, Work
 
 FEW = 32  # directions of all tips, up to which S between them is a table by the angle
-SEVERAL = 12  # tips: so many are seen by waves where W is interpolated; of fewer, rows of their own take less time
+SEVERAL = 12  # tips from which waves represent an interpolated W; for fewer tips, separate rows take less time
 NO_CELL = 0.0, readonly(np.zeros((0, 1, 0, 1)))
 
 

@@ -19,7 +19,7 @@ from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 LOBES = 1e-8  # of the largest power: ten times the side lobes of the window
 WIDEST = 4.0  # lines: half-power width of the window's main lobe, and more
 NORMAL = 2.0  # least standard deviations of the power of a peak
-EMPTY = 6  # a band wider than so many times the lines around its peaks is divided
+EMPTY = 6  # a band wider than this number of times the lines around its peaks is divided
 MARGIN = 1.3  # widening of a band at each end, in edges of its filter
 
 

@@ -18,7 +18,7 @@ from scipy.linalg import qr
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 BLOCKS = 20  # of a record, whose scatter gives the uncertainty
-REFERENCES, ALL = 4, 6  # sensors taken as references; all sensors, if so many or fewer
+REFERENCES, ALL = 4, 6  # number of reference sensors; number of sensors up to which all are references
 EDGE = 0.12  # of a band, over which its filter rises and falls
 SKIPPED = 8  # lags that the filter's ends reach: one over EDGE
 

@@ -78,7 +78,7 @@ def rough_axis(points: SurveyPoints) -> Axis:
     return Axis(complex(*found[:2]), tilt, float(points.z[0] - high[0]))
 
 
-Fit = Callable[[SurveyPoints, bool], SurveyFit]  # of points; whether stray ones are searched for
+Fit = Callable[[SurveyPoints, bool], SurveyFit]  # arguments: points, whether to search for stray ones
 
 
 def centred_points(points: SurveyPoints, fitted: Fit) -> tuple[SurveyPoints, Axis]:

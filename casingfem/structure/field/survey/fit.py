@@ -14,8 +14,8 @@ from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.stray import least_squares, robust_weights, stray_points
 
 _MOST_HARMONICS = 40
-_MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default
-_WORST_CONDITION = 100.0  # noise is amplified by no more than this
+_MARGIN = 0.8  # default of a fit: part of the Nyquist harmonic, and of the number of points
+_WORST_CONDITION = 100.0  # largest amplification of noise
 _WIDEST_GAP_DEG = 90.0
 _MOST_NUMBERS = 5e8  # of points times unknowns: 4 GB, and as much again for a weighted copy
 _LEAST_KEPT = 0.7  # of the points: what a robust fit must keep

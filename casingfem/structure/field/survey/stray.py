@@ -12,7 +12,7 @@ from scipy.special import stdtr, stdtrit
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 from casingfem.structure.field.survey.points import SurveyPoints
 
-HUBER = 0.05  # in standard deviations: so small that Huber's loss is all but |r|, which a third of outliers cannot move
+HUBER = 0.05  # in standard deviations: nearly the loss |r|, which a third of outliers cannot shift
 BISQUARE = 4.685  # in standard deviations: 95 % efficient on Gaussian noise
 NORMAL = 1.4826  # standard deviation over median absolute deviation, Gaussian
 EXACT = 1e-12  # relative: residuals below this are round-off
@@ -80,7 +80,7 @@ def pure_error(points: SurveyPoints) -> tuple[float | None, int]:
 
 LEVEL = 0.01  # chance of a false alarm in a survey without stray points
 SHARE = 0.1  # of the points at most
-SEARCHED = 2000  # points: of more, a search for one after the other takes minutes
+SEARCHED = 2000  # points: a search one by one among more would take minutes
 FREE = 5  # degrees of freedom that must be left
 SURE = 5.0  # standard deviations: of what two passes differ by
 FEW = 12  # places measured twice, below which nothing is stated

@@ -40,7 +40,7 @@ class Bulk:
 
 
 def read_bulk(paths: Sequence[Path]) -> Bulk:
-    """The cards of all files together, whatever their order.
+    """The cards of all files together, in any order.
 
     Raises
     ------

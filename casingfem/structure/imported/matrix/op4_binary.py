@@ -29,7 +29,7 @@ class Layout(NamedTuple):
         return numbers
 
     def real(self, words: int) -> Any:
-        """Type of a real number that takes so many four-byte words."""
+        """Type of a real number of this many four-byte words."""
         return f"{self.order}f{max(4 * words, self.word)}"
 
 
