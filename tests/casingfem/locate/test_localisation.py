@@ -125,7 +125,9 @@ def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose, table
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("loose", "places"), [({5: 0.3}, 12), ({2: 0.3, 5: 0.6}, 24)])
+@pytest.mark.parametrize(
+    ("loose", "places"), [pytest.param({5: 0.3}, 12, marks=pytest.mark.campaign), ({2: 0.3, 5: 0.6}, 24)]
+)
 def test_without_orientations_all_turns_and_mirror_images_are_listed(casing, model, loose, places, table_with):
     table = replace(table_with(loose), angle_deg=np.full(len(table_with(loose)), np.nan))
     found = cf.locate(casing, table, model=model)
