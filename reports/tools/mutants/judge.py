@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reports.tables import ROOT
@@ -13,6 +13,7 @@ from reports.tools.mutants.draw import Mutant
 from reports.tools.mutants.inside_pytest import JOB, Job, Line
 
 RECORDED = "executed.json"
+PATIENCE = 3.0  # on a busy machine, whose cores and caches others use too, a processor second does a third of the work
 NOT_COPIED = shutil.ignore_patterns(
     ".git", ".venv", "__pycache__", ".*_cache", ".hypothesis", "*.egg-info", "out", "build", "dist"
 )  # fmt: skip
@@ -24,7 +25,7 @@ class Limits:
 
     Without a record of executed functions, the `files` nearest files are used; else the `nearest` and up to `running`
     files that run the changed function. A changed compiled loop may take `compiling` seconds more in each test, because
-    tests compile it again.
+    tests compile it again. Tests that these limits leave out of a survivor run once more with `PATIENCE` times as much.
     """
 
     budget: float = 180.0
@@ -34,6 +35,10 @@ class Limits:
     nearest: int = 4
     running: int = 48
     compiling: float = 100.0
+
+    def patient(self) -> "Limits":
+        """Limits of the second run of a survivor."""
+        return replace(self, budget=PATIENCE * self.budget, share=PATIENCE * self.share, test=PATIENCE * self.test)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +111,19 @@ class Tree:
             return job.lines(), process.returncode, output.read().decode("utf-8", errors="replace")
 
     def judge(self, mutant: Mutant, tests: Sequence[str], limits: Limits) -> Verdict:
-        """Whether tests kill a mutant; no tests kill none."""
+        """Whether tests kill a mutant; no tests kill none. Tests left out of a survivor run again with more time."""
         if not tests:
             return verdict([], 0, "")
         changed = self.copy / mutant.file
         changed.write_text(mutant.source((self.root / mutant.file).read_text("utf-8")), encoding="utf-8")
         try:
-            return verdict(*self.run(tests, limits))
+            lines, ended, said = self.run(tests, limits)
+            found = verdict(lines, ended, said)
+            waiting = list(dict.fromkeys(test.partition("[")[0] for outcome, test in lines if outcome == "left out"))
+            if found.killed or not waiting:
+                return found
+            later = verdict(*self.run(waiting, limits.patient()))
+            return replace(later, ran=list(dict.fromkeys([*found.ran, *later.ran])))
         finally:
             # with its date, at which the cache of compiled loops looks
             shutil.copy2(self.root / mutant.file, changed)

@@ -299,6 +299,17 @@ def test_time_that_is_spent_leaves_tests_out(campaign: Campaign) -> None:
     assert [(one["killed"], one["ran"], one["left_out"]) for one in kept] == [(False, [], 3)]
 
 
+@pytest.mark.slow
+def test_tests_left_out_of_a_survivor_run_again_with_more_time(campaign: Campaign, monkeypatch) -> None:
+    (campaign.root / "tests/test_module.py").write_text(ONE.replace("== 7", "== 2"), encoding="utf-8")
+    monkeypatch.setattr("reports.tools.mutants.judge.PATIENCE", 1e9)
+    tree = campaign.trees[0]
+    tree.refresh()
+    (faulty,) = (one for one in campaign.mutants() if one.after == "return x - 1")
+    found = tree.judge(faulty, ["tests/test_module.py::test_unseen"], Limits(budget=1e-6))
+    assert (found.killed, found.by, found.left_out) == (True, "tests/test_module.py::test_unseen", 0)
+
+
 def test_what_a_run_states_of_a_mutant() -> None:
     assert verdict([("passed", "a"), ("begun", "b")], -11, "").how == "ended the process"
     assert verdict([], 2, "errors during collection").killed
