@@ -20,7 +20,7 @@ from casingfem.structure.mesh.kinematics import dot, frame
 from casingfem.structure.mesh.shell_mesh import QUAD, quads
 
 EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
-PHASES = 16  # pictures in one period
+PHASES = 16  # pictures in one period, those of its second half the first ones backwards
 FRAMES = 100  # pictures of a run, about
 VERTEX = 1  # VTK's number of a point as a cell
 
@@ -78,44 +78,30 @@ def drawn_surface(modes: Modes) -> Drawn:
     return Drawn(points, cells, QUAD, sides, rows, rows + 1, pointing, np.real(geometry.thickness))
 
 
-def mode_files(
-    modes: Modes | MeshModes,
-    which: Sequence[int] | None = None,
-    *,
-    phases: int = PHASES,
-    exaggeration: float = EXAGGERATION,
-) -> dict[str, bytes]:
+def mode_files(modes: Modes | MeshModes, which: Sequence[int] | None = None) -> dict[str, bytes]:
     """Files by name: for each mode k `mode_k.vtu`, and `mode_k.vtkhdf` with its animated deformed surfaces.
 
     The VTU is undeformed. Its points have `displacement` (3 components, mass-normalised, kg^-1/2), on a chart also
     `normal_displacement` (outward positive) and `thickness` [m]; freq_hz is field data. The series moves the points,
 
-        x(t) = X + a cos(2 pi t) u,   a max|u| = exaggeration * diagonal,   t = 0, 1/phases, ...
+        x(t) = X + a cos(2 pi t) u,   a max|u| = EXAGGERATION * diagonal,   t = 0, 1/PHASES, ...
 
     Parameters
     ----------
     which
         Indices into the modes, by default all.
-    phases
-        Even number of pictures in a period; those of the second half repeat the first half backwards.
-    exaggeration
-        Largest displacement drawn, as a part of the structure's diagonal.
 
     Raises
     ------
     ValueError
-        The number of phases is odd or too small, the exaggeration is not positive, or a mode does not exist.
+        A mode does not exist.
     MissingExtraError
         h5py is not installed.
     """
-    if phases < 4 or phases % 2:
-        raise ValueError(f"phases must be an even number of at least 4, found {phases}")
-    if not (np.isfinite(exaggeration) and exaggeration > 0.0):
-        raise ValueError(f"exaggeration must be positive, found {exaggeration!r}")
     chosen, surface = chosen_modes(modes, which), drawn(modes)
     files: dict[str, bytes] = {}
     for mode in chosen:
-        files |= one_mode(modes, mode, surface, phases, exaggeration)
+        files |= one_mode(modes, mode, surface)
     return files
 
 
@@ -128,23 +114,23 @@ def chosen_modes(modes: Modes | MeshModes, which: Sequence[int] | None) -> Seque
     return chosen
 
 
-def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, exaggeration: float) -> dict[str, bytes]:
+def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn) -> dict[str, bytes]:
     """The VTU of one mode, and the file with its animation."""
     shape = modes.fields[surface.rows, :3, mode]
     facts = {"freq_hz": modes.freq[[mode]], "nodal_diameters": modes.nodal_diameters[[mode]].astype(np.int64)}
     name = f"mode_{mode + 1:03d}"
     diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
-    largest = exaggeration * diagonal / float(np.linalg.norm(shape, axis=1).max())
-    parts = [np.cos(2.0 * np.pi * k / phases) for k in range(phases // 2 + 1)]
+    largest = EXAGGERATION * diagonal / float(np.linalg.norm(shape, axis=1).max())
+    parts = [np.cos(2.0 * np.pi * k / PHASES) for k in range(PHASES // 2 + 1)]
     each = [point_data(surface, part * shape) for part in parts]
     played = series_file(
-        np.arange(phases) / phases,
+        np.arange(PHASES) / PHASES,
         np.array([surface.points + largest * part * shape for part in parts]),
         surface.cells,
         surface.kind,
         {key: np.array([data[key] for data in each]) for key in each[0]},
         {key: float(values[0]) for key, values in facts.items()},
-        order=[min(k, phases - k) for k in range(phases)],
+        order=[min(k, PHASES - k) for k in range(PHASES)],
     )
     at_rest = vtu(surface.points, surface.cells, point_data(surface, shape), facts, surface.kind)
     return {f"{name}.vtu": at_rest, f"{name}{ENDING}": played}

@@ -87,6 +87,12 @@ def test_whirl_and_what_closes_the_gap_are_compared_with_step_and_end():
     assert codes(rub(speed=speed, whirl=[ct.gaps.Whirl(amplitude=1e-5, per_rev=1.0)])) == []
     with pytest.raises(ct.LimitError, match=r"whirl\[1\] = 20005 Hz has 2\.5 steps a period"):
         ct.run(rub(speed=speed, whirl=[ct.gaps.Whirl(amplitude=1e-5, per_rev=1.0, hz=20000.0)]))
+    steady = rub(speed=speed)
+    steady = replace(steady, what=replace(steady.what, casing=replace(ring(), participation=np.ones((3, 10)))))
+    for per_rev, hz in ((-1.0, -20000.0), (1.0, 20000.0)):
+        shaken = ct.gaps.BodyForce(on="casing", acceleration=1.0, per_rev=per_rev, hz=hz)
+        with pytest.raises(ct.LimitError, match=r"a force on casing = 20005 Hz has 2\.5 steps a period"):
+            ct.run(replace(steady, what=replace(steady.what, forces=[shaken])))
     assert codes(rub(speed=speed, closing=closing.exponential(1e-4, 0.05))) == []
     with pytest.raises(ct.LimitError, match=r"closing = a change of 0\.0001 m within .* makes a step 2 time constants"):
         ct.run(rub(speed=speed, closing=closing.exponential(1e-4, 1e-5)))

@@ -229,3 +229,18 @@ def test_instants_are_the_nearest_steps_of_the_run():
         ct.Record(**inside)
         with pytest.raises(ct.InputError, match="found"):
             ct.Record(**outside)
+
+
+@pytest.mark.parametrize(
+    ("closed", "words"),
+    [(1.0, "all the time"), (0.995, "all the time"), (0.984, "98 % of the time"), (0.2, "20 % of the time")],
+)
+def test_the_cause_of_a_growing_motion_states_its_source_and_how_long_contact_is_closed(closed, words):
+    cause = Cause(body="casing", n=3, share=0.9, travel=1.0, source="friction", work=1.25, closed=closed)
+    growth = RunGrowth(
+        rate=12.5, low=12.0, high=13.0, state="grows", amplitude=1.0, steady=1.0, since=0.1, time_to_half_wall=0.375,
+        cause=cause,
+    )  # fmt: skip
+    assert f"Its energy comes from friction (1.25 J). The contact is closed {words}." in growth.words
+    assert "energy comes" not in replace(growth, cause=replace(cause, source="")).words
+    assert "energy comes" not in replace(growth, state="bounded").words

@@ -124,6 +124,19 @@ def test_universal_files_that_state_too_little_are_refused(change, words, take, 
         cf.frf.read_records(path)
 
 
+def test_a_fault_names_the_record_where_a_file_has_several(take, tmp_path):
+    def slow(function):
+        return replace(function, x=2.0 * function.x, step=2.0 * function.step)
+
+    one, two = functions(take)[:2], functions(take, 2)
+    width = len(two) // 2
+    for given, name in (([one[0], slow(one[1])], "u.uff: "), ([*two[:-1], slow(two[-1])], "u.uff, record 2: ")):
+        path = cf.uff.write_uff(tmp_path / "u.uff", functions=given, binary=True)
+        at = 2 if given[0] is one[0] else width
+        with pytest.raises(cf.errors.InputError, match=f"{name}found function {at} at 512 samples a second"):
+            cf.frf.read_records(path)
+
+
 def test_responses_without_a_unit_give_responses_without_one(take, tmp_path):
     bare = [
         f if k == 0 else replace(f, axes=f.axes._replace(ordinate=cf.uff.Axis())) for k, f in enumerate(functions(take))
