@@ -4,13 +4,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigh
 
 from casingfem.chance.fields import RandomSeries
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.family.family import Family, perfect_shell
+from casingfem.modal.family.family import perfect_shell
 from casingfem.modal.family.splits import SplitMap
 from casingfem.modal.interface.chart_rows import rim_shape
 from casingfem.modal.interface.kinds import Rim
@@ -97,13 +96,17 @@ class Casings:
         found[:, 0] = 0.0  # a mean is part of the clearance
         return np.asarray(found)
 
-    def body(self, series: Array) -> ModalBody:
-        """The basis of one casing with the series F (l, 2 p_max + 1), from its own energies in the family's modes.
+    def bodies(self, series: Array) -> list[ModalBody]:
+        """The bases of casings with the series F (casings, l, 2 p_max + 1), from their modes in the family's waves.
 
-        Its lowest modes are kept. All others are static, with the residual compliance of the perfect casing.
+        Their lowest modes are kept. All others are static, with the residual compliance of the perfect casing.
         """
-        wide, family = self.wide, self.pairs.family
-        value, y = eigh(*family.energies(series))
+        found = self.pairs.lot(series)
+        return [self.body(*each) for each in zip(found.value, found.root @ found.y, strict=True)]
+
+    def body(self, value: FloatArray, y: FloatArray) -> ModalBody:
+        """The basis of one casing with omega^2 `value` and modes `y` on the members of the family's waves."""
+        wide = self.wide
         z = wide.turn.T @ y
         rest = z[:, self.modes :] / np.sqrt(value[self.modes :])
         kept, pushed = z[:, : self.modes], wide.body.rows @ rest
@@ -128,7 +131,7 @@ class Casings:
     @cached_property
     def wide(self) -> "Wide":
         """The perfect casing with all waves of the family, and the relation of its modes to them."""
-        return wide_of(ModalBody.of(self.reduced(len(self.pairs.family.expansion.waves.n))), self)
+        return wide_of(ModalBody.of(self.reduced(len(self.pairs.window.kept))), self)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -144,7 +147,7 @@ def wide_of(body: ModalBody, own: Casings) -> Wide:
 
     A mode without motion of the rim is assigned to the next free wave, since its orientation does not matter there.
     """
-    n, value, radial = members_of(own.pairs.family, own.rim)
+    n, value, radial = members_of(own.pairs, own.rim)
     turn, top = np.zeros((len(n), body.omega.size)), body.n_max
     waiting, unseen = list(range(len(n))), []
     radially = body.rows[: 2 * top + 1]
@@ -172,18 +175,15 @@ def wide_of(body: ModalBody, own: Casings) -> Wide:
     return Wide(body, turn)
 
 
-def members_of(family: Family, rim: Rim) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Nodal diameters, omega^2 and radial motion at the rim of the members: cosines, then sines with n > 0."""
-    own, waves = family.expansion, family.expansion.waves
-    forth = np.flatnonzero(waves.n >= 0)
-    n = waves.n[forth]
-    shell = own.shell
+def members_of(pairs: SplitMap, rim: Rim) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Nodal diameters, omega^2 and radial motion at the rim of the members of the family's waves."""
+    own, window, shell = pairs.expansion, pairs.window, pairs.expansion.shell
+    motion = own.waves.motion[..., window.waves[window.of]]
     if rim.lines:
         (low, high), _ = np.real(shell.chart.bounds)
-        heights = np.linspace(low, high, waves.motion.shape[0])
+        heights = np.linspace(low, high, motion.shape[0])
         node = int(np.abs(heights - rim.lines[0]).argmin())
     else:
         node = 0 if shell.chart.edges[rim.edge][1] == 0 else -1
-    size = np.where(n > 0, np.sqrt(2.0), 1.0) * waves.motion[node, 0, forth].real
-    both = np.concatenate([np.arange(len(n)), np.flatnonzero(n > 0)])
-    return n[both], waves.value[forth][both], size[both]
+    n = window.n[window.of]
+    return n, window.value[window.of], np.where(n > 0, np.sqrt(2.0), 1.0) * motion[node, 0].real

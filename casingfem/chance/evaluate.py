@@ -8,9 +8,8 @@ import numpy as np
 
 from casingfem.chance.casings import AROUND, Casings
 from casingfem.chance.load import ChanceScene
-from casingfem.chance.points import points
+from casingfem.chance.points import REPLICATES, points
 from casingfem.chance.replaced import checked, replaced
-from casingfem.chance.tables import INPUTS
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 from casingfem.study.mistuning import is_checked
 from contact.model.gaps.gap import RotatingRim
@@ -47,7 +46,7 @@ class Drawing:
         """Inputs by name, with their columns in the random numbers."""
         found, first = dict[str, slice](), 0
         sizes = {f"{name} field": size for name, size in self.casings.random.groups.items()}
-        for name, size in [*sizes.items(), *((name, 1) for name in INPUTS if name in self.given.laws)]:
+        for name, size in [*sizes.items(), *((name, 1) for name in self.given.laws)]:
             found[name] = slice(first, first + size)
             first += size
         return found
@@ -61,6 +60,10 @@ class Drawing:
         """Results of some draws; for some of them full solutions check and replace the results."""
         u = points(self.given.table.seed, draws, self.dimension)
         return self.lot(u, [draw - draws.start for draw in draws if is_checked(draw)])
+
+    def point(self, draw: int) -> FloatArray:
+        """Random numbers of one draw, (1, dimension)."""
+        return points(self.given.table.seed, range(draw - draw % REPLICATES, draw + 1), self.dimension)[-1:]
 
     def series(self, u: FloatArray) -> Array:
         """Series of the fields at points u."""
@@ -76,7 +79,7 @@ class Drawing:
         for place in checks:
             found, difference[place] = checked(self.casings, series, found, place)
         pairs, inputs = found.pairs, self.inputs(u)
-        gap = inputs["clearance"] - inputs.get("closing", 0.0) + self.lowest_rim(series)
+        gap = self.gap(inputs, series)
         cases = Cases(casing=self.casings.ratios(pairs.freq), blade=inputs["blade"], mu=inputs["friction"])
         growth = growth_of_cases(self.perfect, self.given.speed_hz, cases)
         return {
@@ -105,6 +108,10 @@ class Drawing:
         """Growth [1/s] below which it is only round-off."""
         return FLOOR * float(self.casings.perfect.omega.max())
 
+    def gap(self, inputs: dict[str, FloatArray], series: Array) -> FloatArray:
+        """Smallest clearance between rim and blade [m], (draws,); they touch if it is not positive."""
+        return np.asarray(inputs["clearance"] - inputs.get("closing", 0.0) + self.lowest_rim(series))
+
     def lowest_rim(self, series: Array) -> FloatArray:
         """Least deviation of each rim's radius [m], (draws,), where a tip comes nearest."""
         d = self.casings.deviation(series)
@@ -119,12 +126,17 @@ class Drawing:
         profile = rub_of(self.given.scene.what).profile
         return np.array([float(profile(angle)) for angle in angles.tolist()])
 
-    def dangerous(self, lot: Lot) -> BoolArray:
-        """Whether the rim touches and closed contact grows, (draws, speeds)."""
-        return np.asarray((lot["growth"] > self.floor) & (lot["gap"] <= 0.0)[:, None])
-
     def results(self, u: FloatArray) -> FloatArray:
         """The two results for which Sobol indices are computed, (points, 2)."""
         lot = self.lot(u)
-        growth = np.where(lot["gap"] <= 0.0, np.maximum(lot["growth"].max(axis=1), 0.0), 0.0)
-        return np.stack([lot["split"].max(axis=1), growth], axis=1)
+        return np.stack([lot["split"].max(axis=1), severity(lot)], axis=1)
+
+
+def dangerous(lot: Lot, floor: float) -> BoolArray:
+    """Whether the rim touches and closed contact grows faster than `floor` [1/s], (draws, speeds)."""
+    return np.asarray((lot["growth"] > floor) & (lot["gap"] <= 0.0)[:, None])
+
+
+def severity(lot: Lot) -> FloatArray:
+    """Largest growth [1/s] over the speeds of each casing that touches; 0 for others and if nothing grows, (draws,)."""
+    return np.where(lot["gap"] <= 0.0, np.maximum(lot["growth"].max(axis=1), 0.0), 0.0)

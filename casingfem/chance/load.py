@@ -9,7 +9,7 @@ import numpy as np
 
 from casingfem.chance.fields import RandomSeries
 from casingfem.chance.laws import Law
-from casingfem.chance.tables import INPUTS, ChanceTable
+from casingfem.chance.tables import ChanceTable
 from casingfem.modal.family.family import is_family, terms_of
 from casingfem.modal.interface.kinds import Rim
 from casingfem.structure.field.random import is_random
@@ -19,7 +19,6 @@ from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.outfiles import json_text
-from contact.io.tables import value_of
 from contact.io.toml import entries
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub
@@ -107,7 +106,6 @@ def load_chance(path: str | Path) -> ChanceScene:
     assert scene is not None
     assert head is not None
     speeds = load_interactions(file).speed_hz
-    laws = {name: value_of(own, Law) for name in INPUTS if (own := getattr(table, name)) is not None}
     fixed = {key: part for key, part in given.items() if key not in ("draws", "runs", "turns", "worst", "importance")}
     contents = [read_bytes(file.parent / name) for name in head.files()]
     source = {
@@ -115,8 +113,8 @@ def load_chance(path: str | Path) -> ChanceScene:
         "defines": hashlib.sha256(b"\0".join([json_text([data, fixed]).encode(), *contents])).hexdigest(),
     }  # fmt: skip
     return ChanceScene(
-        path=file, table=table, study=study, scene=scene, speed_hz=np.asarray(speeds), laws=laws, means=means_of(head),
-        source=source,
+        path=file, table=table, study=study, scene=scene, speed_hz=np.asarray(speeds), laws=table.laws,
+        means=means_of(head), source=source,
     )  # fmt: skip
 
 
@@ -171,14 +169,10 @@ def faults_of_study(file: Path, table: ChanceTable, study: Study) -> list[str]:
 def faults_of_laws(file: Path, head: Any, table: ChanceTable) -> list[str]:
     """Faults of random numbers that may take impossible values."""
     means, found = means_of(head), []
-    for name in INPUTS:
-        own = getattr(table, name)
-        if own is None:
-            continue
+    for name, law in table.laws.items():
         if name not in means:
             found.append(f"{file}: chance.{name}: found it, but the scene has no [{name}] with one `by`")
             continue
-        law = value_of(own, Law)
         centre, lowest = law.centre(means[name]), law.lowest(means[name])
         words = f"a {law.law} law of mean {centre:g} and standard deviation {law.deviation:g}"
         if law.law == "lognormal" and not centre > 0.0:

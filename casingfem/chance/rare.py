@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.stats import norm
 
 from casingfem.chance.importance_sampling import density_of, directions_of
 from casingfem.errors import InputError, NumericsError
@@ -188,12 +187,3 @@ def finite_response(response: Response, u: FloatArray) -> FloatArray:
     if y.shape != (len(u),) or not np.all(np.isfinite(y)):
         raise NumericsError(f"subset_simulation: found responses {y.shape} or not finite, expected ({len(u)},) finite")
     return y
-
-
-def reliability_index(probability: float) -> float:
-    """Reliability index beta: distance from the origin with P = Phi(-beta).
-
-    >>> round(reliability_index(1e-5), 3)
-    4.265
-    """
-    return float(-norm.ppf(probability))

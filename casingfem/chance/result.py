@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from casingfem.chance.estimates import Estimate, probability, quantile
+from casingfem.chance.evaluate import dangerous, severity
 from casingfem.chance.importance import Importance
 from casingfem.chance.replaced import IN_FULL, PURE
 from casingfem.chance.run import Drawn
@@ -75,19 +76,14 @@ class Chance(Reported):
     @classmethod
     def of(cls, drawn: Drawn) -> "Chance":
         """The results over all draws; a speed is dangerous if the rim touches and closed contact grows."""
-        hit = (drawn.lot["growth"] > drawn.floor) & (drawn.lot["gap"] <= 0.0)[:, None]
-        order = np.lexsort((np.arange(len(hit)), -drawn.lot["split"].max(axis=1), -cls.severity(drawn)))
+        hit = dangerous(drawn.lot, drawn.floor)
+        order = np.lexsort((np.arange(len(hit)), -drawn.lot["split"].max(axis=1), -severity(drawn.lot)))
         return cls(
             drawn=drawn,
             any_speed=probability(hit.any(axis=1)),
             by_speed=tuple(probability(column) for column in hit.T),
             worst=order[: drawn.given.table.worst],
         )
-
-    @staticmethod
-    def severity(drawn: Drawn) -> FloatArray:
-        """Largest growth over the speeds of each casing that touches; 0 for others and if nothing grows, (draws,)."""
-        return np.where(drawn.lot["gap"] <= 0.0, np.maximum(drawn.lot["growth"].max(axis=1), 0.0), 0.0)
 
     def of_pairs(self, name: str) -> FloatArray:
         """Splits or shifts of each pair over the casings, (pairs, draws)."""

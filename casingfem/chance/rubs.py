@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from casingfem.chance.estimates import Estimate, clopper_pearson
-from casingfem.chance.evaluate import Drawing
-from casingfem.chance.points import REPLICATES, points
+from casingfem.chance.evaluate import Drawing, severity
 from casingfem.chance.result import Chance
 from casingfem.chance.run import drawing_of
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.io.side_by_side import one_thread, usable_cores
 from contact.io.outfiles import finite, json_text, read_checked, write_checked
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_laws import Closing, RimProfile
@@ -53,8 +53,7 @@ def run_rubs(
     those of `run_draws`.
     """
     given, lot = found.drawn.given, found.drawn.lot
-    worst = Chance.severity(found.drawn)
-    chosen = np.flatnonzero(worst > found.drawn.floor)[: given.table.runs].tolist()
+    chosen = np.flatnonzero(severity(lot) > found.drawn.floor)[: given.table.runs].tolist()
     groups = [chosen[first : first + GROUP] for first in range(0, len(chosen), GROUP)]
     kept = {draws[0]: rows for draws in groups if (rows := read_group(found, folder, draws)) is not None}
     path, source = str(given.path), json_text(given.source)
@@ -97,34 +96,33 @@ def head_of(found: Chance, draws: list[int]) -> dict[str, Any]:
 def group_of(own: Drawing, draws: list[int], growth: FloatArray) -> list[Row]:
     """Rows of some draws; `growth` (draws, speeds) is that of their closed contact."""
     speeds = np.asarray(own.given.speed_hz)[growth.argmax(axis=1)]
-    scenes = [drawn_scene(own, draw, float(hz)) for draw, hz in zip(draws, speeds, strict=True)]
-    runs = runs_at_speeds(scenes, speeds, growth.max(axis=1))
+    runs = runs_at_speeds(drawn_scenes(own, draws, speeds), speeds, growth.max(axis=1))
     rows = [{"draw": draw} | {name: getattr(run, name) for name in KEPT} for draw, run in zip(draws, runs, strict=True)]
     return [dict(finite(row)) for row in rows]
 
 
-def drawn_scene(own: Drawing, draw: int, speed_hz: float) -> Scene:
-    """The scene with the casing, the blade, the gap and the friction of one draw."""
-    first = draw - draw % REPLICATES
-    u = points(own.given.table.seed, range(first, draw + 1), own.dimension)[-1:]
-    series = own.series(u)[0]
-    number = {name: float(value[0]) for name, value in own.inputs(u).items()}
-    turns = own.given.table.turns
-    scene = own.given.scene
-    return replace(
-        scene,
-        what=drawn_bodies(own, series, number),
-        law=with_friction(scene.law or Unilateral(), number["friction"]),
-        t_end=scene.t_end if turns is None else turns / speed_hz,
-    )
-
-
-def drawn_bodies(own: Drawing, series: Array, number: dict[str, float]) -> RotatingRim | Rub:
-    """The rim or rub with the casing of a series and the drawn numbers."""
-    what, body = own.perfect, own.casings.body(series)
-    terms = [
-        (p, value.real, -value.imag) for p, value in enumerate(own.casings.deviation(series[None])[0].tolist()) if value
+def drawn_scenes(own: Drawing, draws: list[int], speeds: FloatArray) -> list[Scene]:
+    """The scene with the casing, the blade, the gap and the friction of each draw, at the draw's speed [Hz]."""
+    u = np.concatenate([own.point(draw) for draw in draws])
+    series, inputs, turns, scene = own.series(u), own.inputs(u), own.given.table.turns, own.given.scene
+    bodies, deviations = own.casings.bodies(series), own.casings.deviation(series).tolist()
+    numbers = [dict(zip(inputs, values, strict=True)) for values in np.stack(list(inputs.values()), axis=1).tolist()]
+    return [
+        replace(
+            scene,
+            what=drawn_bodies(own, body, deviation, number),
+            law=with_friction(scene.law or Unilateral(), number["friction"]),
+            t_end=scene.t_end if turns is None else turns / speed,
+        )
+        for body, deviation, number, speed in zip(bodies, deviations, numbers, speeds.tolist(), strict=True)
     ]
+
+
+def drawn_bodies(
+    own: Drawing, body: ModalBody, deviation: list[complex], number: dict[str, float]
+) -> RotatingRim | Rub:
+    """The rim or rub with a drawn casing, its deviation of the radius (`Casings.deviation`), and the drawn numbers."""
+    what, terms = own.perfect, [(p, value.real, -value.imag) for p, value in enumerate(deviation) if value]
     if isinstance(what, RotatingRim):
         more = tuple({"p": p, "cos": cos, "sin": sin} for p, cos, sin in terms)
         shape = (*what.out_of_roundness, *more)

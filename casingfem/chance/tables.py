@@ -6,10 +6,9 @@ from pydantic import Field, model_validator
 
 from casingfem.chance.laws import Law
 from casingfem.study.tables.table import Table
-from contact.io.tables import table_of
+from contact.io.tables import table_of, value_of
 
 MOST = 10_000_000  # draws
-INPUTS = ("blade", "clearance", "friction", "closing")
 
 
 @table_of(Law)
@@ -39,6 +38,12 @@ class ChanceTable(Table):
     clearance: LawTable | None = Field(default=None, description="clearance [m]")
     friction: LawTable | None = Field(default=None, description="coefficient of friction [-]")
     closing: LawTable | None = Field(default=None, description="closing of the gap, of a scene of kind rub [m]")
+
+    @property
+    def laws(self) -> dict[str, Law]:
+        """The distributions of the random numbers that are given, by name."""
+        tables = {"blade": self.blade, "clearance": self.clearance, "friction": self.friction, "closing": self.closing}
+        return {name: value_of(table, Law) for name, table in tables.items() if table is not None}
 
     @model_validator(mode="after")
     def _power(self) -> "ChanceTable":

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from casingfem.chance.evaluate import Drawing
-from casingfem.chance.points import REPLICATES, points
 from casingfem.chance.result import Chance
+from casingfem.chance.rubs import retuned
 from casingfem.io.arrays import Array
 from casingfem.study.updated import toml
 from contact.io.outfiles import Content
@@ -26,10 +26,9 @@ def worst_files(found: Chance, own: Drawing, progress: Callable[[int], None]) ->
     files: dict[str, Content] = {}
     for rank, draw in enumerate(found.worst.tolist(), 1):
         folder = f"worst/{rank:02d}"
-        first = draw - draw % REPLICATES
-        u = points(own.given.table.seed, range(first, draw + 1), own.dimension)[-1:]
+        u = own.point(draw)
         series = own.series(u)[0]
-        body, blade = own.casings.body(series), blade_of(own, float(own.inputs(u)["blade"][0]))
+        (body,), blade = own.casings.bodies(series[None]), blade_of(own, float(own.inputs(u)["blade"][0]))
         files[f"{folder}/casing.toml"] = study_text(own, series, draw)
         files[f"{folder}/casing.npz"] = body.save
         files[f"{folder}/blade.npz"] = blade.save
@@ -41,8 +40,7 @@ def worst_files(found: Chance, own: Drawing, progress: Callable[[int], None]) ->
 def blade_of(own: Drawing, ratio: float) -> Any:
     """The blade with its frequencies multiplied by a ratio."""
     what = own.perfect
-    blade = what.blades[0] if isinstance(what, Rub) else what.blade
-    return blade.retuned(ratio * float(blade.omega[blade.omega > 0.0].min()) / (2.0 * np.pi))
+    return retuned(what.blades[0] if isinstance(what, Rub) else what.blade, ratio)
 
 
 def study_text(own: Drawing, series: Array, draw: int) -> str:

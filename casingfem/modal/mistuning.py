@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
-from casingfem.modal.family.family import Family
+from casingfem.modal.family.splits import SplitMap
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.structure.field.field import Field
@@ -19,6 +19,8 @@ from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 
 LIMIT = 2e-4  # of a frequency: what default meshes are made for; the estimate is larger than the error
+CHUNK = 10  # draws solved together: results do not depend on the others
+BEYOND = 8  # modes past those asked for, of which imperfections may move some below
 TINY = 1e-12  # a split that is none
 
 
@@ -136,13 +138,40 @@ class DrawnModes(NamedTuple):
     estimate: float | None
 
 
-def drawn_modes(shell: Shell, family: Family | None, count: int, draw: int) -> DrawnModes:
-    """Lowest `count` modes of one draw: from the perfect casing's modes, or in full if that is not accurate enough."""
-    if family is not None:
-        near = family.near(drawn_fields(shell, draw), count)
-        if near.complete and near.estimate <= LIMIT:
-            return DrawnModes(near.modes, near.estimate)
+def pairs_map(shell: Shell, count: int) -> SplitMap | None:
+    """The map from the draws of a shell to their lowest `count` modes; None if each needs a full solution."""
+    return SplitMap.of(shell, count + BEYOND)
+
+
+def drawn_modes(shell: Shell, pairs: SplitMap | None, count: int, draws: range) -> list[DrawnModes]:
+    """Lowest `count` modes of some draws, from multiples of `CHUNK` on, `CHUNK` at most.
+
+    They are those of the map `pairs`; where it is not accurate enough, and without one, a draw is solved in full.
+    """
+    if pairs is None:
+        return [solved_in_full(shell, count, draw) for draw in draws]
+    whole = range(draws.start, draws.start + CHUNK)  # sums depend on the number of draws to the last bit
+    found = pairs.near(pairs.series([drawn_fields(shell, draw) for draw in whole]), count)
+    return [
+        DrawnModes(near.modes, near.estimate)
+        if near.complete and near.estimate <= LIMIT
+        else solved_in_full(shell, count, draw)
+        for draw, near in zip(draws, found, strict=False)
+    ]
+
+
+def solved_in_full(shell: Shell, count: int, draw: int) -> DrawnModes:
+    """Lowest `count` modes of one draw by a full solution."""
     return DrawnModes(modes(redrawn_shell(shell, draw), count, method="shell"), None)
+
+
+def chunks_of(draws: int) -> list[range]:
+    """Draws 0 to draws - 1 in chunks.
+
+    >>> chunks_of(12)
+    [range(0, 10), range(10, 12)]
+    """
+    return [range(first, min(first + CHUNK, draws)) for first in range(0, draws, CHUNK)]
 
 
 class Difference(NamedTuple):
@@ -232,7 +261,7 @@ class Mistuning(Reported):
 def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[int], None] | None = None) -> Mistuning:
     """Splits and orientations of a shell's pairs over draws 0, 1, ... of its random fields, one after the other.
 
-    Most draws come from the modes of the perfect casing (`modal.family`). This needs fields that are Fourier series
+    Most draws come from the waves of the perfect casing (`SplitMap`). This needs fields that are Fourier series
     around, and edges that are free, clamped or embedded. Other casings are solved in full, and so are draws with an
     estimated frequency error above 2e-4. A draw depends only on its number. `casingfem mistune study.toml` does the
     same on several cores. It checks some draws, and it can be resumed.
@@ -254,12 +283,13 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
     """
     require_pairs(shell)
     progress = progress or notebook_progress("mistune", f"{{}} of {draws} draws".format)
-    family = Family.of(shell, count)
+    pairs = pairs_map(shell, count)
     rows: list[Pair] = []
-    for draw in range(draws):
-        rows += pairs_of(drawn_modes(shell, family, count, draw).modes, draw)
+    for chunk in chunks_of(draws):
+        for draw, found in zip(chunk, drawn_modes(shell, pairs, count, chunk), strict=True):
+            rows += pairs_of(found.modes, draw)
         if progress is not None:
-            progress(draw + 1)
+            progress(chunk.stop)
     return Mistuning.of(rows, mean_pairs(shell, count))
 
 

@@ -15,14 +15,16 @@ from typing import Any, NamedTuple, cast
 
 from casingfem.errors import InputError
 from casingfem.io.side_by_side import one_thread, usable_cores
-from casingfem.modal.family.family import Family
+from casingfem.modal.family.splits import SplitMap
 from casingfem.modal.mistuning import (
     Difference,
     Mistuning,
     Pair,
+    chunks_of,
     difference,
     drawn_modes,
     mean_pairs,
+    pairs_map,
     pairs_of,
     require_pairs,
 )
@@ -32,7 +34,6 @@ from contact.io.infiles import read_bytes
 from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
 from contact.io.workers import KilledWorkersError, in_processes
 
-CHUNK = 10  # draws a file: what a killed run loses at most, for each process
 PERFECT = range(0)  # in place of draws: the casing without random fields
 CHECKED = 50  # draws 0, 50, 100, 200, 400 and so on are also solved in full, and the difference reported
 
@@ -88,7 +89,7 @@ def run_mistune(
     except ValueError as error:
         raise StudyError([f"{study.path}: imperfection: {error}"]) from error
     store = None if folder is None else open_store(study, folder)
-    chunks = [range(first, min(first + CHUNK, draws)) for first in range(0, draws, CHUNK)]
+    chunks = chunks_of(draws)
     kept = {} if store is None else {chunk.start: content for chunk in chunks if (content := read(store, chunk))}
     resumed = sum(len(chunk) for chunk in chunks if chunk.start in kept)
     missing = [chunk for chunk in chunks if chunk.start not in kept]
@@ -187,7 +188,7 @@ class WorkerState:
     """State that a worker keeps from chunk to chunk."""
 
     study: Study
-    family: Family | None
+    pairs: SplitMap | None
 
     @property
     def count(self) -> int:
@@ -205,19 +206,20 @@ def compute(part: Part) -> tuple[range, dict[str, Any]]:
 
 @lru_cache(maxsize=1)
 def worker_of(path: str, digest: str) -> WorkerState:
-    """The study, and the expansion of its perfect casing's modes, made once in each process."""
+    """The study, and the map from its draws to their modes, made once in each process."""
     study = load_shell_study(path)
     if study.source["sha256"] != digest:
         found = "found another study in a worker process than in the command"
         raise InputError(f"{path}: {found}, expected no change: do not edit the file before the command ends")
-    return WorkerState(study, Family.of(study.shell, study.file.modes.count))
+    return WorkerState(study, pairs_map(study.shell, study.file.modes.count))
 
 
 def content_of(worker: WorkerState, chunk: range) -> dict[str, Any]:
     """The doublets of some draws, which were solved in full, the others' largest estimate, and checks."""
     content: dict[str, Any] = {"pairs": [], "checked": {}, "in_full": [], "estimate": None}
-    for draw in chunk:
-        found, estimate = drawn_modes(worker.study.shell, worker.family, worker.count, draw)
+    for draw, (found, estimate) in zip(
+        chunk, drawn_modes(worker.study.shell, worker.pairs, worker.count, chunk), strict=True
+    ):
         content["pairs"] += pairs_of(found, draw)
         if estimate is None:
             content["in_full"].append(draw)

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import casingfem as cf
-from casingfem.modal.family.family import Family
-from casingfem.modal.mistuning import LIMIT, drawn_fields, pairs_of, redrawn_shell
+from casingfem.modal.family.splits import Near
+from casingfem.modal.mistuning import LIMIT, chunks_of, drawn_fields, pairs_map, pairs_of, redrawn_shell
 from casingfem.structure.shell.shell import Shell
 from reports.tables import ROOT, Row, command_line, show, write
 
@@ -32,25 +32,25 @@ def row_of(size: float, draws: int, count: int) -> Row:
     """One size: the number of draws that count as near, their errors and times."""
     shell = casing(size)
     started = time.process_time()
-    family = Family.of(shell, count)
+    pairs = pairs_map(shell, count)
     made = time.process_time() - started
-    assert family is not None
-    freq, split, bound, share, seconds, full = [], [], [], [], 0.0, 0.0
-    for draw in range(1, draws + 1):
-        started = time.process_time()
-        near = family.near(drawn_fields(shell, draw), count)
-        between = time.process_time()
-        drawn = redrawn_shell(shell, draw)
-        exact = cf.modes(drawn, count, method="shell")
-        seconds, full = seconds + between - started, full + time.process_time() - between
-        error = np.abs(near.modes.freq / exact.freq - 1.0).max()
+    assert pairs is not None
+    started = time.process_time()
+    found = [near for chunk in chunks_of(draws) for near in lowest_of(shell, pairs, count, chunk)]
+    seconds = time.process_time() - started
+    freq, split, bound, share = [], [], [], []
+    started = time.process_time()
+    exact = [cf.modes(redrawn_shell(shell, draw), count, method="shell") for draw in range(draws)]
+    full = time.process_time() - started
+    for draw, (near, whole) in enumerate(zip(found, exact, strict=True)):
+        error = np.abs(near.modes.freq / whole.freq - 1.0).max()
         if near.complete:
             share.append(error / near.estimate)
         if not near.complete or near.estimate > LIMIT:
             continue
         bound.append(near.estimate)
         freq.append(error)
-        mine, theirs = ({(p.n, p.m): p.split_rel for p in pairs_of(each, draw)} for each in (near.modes, exact))
+        mine, theirs = ({(p.n, p.m): p.split_rel for p in pairs_of(each, draw)} for each in (near.modes, whole))
         split += [abs(mine[key] / theirs[key] - 1.0) for key in mine.keys() & theirs.keys()]
     return {
         "size": size,
@@ -60,11 +60,16 @@ def row_of(size: float, draws: int, count: int) -> Row:
         "bound": max(bound, default=np.nan),
         "error/estimate, all draws": max(share, default=np.nan),
         "split, 99 %": float(np.quantile(split, 0.99)) if split else np.nan,
-        "family [s]": made,
-        "near [s]": seconds / draws,
-        "in full [s]": full / draws,
+        "map [s]": made,
+        "near [ms]": 1e3 * seconds / draws,
+        "in full [ms]": 1e3 * full / draws,
         "near/full": seconds / full,
     }
+
+
+def lowest_of(shell: Shell, pairs: cf.modal.SplitMap, count: int, draws: range) -> list[Near]:
+    """The lowest modes of some draws by the map."""
+    return pairs.near(pairs.series([drawn_fields(shell, draw) for draw in draws]), count)
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:

@@ -1,20 +1,13 @@
-"""The lowest modes of imperfect casings to second order in the imperfections.
+"""The lowest waves of a perfect casing and their response to imperfections, to first order.
 
-With the fields f_l = sum_p F_l[p] e^(i p theta), with p of both signs, first order couples a wave a of n_a nodal
-diameters with b only through p = n_b - n_a. Second order couples them through each intermediate k: p = k - n_a, then q
-= n_b - k. On the lowest waves
+With the fields f_l = sum_p F_l[p] e^(i p theta), p of both signs, first order couples a wave a of n_a nodal diameters
+with b only through p = n_b - n_a: K_ba = w_a^2 d_ba + F_l[n_b - n_a] K_1[l, b, a], M alike. The response of the waves j
+outside to wave a through the intermediate harmonic k = n_j is
 
-    K_ba = w_a^2 d_ba + F_l[n_b - n_a] K_1[l, b, a] + sum_k F_l[k - n_a] F_m[n_b - k] K_2[k, l, m, b, a],
+    X_a = -sum_j r_ja/(w_j^2 - w_a^2) u_j,   r_ja = K_1[l, j, a] - w_a^2 M_1[l, j, a]
 
-M alike. K_2 contains the second derivative of the strain energy and the response of the waves j outside
-(quasi-degenerate perturbation theory: P.-O. Lowdin, J. Math. Phys. 3, 1962, 969),
-
-    -r_jb r_ja (1/(w_j^2 - w_a^2) + 1/(w_j^2 - w_b^2))/2,   r_ja = K_1[l, j, a] - w_a^2 M_1[l, j, a].
-
-In r and in the denominators, w_a of a wave above those wanted is the highest w wanted.
-
-These responses, X_a = -sum_k sum_j r_ja/(w_j^2 - w_a^2) u_j, are stored by k: with them a casing's own energies are
-accurate to third order (`family`). All numbers K_1, K_2 are real, since a perfect casing is symmetric under reflection.
+times F_l[k - n_a]. In r and in the denominators, w_a of a wave above those wanted is the highest w wanted. All numbers
+are real, since a perfect casing is symmetric under reflection. `window` continues to third order.
 """
 
 from dataclasses import dataclass
@@ -29,7 +22,6 @@ from casingfem.modal.family.point_forms import (
     Slot,
     first_derivatives,
     places_of,
-    second_derivatives,
     slots_of,
 )
 from casingfem.modal.family.waves import Waves, waves_of
@@ -43,7 +35,7 @@ TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Expansion:
-    """K and M of the lowest waves of a casing to second order in its imperfections.
+    """The lowest waves of a perfect casing and their responses.
 
     Attributes
     ----------
@@ -56,7 +48,6 @@ class Expansion:
     above : the lowest omitted omega^2
     k : intermediate harmonics, (ways,)
     K_1, M_1 : (l, b, a)
-    K_2, M_2 : (ways, l, m, b, a)
     answers : jets of the response to wave a through k, (l, ways, points 15, a)
     """
 
@@ -70,47 +61,9 @@ class Expansion:
     k: IntArray
     K_1: FloatArray
     M_1: FloatArray
-    K_2: FloatArray
-    M_2: FloatArray
     answers: Array
 
     __repr__ = brief
-
-    def matrices(self, series: Array) -> tuple[Array, Array]:
-        """Hermitian K and M of the lowest waves, for series F (l, 2 p_max + 1) from -p_max to p_max."""
-        n, count = self.waves.n, range(len(self.quantities))
-        ahead = np.flatnonzero(n >= 0)  # a casing is real: K[-b, -a] is the conjugate of K[b, a]
-        step = n[ahead, None] - n
-        first, then = self.k[:, None] - n, n[ahead] - self.k[:, None]  # to each way from a; from it to b
-        K, M = (np.array(part[ahead], dtype=complex) for part in (np.diag(self.waves.value), np.eye(len(n))))
-        to, back = ([self.at(line, way) for line in series] for way in (first, then))
-        for line in count:
-            direct = self.at(series[line], step)
-            K += direct * self.K_1[line, ahead]
-            M += direct * self.M_1[line, ahead]
-            for other in count:
-                both = back[other][:, :, None] * to[line][:, None]
-                for whole, part in ((K, self.K_2), (M, self.M_2)):
-                    own = part[:, line, other, ahead]
-                    whole.real += np.einsum("kba,kba->ba", both.real, own)
-                    whole.imag += np.einsum("kba,kba->ba", both.imag, own)
-        return self.whole(K, ahead), self.whole(M, ahead)
-
-    def whole(self, rows: Array, ahead: IntArray) -> Array:
-        """A Hermitian matrix from its rows of waves with n >= 0."""
-        waves = self.waves
-        back = [
-            int(np.flatnonzero((waves.n == -m) & (waves.rank == r))[0])
-            for m, r in zip(waves.n, waves.rank, strict=True)
-        ]
-        found = np.empty((len(waves.n),) * 2, dtype=complex)
-        found[np.array(back)[ahead]] = rows[:, back].conj()
-        found[ahead] = rows
-        return np.asarray(0.5 * (found + found.conj().T))
-
-    def at(self, line: Array, p: IntArray) -> Array:
-        """Coefficients of one field at harmonics p, 0 beyond the highest."""
-        return np.where(np.abs(p) <= self.p_max, line[np.clip(p + self.p_max, 0, 2 * self.p_max)], 0.0)
 
 
 def lowest(waves: Waves, count: int) -> tuple[IntArray, float]:
@@ -140,14 +93,11 @@ def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, 
     outside[chosen] = False
     W = np.where(outside[:, None], r / np.where(outside[:, None], waves.value[:, None] - about, 1.0), 0.0)
     k = np.arange(-n_max - p_max, n_max + p_max + 1)
-    K_2, M_2 = second_order(low, k, slots, second_derivatives(bare, quantities, places), quantities)
     answers = np.empty((len(quantities), len(k), len(waves.jets), len(low.n)), dtype=complex)
     for way, number in enumerate(k):
         own = waves.n == number
         for line in range(len(quantities)):
             answers[line, way] = -waves.jets[:, own] @ W[line][own]
-            for other in range(len(quantities)):
-                K_2[way, line, other] -= 0.5 * (r[other][own].T @ W[line][own] + W[other][own].T @ r[line][own])
     return Expansion(
         shell=bare,
         quantities=quantities,
@@ -159,8 +109,6 @@ def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, 
         k=k,
         K_1=K_1[:, chosen],
         M_1=M_1[:, chosen],
-        K_2=K_2,
-        M_2=M_2,
         answers=answers,
     )
 

@@ -30,28 +30,37 @@ class Monomials(NamedTuple):
         return np.asarray(parts.view(complex))
 
 
-def collected(factor: IntArray, number: IntArray, value: FloatArray, size: FloatArray, scale: FloatArray) -> Monomials:
+def collected(
+    factor: IntArray, value: FloatArray, size: FloatArray, scale: FloatArray, square: FloatArray
+) -> Monomials:
     """Sums for K, then for M; each product once, without the smallest ones, which are together below `LEFT` of `scale`.
 
     Parameters
     ----------
-    factor, number, value
-        Products (products, degree), the index of the number to which each belongs (products,), and its K and M
-        (products, 2).
+    factor
+        Products, (products, degree).
+    value
+        Their K and M in each number, (products, 2, numbers).
     size
         Root mean square of each coefficient, (X,).
     scale
         Size of the numbers to which the sums are added, (numbers,).
+    square
+        omega^2 that relates M to K, (numbers,).
     """
     factor = np.sort(factor, axis=1)
     key = factor @ size.size ** np.arange(factor.shape[1])  # one number a product
-    _, first, of = np.unique(key, return_index=True, return_inverse=True)
-    factor = factor[first]
-    summed = np.zeros((len(factor), 2, len(scale)))
-    for kind in (0, 1):
-        np.add.at(summed[:, kind], (of.ravel(), number), value[:, kind])
-    weight = np.abs(summed[:, 0]) * np.prod(size[factor], axis=1)[:, None]
+    order = np.argsort(key, kind="stable")
+    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    factor, summed = factor[order[first]], np.add.reduceat(value[order], first, axis=0) if len(order) else value
+    weight = weights(factor, summed, size, square)
     weight = np.divide(weight, scale, out=np.zeros_like(weight), where=scale > 0.0).max(axis=1, initial=0.0)
     order = np.argsort(weight)
     kept: IntArray = np.sort(order[np.cumsum(weight[order]) > LEFT])
     return Monomials(np.asarray(factor[kept], dtype=np.int64), summed[kept].reshape(len(kept), 2 * len(scale)))
+
+
+def weights(factor: IntArray, value: FloatArray, size: FloatArray, square: FloatArray) -> FloatArray:
+    """Usual size of each product in K, with that in M times omega^2, (products, numbers)."""
+    both = np.abs(value[:, 0]) + square * np.abs(value[:, 1])
+    return np.asarray(both * np.prod(size[factor], axis=1)[:, None])

@@ -1,8 +1,7 @@
-"""Splits and orientations of the pairs of many casings of one family at once, to third order in the imperfections.
+"""Modes, splits and orientations of many casings of one family, to third order in the imperfections.
 
-Pairs mix, so the wanted pairs and some above them form one small matrix for each casing (`window`). A casing's motion
-is real, so K[-b, -a] is the conjugate of K[b, a], and the matrices on cosine and sine members are real. Arrays contain
-all casings of a lot; there is no loop over casings.
+Waves mix, so the wanted ones and some above them form one small matrix for each casing (`window`, `matrices`). Arrays
+contain all casings of a lot.
 """
 
 from dataclasses import dataclass
@@ -11,15 +10,22 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.modal.family.expansion import Expansion
-from casingfem.modal.family.family import Family, coefficients, frequencies, terms_of
+from casingfem.modal.affine import AffineModes, modes_by_coordinates
+from casingfem.modal.family.expansion import Expansion, expanded
+from casingfem.modal.family.family import coefficients, is_family, perfect_shell, terms_of
+from casingfem.modal.family.matrices import Solved, solved
 from casingfem.modal.family.window import Window, derivatives_of, window_of
+from casingfem.modal.harmonics import Rings, ring_weights
+from casingfem.modal.modes import modes
 from casingfem.structure.field.field import Field, SumField
 from casingfem.structure.field.random import RandomField
 from casingfem.structure.shell.shell import Shell
 from contact.io.brief import brief
 
 LOT = 128  # casings at once: their products fit into the cache
+GUARD = 24  # waves beyond those wanted
+OWN = 0.5  # of a mode's energy in wanted waves: below, terms of third order are missing
+TURN = 2.0 * np.pi
 
 
 class Splits(NamedTuple):
@@ -46,16 +52,36 @@ class Splits(NamedTuple):
     third: FloatArray
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SplitMap:
-    """Map from the Fourier series of a casing's imperfections to the splits of its pairs.
+class Near(NamedTuple):
+    """The lowest modes of one casing, and their reliability.
 
     Attributes
     ----------
-    family : the casings
+    modes
+        Labelled; `fields` are left out.
+    estimate
+        Largest relative effect of the terms of third order on a frequency; larger than the error.
+    complete
+        Whether all of them consist of wanted waves, and no mode outside the window can be below the last one.
+    """
+
+    modes: AffineModes
+    estimate: float
+    complete: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SplitMap:
+    """Map from the Fourier series of a casing's imperfections to its modes and the splits of its pairs.
+
+    Attributes
+    ----------
+    expansion : the waves of the perfect casing
     n, rank : nodal diameters and meridional rank (from 1) of the pairs, ascending by frequency, (pairs,)
     freq : frequencies of the perfect casing [Hz], (pairs,)
-    window : matrices between them and the pairs above them
+    window : matrices between the waves
+    rings : circumferential content of the window's members
+    rigid : number of rigid motions
 
     Examples
     --------
@@ -69,17 +95,19 @@ class SplitMap:
     ([5, 6, 4, 7], (3, 4))
     """
 
-    family: Family
+    expansion: Expansion
     n: IntArray
     rank: IntArray
     freq: FloatArray
     window: Window
+    rings: Rings
+    rigid: int
 
     __repr__ = brief
 
     @classmethod
     def of(cls, shell: Shell, count: int) -> "SplitMap | None":
-        """The map of a casing, for all values of its fields; None if there is no family.
+        """The map of a casing, for all values of its fields; None if the casing is of no family (`is_family`).
 
         Parameters
         ----------
@@ -88,80 +116,89 @@ class SplitMap:
         count
             The pairs are those that the lowest `count` modes of the perfect casing complete.
         """
-        family = Family.of(shell, count)
-        if family is None:
+        if not is_family(shell):
             return None
-        own = family.expansion
-        size = np.array([field_size(shell.defects[name], own.p_max) for name in own.quantities])
+        bare = perfect_shell(shell)
+        known = modes(bare, count + GUARD)
+        p_max = max(int(term.p.max()) for field in shell.defects.values() for term in terms_of(field) or ())
+        n_max = int(known.nodal_diameters.max())
+        own = expanded(bare, tuple(shell.defects), p_max, count + GUARD, n_max, count)
+        size = np.array([field_size(shell.defects[name], p_max) for name in own.quantities])
         order = np.lexsort((own.waves.n, np.abs(own.waves.n), own.waves.value))
         place = np.argsort(order)
-        forth = order[own.waves.n[order] > 0]
+        forth = order[own.waves.n[order] >= 0]
         back = np.array([opposite(own, wave) for wave in forth])
         wanted = int(np.count_nonzero(np.maximum(place[forth], place[back]) < count))
-        freq = frequencies(own.waves.value[forth[:wanted]])
         window = window_of(own, derivatives_of(own), forth, back, size, wanted)
-        n, rank = own.waves.n[forth[:wanted]], own.waves.rank[forth[:wanted]] + 1
-        return cls(family=family, n=n, rank=rank, freq=freq, window=window)
+        pairs = window.pairs
+        return cls(
+            expansion=own,
+            n=window.n[pairs],
+            rank=own.waves.rank[forth[pairs]] + 1,
+            freq=frequencies(window.value[pairs]),
+            window=window,
+            rings=content(own, window, bare),
+            rigid=known.rigid,
+        )
 
     def series(self, casings: "list[dict[str, Field]]") -> Array:
         """Series F of casings from their fields, (casings, l, 2 p_max + 1), p from -p_max to p_max."""
-        own = self.family.expansion
+        own = self.expansion
         return np.array([[coefficients(fields[name], own.p_max) for name in own.quantities] for fields in casings])
 
     def splits(self, series: Array) -> Splits:
         """Pairs of casings with the series F (casings, l, 2 p_max + 1), p from -p_max to p_max."""
-        lots = [self.lot(series[first : first + LOT]) for first in range(0, len(series), LOT)]
+        lots = [splits_of(self.window, self.lot(series[first : first + LOT])) for first in range(0, len(series), LOT)]
         return Splits(*(np.concatenate(part) for part in zip(*lots, strict=True)))
 
-    def lot(self, series: Array) -> Splits:
-        """Pairs of some casings."""
-        return answered(self.window, np.ascontiguousarray(series.reshape(len(series), -1).T))
+    def near(self, series: Array, count: int) -> list[Near]:
+        """The lowest `count` modes of each casing with the series F (casings, l, 2 p_max + 1)."""
+        found = self.lot(series)
+        bare, above = frequencies(np.sort(self.window.value[self.window.of])), frequencies(self.expansion.above)
+        freq, elastic, wanted = frequencies(found.value), slice(self.rigid, count), self.window.of < self.window.own
+        estimate = found.third[:, elastic].max(axis=1, initial=0.0)
+        moved = np.abs(freq[:, elastic] / bare[elastic] - 1.0).max(axis=1, initial=0.0)
+        own = np.sum(found.y[:, wanted, :count] ** 2, axis=1).min(axis=1)
+        complete = (own > OWN) & (freq[:, count - 1] * (1.0 + moved) < (1.0 - moved) * above)
+        return [
+            Near(modes_by_coordinates(f[:count], z, self.rings, rigid=self.rigid), float(most), bool(whole))
+            for f, z, most, whole in zip(freq, found.root @ found.y[..., :count], estimate, complete, strict=True)
+        ]
+
+    def lot(self, series: Array) -> Solved:
+        """The matrices of some casings, solved."""
+        return solved(self.window, np.ascontiguousarray(series.reshape(len(series), -1).T))
 
 
-def answered(own: Window, x: Array) -> Splits:
-    """The wanted pairs of a window, for casings with coefficients x (l (2 p_max + 1), casings)."""
-    whole, last = matrices(own, x)
-    value, y = np.linalg.eigh(whole)
-    pairs, at = len(own.n), np.arange(own.own)
-    shares = (y[:, :pairs] ** 2 + y[:, pairs:] ** 2)[:, : own.own]  # (casings, pairs, modes)
+def splits_of(own: Window, found: Solved) -> Splits:
+    """The wanted pairs of a window's casings."""
+    pairs, y = own.pairs, found.y
+    cosine, sine = (np.searchsorted(own.kept, first + pairs) for first in (0, len(own.n)))
+    shares = y[:, cosine] ** 2 + y[:, sine] ** 2  # (casings, pairs, modes)
     both = np.sort(np.argsort(-shares, axis=-1, kind="stable")[..., :2], axis=-1)
-    freq = frequencies(np.take_along_axis(value[:, None], both, axis=-1))
+    freq = frequencies(np.take_along_axis(found.value[:, None], both, axis=-1))
     lower = np.take_along_axis(y, both[:, None, :, 0], axis=2)
-    cosine, sine = lower[:, at, at], lower[:, pairs + at, at]
-    n, mean = own.n[: own.own], freq.mean(axis=-1)
-    angle = np.degrees(np.arctan2(sine, cosine) / n) % (180.0 / n)
+    at, n, mean = np.arange(len(pairs)), own.n[pairs], freq.mean(axis=-1)
+    angle = np.degrees(np.arctan2(lower[:, sine, at], lower[:, cosine, at]) / n) % (180.0 / n)
     share = np.take_along_axis(shares, both, axis=-1).min(axis=-1)
-    added = np.abs(np.sum(y * (last @ y), axis=1)) / np.maximum(value, np.finfo(float).tiny)
-    third = 0.5 * np.take_along_axis(added[:, None], both, axis=-1).max(axis=-1)
+    third = np.take_along_axis(found.third[:, None], both, axis=-1).max(axis=-1)
     return Splits(mean, (freq[..., 1] - freq[..., 0]) / mean, angle, share, third)
 
 
-def matrices(own: Window, x: Array) -> tuple[FloatArray, FloatArray]:
-    """K of a window after reduction of the mass to 1, and its third-order part, (casings, 2 pairs, 2 pairs).
-
-    Cosine members come before sine members.
-    """
-    pairs, cases = len(own.n), x.shape[1]
-    parts = np.zeros((3, cases, 2, pairs, pairs), dtype=complex)  # K to second order, M, third order
-    for each in own.between:
-        *low, last = (power.sums(x).reshape(2, len(each.b), cases) for power in each.powers)
-        for part, sums in zip(parts, (*np.add.reduce(low), last[0]), strict=True):
-            part[:, each.sense, each.a, each.b] = np.where(each.sense, sums.T, sums.T.conj())
-            part[:, each.sense, each.b, each.a] = sums.T
-    stiffness, E, last = map(real_form, parts)
-    both, one = np.arange(2 * pairs), np.eye(2 * pairs)
-    stiffness += last
-    stiffness[:, both, both] += np.tile(own.value, 2)
-    root = one - E @ (0.5 * one - E @ (0.375 * one - 0.3125 * E))  # (1 + E)^(-1/2)
-    return np.asarray(root @ stiffness @ root), last
+def content(own: Expansion, window: Window, shell: Shell) -> Rings:
+    """Circumferential content of a window's members without their responses, as in `ring_content`."""
+    n, motion = window.n[window.of], own.waves.motion[:, :3, window.waves[window.of]]
+    sine = window.kept >= len(window.n)
+    zero = np.where(sine, motion.imag, motion.real)
+    member = np.where(n > 0, np.sqrt(2.0) * np.where(sine, -1j, 1.0) * motion, zero)
+    amplitudes = np.zeros((int(n.max()) + 1, *member.shape), dtype=complex)
+    amplitudes[n, :, :, np.arange(len(n))] = np.moveaxis(member, -1, 0)
+    return Rings(amplitudes=amplitudes, weights=ring_weights(shell.mesh))
 
 
-def real_form(waves: Array) -> FloatArray:
-    """Symmetric matrices on cosine and sine members, from those between waves (casings, sense, b, a)."""
-    full, turned = waves[:, 0], waves[:, 1]
-    top = np.concatenate([full.real + turned.real, full.imag - turned.imag], axis=2)
-    bottom = np.concatenate([-full.imag - turned.imag, full.real - turned.real], axis=2)
-    return np.concatenate([top, bottom], axis=1)
+def frequencies(value: FloatArray | float) -> FloatArray:
+    """Frequencies [Hz] from omega^2; 0 if round-off makes that of a rigid motion negative."""
+    return np.asarray(np.sqrt(np.maximum(value, 0.0)) / TURN)
 
 
 def opposite(own: Expansion, wave: int) -> int:

@@ -1,4 +1,4 @@
-"""Pairs of a family's casings with close frequencies: their stiffness and mass to third order in the imperfections.
+"""The lowest waves of a family's casings: their stiffness and mass to third order in the imperfections.
 
 Trial motions are the waves u_a with their first-order response, v_a = u_a + sum_k F_l[k - n_a] X_(l,k,a)
 (`expansion`). With D = K - w^2 M of a casing, the terms of v_b^H D v_a by powers of F are
@@ -13,13 +13,13 @@ In the third power w^2 is the mean of both waves. The minimum of Rayleigh's quot
 
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.modal.family.expansion import Expansion, between, second_order
-from casingfem.modal.family.monomials import Monomials, collected
+from casingfem.modal.family.monomials import Monomials, collected, weights
 from casingfem.modal.family.point_forms import (
     Forms,
     Slot,
@@ -45,10 +45,10 @@ class Columns(NamedTuple):
 
 
 class Alike(NamedTuple):
-    """Numbers between pairs b and a of a window that are sums of the same products of harmonics.
+    """Numbers between waves b and a of a window that are sums of the same products of harmonics.
 
-    Each is from wave +n_a (sense 0, n_b >= n_a) or -n_a (sense 1) to +n_b. The difference of nodal diameters is the
-    sum of the harmonics in every product.
+    Each is from wave +n_a (sense 0, n_b >= n_a) or its complex conjugate -n_a (sense 1) to +n_b. The difference of
+    nodal diameters is the sum of the harmonics in every product.
 
     Attributes
     ----------
@@ -63,20 +63,37 @@ class Alike(NamedTuple):
 
 
 class Window(NamedTuple):
-    """Pairs that mix, ascending by frequency.
+    """Waves that mix, ascending by frequency, and their real members.
+
+    A wave with n > 0 has a cosine member and a sine member. A wave with n = 0 has one: its cosine, or the sine of a
+    torsion, whose wave is imaginary.
 
     Attributes
     ----------
-    n : nodal diameters, (pairs,)
-    value : omega^2 of the perfect casing, (pairs,)
-    own : number of wanted pairs, the lowest; the others only mix with them
-    between : numbers between the pairs
+    waves : their indices in the expansion, n >= 0, (waves,)
+    n : nodal diameters, (waves,)
+    value : omega^2 of the perfect casing, (waves,)
+    own : number of wanted waves, the lowest; the others only mix with them
+    kept : members, cosine k as k and sine k as waves + k, ascending, (members,)
+    between : numbers between the waves
     """
 
+    waves: IntArray
     n: IntArray
     value: FloatArray
     own: int
+    kept: IntArray
     between: tuple[Alike, ...]
+
+    @property
+    def of(self) -> IntArray:
+        """The wave of each member, (members,)."""
+        return self.kept % len(self.n)
+
+    @property
+    def pairs(self) -> IntArray:
+        """The wanted waves with n > 0."""
+        return np.flatnonzero(self.n[: self.own] > 0)
 
 
 class Derivatives(NamedTuple):
@@ -128,32 +145,64 @@ def real_jets(jets: Array) -> FloatArray:
 def window_of(
     own: Expansion, forms: Derivatives, forth: IntArray, back: IntArray, size: FloatArray, answers: int
 ) -> Window:
-    """The window of some pairs, waves `forth` and `back`; the first `answers` of them are wanted.
+    """The window of the waves `forth` and their conjugates `back`; the first `answers` of them are wanted.
 
     `size` (l, 2 p_max + 1) is the root mean square of the fields' harmonics; terms that are small with it are omitted.
     """
-    terms, n = Terms.of(own, forms, np.concatenate([forth, back]), len(forth), answers), own.waves.n[forth]
+    n, torsion = own.waves.n[forth], torsional(own.waves, forth)
+    turn = np.concatenate([np.ones(len(n)), np.where(torsion, -1.0, 1.0)])
+    terms = Terms.of(own, forms, np.concatenate([forth, back]), len(forth), answers, turn)
     alike: dict[int, list[tuple[int, int, int]]] = {}
     for b, a in product(range(len(n)), repeat=2):
         if (n[b], b) >= (n[a], a):
             alike.setdefault(int(n[b] - n[a]), []).append((b, a, 0))
             alike.setdefault(int(n[b] + n[a]), []).append((b, a, 1))
     between = tuple(alike_of(terms, np.array(entries), size.ravel()) for entries in alike.values())
-    return Window(n, own.waves.value[forth], answers, between)
+    kept = np.concatenate([np.flatnonzero(~torsion), len(n) + np.flatnonzero((n > 0) | torsion)])
+    return Window(forth, n, own.waves.value[forth], answers, kept, between)
+
+
+def torsional(waves: Waves, which: IntArray) -> BoolArray:
+    """Whether waves have n = 0 and are imaginary."""
+    motion = waves.motion[..., which].reshape(-1, len(which))
+    imaginary = np.linalg.norm(motion.imag, axis=0) > np.linalg.norm(motion.real, axis=0)
+    return np.asarray((waves.n[which] == 0) & imaginary)
 
 
 def alike_of(terms: "Terms", entries: IntArray, size: FloatArray) -> Alike:
     """Numbers (b, a, sense) with the same difference of nodal diameters, (numbers, 3)."""
     b, a, sense = entries.T
+    step = terms.step(*entries[0].tolist())
     scale, powers = np.zeros(len(b)), list[Monomials]()
-    for terms_of in (terms.first, terms.second, terms.third):
-        factor, value = zip(*(terms_of(*each) for each in entries.tolist()), strict=True)
-        number, all_values = np.repeat(np.arange(len(b)), [len(part) for part in value]), np.concatenate(value)
-        together = np.concatenate(factor)
-        flat = together[..., 0] * (2 * terms.own.p_max + 1) + together[..., 1]
-        np.maximum.at(scale, number, np.abs(all_values[:, 0]) * np.prod(size[flat], axis=1))
-        powers.append(collected(flat, number, all_values, size, scale))
+    square = np.sqrt(np.maximum(terms.low.value[b] * terms.low.value[a], 0.0))
+    for degree, values_of in enumerate((terms.first, terms.second, terms.third), 1):
+        factor = products_of(step, degree, len(terms.own.quantities), terms.own.p_max)
+        value = np.stack([values_of(*each) for each in entries.tolist()], axis=-1)  # (products, 2, numbers)
+        scale = np.maximum(scale, weights(factor, value, size, square).max(axis=0, initial=0.0))
+        powers.append(collected(factor, value, size, scale, square))
     return Alike(b, a, sense, tuple(powers))
+
+
+def products_of(step: int, degree: int, lines: int, p_max: int) -> IntArray:
+    """All products of some harmonics whose sum is `step`: their places in F (l, 2 p_max + 1), (products, degree).
+
+    Products of the same fields follow each other, by all harmonics but the second, which `remaining` gives.
+    """
+    p = remaining(step, degree, p_max)
+    own = p[:, np.all(np.abs(p) <= p_max, axis=0)].T + p_max
+    each = [own + (2 * p_max + 1) * np.array(chosen) for chosen in product(range(lines), repeat=degree)]
+    return np.concatenate(each)
+
+
+def remaining(step: int, degree: int, p_max: int) -> IntArray:
+    """Harmonics of products of 1, 2 or 3 with the sum `step`, ascending by the first, then the third, (degree, all)."""
+    p = np.arange(-p_max, p_max + 1)
+    if degree == 1:
+        return np.array([[step]])
+    if degree == 2:
+        return np.stack([p, step - p])
+    first, third = (each.ravel() for each in np.meshgrid(p, p, indexing="ij"))
+    return np.stack([first, step - first - third, third])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -162,12 +211,13 @@ class Terms:
 
     Attributes
     ----------
-    own, forms, waves : the expansion, its forms, and indices of the window's waves in it
+    own, forms, waves : the expansion, its forms, and indices of the window's waves in it, then of their conjugates
     low : those waves
+    turn : factors of the waves; -1 for the conjugate of an imaginary wave, which has no index of its own
     direct : K_2 and M_2 of only the second derivatives
     between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a; all others have X by harmonic, -p_max to p_max
     first_right, first_left : <u|D_1|X>, <X|D_1|u> for each slot: stiffness and mass
-    first_both : <X|D_1|X> for each slot, with wanted pairs on the left, like all that follow
+    first_both : <X|D_1|X> for each slot, with wanted waves on the left, like all that follow
     second_right, second_left : <u|D_2|X>, <X|D_2|u> for each two slots
     third_none : <u|D_3|u> for each three slots
     """
@@ -176,6 +226,7 @@ class Terms:
     forms: Derivatives
     waves: IntArray
     low: Waves
+    turn: FloatArray
     direct: tuple[FloatArray, FloatArray]
     between_answers: FloatArray
     first_right: list[Two]
@@ -186,9 +237,11 @@ class Terms:
     third_none: dict[tuple[int, int, int], Two]
 
     @classmethod
-    def of(cls, own: Expansion, forms: Derivatives, waves: IntArray, pairs: int, answers: int) -> "Terms":
-        """Terms of some waves, the first `pairs` of which are +n of the pairs."""
-        low, X = own.waves.chosen(waves), real_jets(answers_of(own, waves))  # (l, ways, points 15, waves)
+    def of(
+        cls, own: Expansion, forms: Derivatives, waves: IntArray, pairs: int, answers: int, turn: FloatArray
+    ) -> "Terms":
+        """Terms of some waves, the first `pairs` of which are +n."""
+        low, X = own.waves.chosen(waves), real_jets(own.answers[..., waves])  # (l, ways, points 15, waves)
         near, jets, ways = by_harmonic(own, X, low.n), real_jets(low.jets), range(X.shape[1])
         right, left, u = columns(near), columns(near[..., :pairs]), Columns(jets, (len(waves),))
         own_left, own_u = columns(near[..., :answers]), Columns(jets[:, :answers], (answers,))
@@ -200,6 +253,7 @@ class Terms:
             forms=forms,
             waves=waves,
             low=low,
+            turn=turn,
             direct=second_order(low, own.k, forms.slots, forms.second, own.quantities),
             between_answers=np.array(parts),
             first_right=[inner(u_left, form, right) for form in forms.first],
@@ -212,98 +266,91 @@ class Terms:
 
     @property
     def answers(self) -> int:
-        """Number of wanted pairs."""
+        """Number of wanted waves."""
         return int(self.first_both[0][0].shape[2])
 
     def wave(self, pair: int, sense: int) -> int:
-        """Index of the wave +n or -n of a pair."""
+        """Index of a wave or of its conjugate."""
         return pair + sense * int(self.between_answers.shape[3])
 
     def lines_of(self, line: int) -> list[int]:
         """Slots of a field."""
         return [s for s, slot in enumerate(self.forms.slots) if slot.quantity == self.own.quantities[line]]
 
-    def first(self, b: int, pair: int, sense: int) -> tuple[IntArray, FloatArray]:
-        """Terms of first power, from wave a = +-n of a pair to wave b."""
+    def step(self, b: int, pair: int, sense: int) -> int:
+        """Difference of nodal diameters, from wave a = +-n to wave b."""
+        return int(self.low.n[b] - self.low.n[self.wave(pair, sense)])
+
+    def first(self, b: int, pair: int, sense: int) -> FloatArray:
+        """Terms of first power of K and M, for the products of `products_of`, (products, 2)."""
         a = self.wave(pair, sense)
-        p, top = int(self.low.n[b] - self.low.n[a]), self.own.p_max
-        lines = [line for line in range(len(self.own.quantities)) if abs(p) <= top]
-        factor = np.array([[(line, p + top)] for line in lines], dtype=np.int64).reshape(-1, 1, 2)
+        lines = range(len(self.own.quantities) if abs(self.step(b, pair, sense)) <= self.own.p_max else 0)
         at = self.waves[b], self.waves[a]
         value = np.array([(self.own.K_1[line][at], self.own.M_1[line][at]) for line in lines]).reshape(-1, 2)
-        return factor, value
+        return np.asarray(self.turn[a] * value)
 
-    def second(self, b: int, pair: int, sense: int) -> tuple[IntArray, FloatArray]:
+    def second(self, b: int, pair: int, sense: int) -> FloatArray:
         """Terms of second power."""
         a = self.wave(pair, sense)
-        k, top, order = self.own.k, self.own.p_max, [slot.order for slot in self.forms.slots]
-        p1, p2 = k - self.low.n[a], self.low.n[b] - k
-        used = np.flatnonzero((np.abs(p1) <= top) & (np.abs(p2) <= top))
-        factors, values = [], []
+        top, order = self.own.p_max, [slot.order for slot in self.forms.slots]
+        p1, p2 = remaining(self.step(b, pair, sense), 2, top)
+        p1, p2 = p1[np.abs(p2) <= top], p2[np.abs(p2) <= top]
+        way = p1 + self.low.n[a] - self.own.k[0]
+        values = []
         for line, other in product(range(len(self.own.quantities)), repeat=2):
-            value = np.zeros((len(used), 2))
+            value = np.zeros((len(way), 2))
             for kind in (0, 1):
-                own = self.direct[kind][used, line, other, b, a] + self.between_answers[kind, used, other, b, line, a]
+                own = self.direct[kind][way, line, other, b, a] + self.between_answers[kind, way, other, b, line, a]
                 for s in self.lines_of(other):
-                    own = own + p2[used] ** order[s] * self.first_right[s][kind][b, line, p1[used] + top, a]
+                    own = own + p2 ** order[s] * self.first_right[s][kind][b, line, p1 + top, a]
                 for s in self.lines_of(line):
-                    own = own + p1[used] ** order[s] * self.first_left[s][kind][other, top - p2[used], b, a]
+                    own = own + p1 ** order[s] * self.first_left[s][kind][other, top - p2, b, a]
                 value[:, kind] = own
-            one, two = np.full(len(used), line), np.full(len(used), other)
-            factors.append(np.stack([np.stack([one, p1[used] + top], -1), np.stack([two, p2[used] + top], -1)], axis=1))
             values.append(value)
-        return np.concatenate(factors), np.concatenate(values)
+        return np.asarray(self.turn[a] * np.concatenate(values))
 
-    def third(self, b: int, pair: int, sense: int) -> tuple[IntArray, FloatArray]:
-        """Terms of third power, if one of both pairs is wanted; those of M are included in K."""
-        if b >= self.answers > pair:
-            factor, value = self.third(pair, b, sense)
-            return (factor if sense else self.mirrored(factor)), value
-        if b >= self.answers:
-            return np.zeros((0, 3, 2), dtype=np.int64), np.zeros((0, 2))
-        k, top, a = self.own.k, self.own.p_max, self.wave(pair, sense)
+    def third(self, b: int, pair: int, sense: int) -> FloatArray:
+        """Terms of third power, zero if none of both waves is wanted; those of M are included in K."""
+        p_max, step = self.own.p_max, self.step(b, pair, sense)
+        used = np.all(np.abs(remaining(step, 3, p_max)) <= p_max, axis=0)
+        fields = range(len(self.own.quantities))
+        value = np.zeros((len(fields) ** 3, np.count_nonzero(used), 2))
+        if min(b, pair) < self.answers:
+            swapped = b >= self.answers
+            for part, lines in zip(value, product(fields, repeat=3), strict=True):
+                # K[b, -a] is K[a, -b], and K[b, a] the conjugate of K[a, b], with harmonics -p instead of p
+                found = self.third_of(lines, pair, b, sense) if swapped else self.third_of(lines, b, pair, sense)
+                part[:, 0] = (found[::-1, ::-1] if swapped and not sense else found).ravel()[used]
+        return value.reshape(-1, 2)
+
+    def third_of(self, lines: tuple[int, ...], b: int, pair: int, sense: int) -> FloatArray:
+        """Terms of third power of D = K - w^2 M for three fields, by the first harmonic and the third."""
+        a, (first, second, third) = self.wave(pair, sense), lines
+        p = np.arange(-self.own.p_max, self.own.p_max + 1)
         square = 0.5 * float(self.low.value[a] + self.low.value[b])
-        p1, p2, p3 = (k - self.low.n[a])[:, None], k - k[:, None], self.low.n[b] - k  # (first way, second way)
-        used = (np.abs(p1) <= top) & (np.abs(p2) <= top) & (np.abs(p3) <= top)
-        i, j = np.nonzero(used)
-        p1, p2, p3 = p1[i, 0], p2[i, j], p3[j]
-        factors, values = [], []
-        for lines in product(range(len(self.own.quantities)), repeat=3):
-            found = self.third_of(lines, (b, a), (p1, p2, p3), square)
-            parts = [np.stack([np.full(len(i), f), p + top], -1) for f, p in zip(lines, (p1, p2, p3), strict=True)]
-            factors.append(np.stack(parts, axis=1))
-            values.append(np.stack([found, np.zeros(len(i))], axis=1))
-        return np.concatenate(factors), np.concatenate(values)
+        p2 = self.step(b, pair, sense) - np.add.outer(p, p)
+        powers = p ** np.arange(3)[:, None]
 
-    def mirrored(self, factor: IntArray) -> IntArray:
-        """Harmonics -p instead of p."""
-        return np.stack([factor[..., 0], 2 * self.own.p_max - factor[..., 1]], axis=-1)
-
-    def third_of(
-        self,
-        lines: tuple[int, ...],
-        waves: tuple[int, int],
-        p: tuple[IntArray, IntArray, IntArray],
-        square: float,
-    ) -> FloatArray:
-        """Terms of third power for three fields with harmonics p; D = K - `square` M."""
-        (b, a), (first, second, third) = waves, lines
-        i, j = p[0] + self.own.p_max, self.own.p_max - p[2]  # places of the answers to a and to b
-        about = [[each.astype(float) ** slot.order for slot in self.forms.slots] for each in p]
-
-        def D(parts: Two, *at: int | IntArray) -> Array:
+        def D(parts: Two, *at: Any) -> Array:
             return np.asarray(parts[0][at] - square * parts[1][at])
 
-        found = np.zeros(len(i))
+        found = np.zeros(p2.shape)
         for s in self.lines_of(second):
-            found += about[1][s] * D(self.first_both[s], third, j, b, first, i, a)
+            own = D(self.first_both[s], third, slice(None, None, -1), b, first, slice(None), a).T.astype(float)
             for t in self.lines_of(third):
-                found += 0.5 * about[1][s] * about[2][t] * D(self.second_right[s, t], b, first, i, a)
+                after = 0.5 * D(self.second_right[s, t], b, first, slice(None), a)
                 for r in self.lines_of(first):
-                    found += about[0][r] * about[1][s] * about[2][t] * D(self.third_none[r, s, t], b, a) / 6.0
+                    after = after + powers[self.order(r)] * (D(self.third_none[r, s, t], b, a) / 6.0)
+                own += np.outer(after, powers[self.order(t)])
             for r in self.lines_of(first):
-                found += 0.5 * about[0][r] * about[1][s] * D(self.second_left[r, s], third, j, b, a)
-        return found
+                before = 0.5 * D(self.second_left[r, s], third, slice(None, None, -1), b, a)
+                own += np.outer(powers[self.order(r)], before)
+            found += p2 ** self.order(s) * own
+        return np.asarray(self.turn[a] * found)
+
+    def order(self, slot: int) -> int:
+        """Order of the derivative of a slot."""
+        return self.forms.slots[slot].order
 
 
 def by_harmonic(own: Expansion, X: Array, n: IntArray) -> Array:
@@ -328,15 +375,3 @@ def inner(left: Columns, form: Forms, right: Columns) -> Two:
 def single(both: Two) -> Two:
     """Single-precision copy, for numbers that are small themselves."""
     return both[0].astype(np.float32), both[1].astype(np.float32)
-
-
-def answers_of(own: Expansion, waves: IntArray) -> Array:
-    """First-order responses to some waves of an expansion, through each k: (l, ways, points 15, waves)."""
-    value, about = own.waves.value, own.about[waves]
-    X = own.answers[..., waves].copy()
-    for j in np.setdiff1d(np.arange(len(value)), waves):
-        way = int(np.searchsorted(own.k, own.waves.n[j]))
-        reach = np.abs(own.waves.n[j] - own.waves.n[waves]) <= own.p_max
-        r = (own.K_1[:, j, waves] - about * own.M_1[:, j, waves]) * reach / (value[j] - about)
-        X[:, way] -= own.waves.jets[:, j][:, None] * r[:, None]
-    return X

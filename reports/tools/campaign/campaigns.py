@@ -51,10 +51,10 @@ CAMPAIGNS = (
     Campaign("verification.modes.sturm", "1,000 random structures: modes returned are modes counted", STRUCTURE),
     Campaign(
         "verification.chance",
-        "splits of 100,000 casings against full solutions; intervals, a rare event",
+        "splits of 100,000 casings against full solutions; dangerous speeds, intervals, a rare event",
         (*STRUCTURE, "casingfem/chance"),
     ),
-    Campaign("benchmarks.mistuning", "restarts from the mean casing's modes", STRUCTURE),
+    Campaign("benchmarks.mistuning", "draws of random casings from one perfect casing: error, time", STRUCTURE),
     Campaign(
         "verification.modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE
     ),
@@ -180,6 +180,8 @@ CAMPAIGNS = (
         "chances under kill -9 give the same tables",
         ("casingfem/chance", "contact/sweep"),
     ),
-    Campaign("benchmarks.chance_rubs", "time of rubs of random casings", ("casingfem/chance", "contact")),
+    Campaign(
+        "benchmarks.chance_rubs", "time of 10,000 rubs of random casings", ("casingfem/chance", "contact"), ("--whole",)
+    ),
     Campaign("studies.rig", "the chain of `make study`", ("casingfem", "contact")),
 )  # fmt: skip

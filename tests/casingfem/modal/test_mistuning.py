@@ -47,11 +47,11 @@ around = 11
 
 def tube(**parts):
     """A short thick tube, on a mesh right to 1e-5 in the modes asked for."""
-    return cf.Shell(
-        chart=cf.Cylinder(radius=0.5, height=0.3), thickness=0.01,
-        material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
-        **{"supports": {"base": cf.Clamped()}, "mesh": cf.ShellMesh(order=7, rows=1, around=13)} | parts,
-    )  # fmt: skip
+    usual = {
+        "chart": cf.Cylinder(radius=0.5, height=0.3), "supports": {"base": cf.Clamped()},
+        "mesh": cf.ShellMesh(order=7, rows=1, around=13),
+    }  # fmt: skip
+    return cf.Shell(thickness=0.01, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), **usual | parts)
 
 
 def lab(scale, p_max=10):
@@ -87,6 +87,9 @@ CASINGS = {
         "radius_defect": cf.FourierField.of({4: (5e-4, 2e-4), 3: 3e-4}) + lab(0.1), "supports": {},
     },
     "published wall theory": {"thickness_defect": field(1), "wall": "linear"},
+    "slender, with a torsion among the modes": {
+        "radius_defect": lab(0.1), "thickness_defect": field(1), "chart": cf.Cylinder(radius=0.1, height=0.5),
+    },
 }  # fmt: skip
 
 
@@ -112,19 +115,6 @@ def redrawn(part, draw):
     if isinstance(part, cf.field.SumField):
         return cf.field.SumField(tuple(redrawn(each, draw) for each in part.fields))
     return part.redrawn(draw) if isinstance(part, cf.field.RandomField) else part
-
-
-@pytest.mark.slow
-def test_errors_are_of_fourth_order_in_the_imperfection():
-    """Rayleigh's quotient with shapes right to first order: half the imperfection, a sixteenth of the error."""
-    errors = []
-    for scale in (0.24, 0.12):
-        parts = {"radius_defect": lab(scale), "mesh": cf.ShellMesh(order=7, rows=1, around=17)}
-        full = of_modes(cf.modes(tube(**parts), 4, method="shell"))
-        errors.append(of_draw(cf.modal.mistune(tube(**parts), 1, count=4), 0)[2] / full[2] - 1.0)
-    above, below = (np.max(error) for error in errors)
-    assert np.min(errors) > -1e-7  # from above
-    assert 10.0 < above / below < 24.0
 
 
 @pytest.mark.slow

@@ -24,18 +24,21 @@ def scaled(fields, factor):
 
 @pytest.mark.slow
 def test_frequencies_of_pairs_are_right_to_third_order_in_the_imperfections(pairs):
-    """Half the imperfection, a sixteenth of the difference to the casings' own energies."""
-    fields = {"radius": lab(0.3).redrawn(3).fit, "thickness": WALL.redrawn(3).fit}
+    """Half the imperfection, a sixteenth of the error."""
+    fields = {"radius": lab(1.0).redrawn(3).fit, "thickness": WALL.redrawn(3).fit}
     errors = []
     for factor in (1.0, 0.5):
         casing = scaled(fields, factor)
-        found, near = pairs.splits(pairs.series([casing])), pairs.family.near(casing, COUNT).modes
-        of_pair = {(int(near.nodal_diameters[a]), int(near.meridional[a])): near.freq[[a, b]] for a, b in near.doublets}
+        found = pairs.splits(pairs.series([casing]))
+        full = cf.modes(
+            tube(radius_defect=casing["radius"], thickness_defect=casing["thickness"]), COUNT, method="shell"
+        )
+        of_pair = {(int(full.nodal_diameters[a]), int(full.meridional[a])): full.freq[[a, b]] for a, b in full.doublets}
         exact = np.array([of_pair[n, m] for n, m in zip(pairs.n.tolist(), pairs.rank.tolist(), strict=True)])
         half = 0.5 * found.split[0]
         ours = found.freq[0][:, None] * (1.0 + np.array([-1.0, 1.0]) * half[:, None])
         errors.append(np.abs(ours / exact - 1.0).max())
-    assert errors[0] < 2e-4
+    assert errors[0] < 2e-3
     assert errors[0] / errors[1] > 10.0
 
 
