@@ -8,8 +8,8 @@ from .model.bodies.modal_body import ModalBody
 from .model.bodies.patch import Patch
 from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
-from .model.gaps.rub_laws import Speed
 from .model.law import Abradable, Coulomb, Penalty, Unilateral
+from .model.speed import Speed
 from .prepared import Scene
 from .record.record import Record
 from .result import Result

@@ -29,11 +29,11 @@ from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import PointGap, RotatingRim, Side
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import ContactPoint, Rub
-from contact.model.gaps.rub_laws import Speed
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.laws.force_law import Hertz
 from contact.model.rotor.jeffcott import Jeffcott
 from contact.model.rotor.rotor import Rotor
+from contact.model.speed import Speed
 from contact.prepared import Scene
 from contact.run import run
 from contact.run_many import run_many

@@ -19,10 +19,10 @@ from contact.io.progress import as_part, tell
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
-from contact.model.gaps.rub_laws import Speed
 from contact.model.rotor.rotor import Rotor
 from contact.model.rotor.rotor_rub import at_constant_speed, rotor_of
 from contact.model.rotor.whirl import modes_at
+from contact.model.speed import Speed
 from contact.prepared import Scene
 from contact.record.growth import STANDS, Check, Ending, RunGrowth
 from contact.record.record import STATES, Record, prime_stride

@@ -24,8 +24,9 @@ from contact.cycles.switched import Complex, Drive, Forcing, Plant
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, rub_contact
 from contact.model.gaps.rub import Rub, rub_of
-from contact.model.gaps.rub_laws import RimProfile, Speed
+from contact.model.gaps.rub_laws import RimProfile
 from contact.model.law import Abradable
+from contact.model.speed import Speed
 from contact.record.wear import Wear
 from contact.stability.closed_contact import first_order
 

@@ -18,7 +18,8 @@ from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import Rub, Start
-from contact.model.gaps.rub_laws import RimProfile, Speed
+from contact.model.gaps.rub_laws import RimProfile
+from contact.model.speed import Speed
 from contact.scene.laws import CoatingTable, LawTable, contact_law, require_one
 from contact.scene.pair import CasingPairTable
 from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_built

@@ -16,12 +16,12 @@ from contact.io.plausible import CHECKS
 from contact.io.tables import Angle, Length, NotNegative, Number, table_of, value_of
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
-from contact.model.gaps.rub_laws import Speed
 from contact.model.law import Unilateral
 from contact.model.rotor.jeffcott import Jeffcott
 from contact.model.rotor.rotor import Release, Rotor, Spin, Unbalance
 from contact.model.rotor.rotor_rub import rigid_casing, rigid_tip, rotor_rub
 from contact.model.rotor.shaft import Bearing, Disk, Piece, Shaft
+from contact.model.speed import Speed
 from contact.resolved import MOST_STEPS
 from contact.scene.laws import CoatingTable, LawTable, require_one
 from contact.scene.parts import RecordTable, read_basis, rub_built

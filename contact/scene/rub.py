@@ -20,8 +20,9 @@ from contact.io.tables import Angle, NotNegative, Number, table_of, value_of
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
-from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
+from contact.model.gaps.rub_laws import Closing, RimProfile, Whirl
 from contact.model.gaps.rub_system import settled
+from contact.model.speed import Speed
 from contact.scene.laws import CoatingTable, LawTable, require_one
 from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_built
 from contact.scene.problems import Problems

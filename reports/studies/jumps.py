@@ -93,7 +93,7 @@ def ramp(rub: ct.Rub, at: Orbit, to_hz: float, rate: float, dt: float) -> Ramp:
     t_end = abs(to_hz - at.value) / rate
     blade = rub.blades[0]
     moving = replace(
-        rub, speed=ct.gaps.Speed(time=[0.0, t_end], hz=[at.value, to_hz]),
+        rub, speed=ct.Speed(time=[0.0, t_end], hz=[at.value, to_hz]),
         casing_start=ct.gaps.Start(displacement=q[:m], velocity=v[:m]),
         blade_starts=(ct.gaps.Start(displacement=q[m:], velocity=v[m:]),),
     )  # fmt: skip

@@ -5,7 +5,7 @@ from .modal_system import ModalSystem, point_system
 from .permanent import HandPair, ModalPair, rim_contact
 from .rod_modes import Cantilever, rod_modes
 from .rub import ContactPoint, Rub, Start, Stiffening
-from .rub_laws import Closing, RimProfile, Speed, Whirl
+from .rub_laws import Closing, RimProfile, Whirl
 from .rub_system import settled
 
 __all__ = [
@@ -22,7 +22,6 @@ __all__ = [
     "RotatingRim",
     "Rub",
     "Side",
-    "Speed",
     "Start",
     "Stiffening",
     "Whirl",

@@ -25,7 +25,7 @@ from contact.model.bodies.channels import rim_channels
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.permanent import ModalPair, require_waves
 from contact.model.gaps.rub import ContactPoint, Rub, Start
-from contact.model.gaps.rub_laws import Speed
+from contact.model.speed import Speed
 
 FEWEST = 2  # blades: one has no neighbour
 MOST_DIAMETERS = 1000  # the compliance of a rim is a full matrix of 4 n + 2 rows

@@ -16,10 +16,11 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR, require_near
-from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
+from contact.model.gaps.rub_laws import Closing, RimProfile, Whirl
 from contact.model.gaps.turning import casing_turns
 from contact.model.rate import Change, Rate, changes
 from contact.model.rotor.rotor import Rotor, Spin
+from contact.model.speed import Speed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Prescribed histories of a rub: speed, closing of the gap, whirl, and the rim's measured profile."""
+"""Prescribed histories of a rub: closing of the gap, whirl, and the rim's measured profile."""
 
 from __future__ import annotations
 
@@ -9,73 +9,12 @@ from functools import lru_cache
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, keep_readonly, readonly, require_finite, require_not_negative
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.io.keys import Key
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Speed:
-    """Omega(t) [rad/s], linear between the points (time [s], hz), constant before the first and after the last.
-
-    The angle is its exact integral, angle(0) = 0.
-
-    >>> ramp = Speed(time=[0.0, 2.0], hz=[0.0, 1.0])
-    >>> round(ramp.angle(2.0) / (2 * np.pi), 12), round(ramp.angle(3.0) / (2 * np.pi), 12)
-    (1.0, 2.0)
-    """
-
-    time: Array
-    hz: Array
-
-    __repr__ = brief
-
-    def __post_init__(self) -> None:
-        for name in ("time", "hz"):
-            object.__setattr__(self, name, readonly(np.atleast_1d(getattr(self, name))))
-        _require_table("speed", self.time, self.hz)
-
-    @staticmethod
-    def constant(hz: float) -> Speed:
-        """One speed for the whole run [turns per second]."""
-        return Speed(readonly([0.0]), readonly([hz]))
-
-    @property
-    def table(self) -> Array:
-        """Rows (start [s], angle there [rad], Omega there, its slope), (segments, 4), the first from before t = 0."""
-        t, w = self.time, 2.0 * math.pi * self.hz
-        slope = np.concatenate(([0.0], np.diff(w) / np.diff(t), [0.0]))
-        start, omega = np.concatenate(([min(t[0], 0.0) - 1.0], t)), np.concatenate(([w[0]], w))
-        length = np.diff(start)
-        angle = np.concatenate(([0.0], np.cumsum(omega[:-1] * length + 0.5 * slope[:-1] * length**2)))
-        at_zero = _integral(np.stack([start, angle, omega, slope], axis=1), np.float64(0.0))[0]
-        return np.ascontiguousarray(np.stack([start, angle - at_zero, omega, slope], axis=1))
-
-    def angle(self, t: float) -> float:
-        """Angle turned since t = 0 [rad]."""
-        return float(_integral(self.table, np.float64(t))[0])
-
-    def angles(self, t: Array) -> Array:
-        """Angles turned since t = 0 at many times [rad]."""
-        return np.asarray(_integral(self.table, t)[0])
-
-    def omega(self, t: float) -> float:
-        """Angular speed [rad/s]."""
-        return float(_integral(self.table, np.float64(t))[1])
-
-    @property
-    def fastest(self) -> float:
-        """Largest |Omega| [rad/s]."""
-        return 2.0 * math.pi * float(np.abs(self.hz).max())
-
-
-def _integral(table: Array, t: Array | np.float64) -> tuple[Array, Array]:
-    start, angle, omega, slope = table[np.maximum(np.searchsorted(table[:, 0], t, side="right") - 1, 0)].T
-    since = t - start
-    return angle + omega * since + 0.5 * slope * since**2, omega + slope * since
+from contact.model.speed import require_table
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -92,7 +31,7 @@ class Closing:
     def __post_init__(self) -> None:
         for name in ("time", "by"):
             object.__setattr__(self, name, readonly(np.atleast_1d(getattr(self, name))))
-        _require_table("closing", self.time, self.by)
+        require_table("closing", self.time, self.by)
 
     @staticmethod
     def none() -> Closing:
@@ -168,7 +107,7 @@ class RimProfile:
         if self.theta is None or self.depth is None:
             return
         keep_readonly(self, "theta", "depth")
-        _require_table("profile", self.theta, self.depth)
+        require_table("profile", self.theta, self.depth)
         span = float(self.theta[-1] - self.theta[0])
         if len(self.theta) < 3 or span >= 2.0 * math.pi:
             expected = "three or more within one turn, the last before the first comes round again"
@@ -233,14 +172,3 @@ def hermite(table: Array, phi: float) -> float:
     left = (1.0 + 2.0 * s) * (1.0 - s) ** 2 * table[i, 1] + s * (1.0 - s) ** 2 * h * table[i, 2]
     right = s * s * (3.0 - 2.0 * s) * table[i + 1, 1] - s * s * (1.0 - s) * h * table[i + 1, 2]
     return float(left + right)
-
-
-def _require_table(name: str, at: ArrayLike, values: ArrayLike) -> None:
-    x, y = np.asarray(at, dtype=float), np.asarray(values, dtype=float)
-    if x.ndim != 1 or x.shape != y.shape or not x.size:
-        raise InputError(f"{name}: found {x.shape} places and {y.shape} values, expected as many of both")
-    if not (np.isfinite(x).all() and np.isfinite(y).all()):
-        raise InputError(f"{name}: found values that are NaN or infinite, expected finite numbers")
-    if np.any(np.diff(x) <= 0.0):
-        worst = int(np.argmin(np.diff(x)))
-        raise InputError(f"{name}: found {x[worst + 1]:g} after {x[worst]:g}, expected ascending values")

@@ -17,10 +17,10 @@ from contact.base.keyed import require_keyed
 from contact.io.brief import brief
 from contact.io.keys import Key
 from contact.model.bodies.modal_body import ModalBody
-from contact.model.gaps.rub_laws import Speed
 from contact.model.rate import Change, Rate, changes
 from contact.model.rotor.jeffcott import Jeffcott
 from contact.model.rotor.shaft import Shaft
+from contact.model.speed import Speed
 
 PART = 0.1  # of the length: a larger motion of a shaft is outside linear theory
 LIMIT = 2.5  # m: of a rotor whose length is not known, `PART` of the longest structure that scenes accept

@@ -22,8 +22,9 @@ from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Start, Stiffening
-from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
+from contact.model.gaps.rub_laws import Closing, RimProfile
 from contact.model.rotor.rotor import Rotor, Spin
+from contact.model.speed import Speed
 
 SQUARES = ("damping", "stiffness", "gyroscopic", "stiffness_by_speed")
 HIGHER = ("gyroscopic_higher", "stiffness_higher")

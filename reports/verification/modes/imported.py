@@ -275,7 +275,7 @@ def rubs(quick: bool) -> list[Row]:
         places = tuple(ct.ContactPoint(span=f"node{k}.span", flap=f"node{k}.flap", lean_deg=10.0) for k in range(3))
         rub = ct.Rub(
             body(made[casing]), (body(blades[blade]),), places, clearance=-2e-5,
-            speed=ct.gaps.Speed.constant(5.0), thickness=t,
+            speed=ct.Speed.constant(5.0), thickness=t,
         )  # fmt: skip
         result = ct.run(rub, law=ct.Coulomb(mu=0.2), t_end=5e-3, dt=2e-6)
         rows.append(

@@ -14,8 +14,9 @@ from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, HandPair, rub_contact
 from contact.model.gaps.rub import ContactPoint, Rub, Start, rub_of
-from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
+from contact.model.gaps.rub_laws import Closing, RimProfile
 from contact.model.law import Coulomb, Unilateral
+from contact.model.speed import Speed
 from contact.record.record import Record
 from contact.run import run
 from contact.scheme.modal.coupled import poles

@@ -103,7 +103,7 @@ COATING = {"E": 2e8, "yield_stress": 1e9, "hardening": 0.0, "thickness": 2e-3, "
 def two_blades(**given):
     tips = (ct.ContactPoint(angle_deg=20.0, lean_deg=10.0), ct.ContactPoint(blade=1, angle_deg=150.0, lean_deg=-5.0))
     profile = ct.gaps.RimProfile.fourier(WAVES)
-    usual = {"tips": tips, "clearance": 2e-6, "speed": ct.gaps.Speed.constant(5.0), "profile": profile}
+    usual = {"tips": tips, "clearance": 2e-6, "speed": ct.Speed.constant(5.0), "profile": profile}
     return ct.Rub(ring(zeta=0.02), (blade(zeta=0.02), blade(zeta=0.02, psi=1.2)), **usual | given)
 
 
