@@ -2,9 +2,10 @@
 
 If all channels are fitted together, each mode gives one pole for each set-up, which only the channels of that set-up
 see. So the channels of one set-up have similar magnitudes of residues over the poles of a window. Average linkage forms
-a tree of channels from them. In each window of lines the poles of a branch are fitted alone. A branch is cut in two
-where this saves a tenth of the parameters m, 2 for each pole and channel and 2 for each pole; or, because one fit may
-lack poles, a tenth of the information criterion (Schwarz, Ann. Stat. 6, 1978, 461), summed over the windows,
+a tree of channels from them. In each window of lines the recurring poles of a branch are fitted alone; none is added,
+for weak poles decide nothing here. A branch is cut in two where this saves a tenth of the parameters m, 2 for each pole
+and channel and 2 for each pole; or, because one fit may lack poles, a tenth of the information criterion (Schwarz, Ann.
+Stat. 6, 1978, 461), summed over the windows,
 
     N ln max(R/N, 1) + m ln N,
 
@@ -239,7 +240,7 @@ def _criteria(group: _Group, channels: IntArray) -> FloatArray:
 
 
 def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thresholds) -> _Group:
-    """Fit some channels alone in all windows, with as many poles as they justify."""
+    """Fit some channels alone in all windows, with the poles that recur over model orders and that they justify."""
     own, seen = [], data.freq[data.peaks.at]
     for fit in fits:
         whole = replace(fit.window, Y=fit.window.Y[:, channels])
@@ -247,7 +248,7 @@ def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thre
         here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
         start = candidates(whole.freq, small.Y, len(here), data.end, rules=rules).poles
         inside = (start.imag > 2.0 * np.pi * whole.freq[0]) & (start.imag < 2.0 * np.pi * whole.freq[-1])
-        found = counted(small, start[inside], here, rules=rules)
+        found = counted(small, start[inside], here, more=False, rules=rules)
         own.append(fit_poles(whole, found.poles, steps=0))
     return _Group(channels, own)
 
