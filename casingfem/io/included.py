@@ -168,7 +168,7 @@ def padded(found: list[str], above: list[str]) -> bool:
 
 
 def full(line: str, abaqus: bool) -> bool:
-    """Whether something follows the last number, or it fills its columns."""
+    """Whether a blank or comma follows the last number of a line, or the number fills its columns."""
     if line[-1] in " \t,":
         return True
     width = 16 if "*" in line[:8] else 8

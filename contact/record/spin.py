@@ -69,7 +69,7 @@ class SpinBudget:
 
     @property
     def words(self) -> str:
-        """One line."""
+        """Energies and works of the spin in one line."""
         return (
             f"{self.start:.6g} J at the start, {self.end:.6g} J at the end; drive {self.drive:.4g}, friction "
             f"{self.friction:.4g}, unbalance {self.unbalance:.4g}, casing that is not round {self.rotation:.4g}, "

@@ -69,8 +69,8 @@ class RubCasing(Table):
 class RubNode(Table):
     """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, its own clearance [m].
 
-    `track` is the number of the coating strip that it wears on its rim line; by default the k-th node of every blade
-    there wears the k-th strip.
+    The node wears the coating strip number `track` of its rim line. By default the k-th node of a blade on this line
+    wears the k-th strip.
     """
 
     line: int
@@ -214,7 +214,7 @@ class RubWhirl(Table):
     )
 
     def law(self) -> Whirl:
-        """The contact law."""
+        """The whirl."""
         return value_of(self, Whirl, hz=self.hz)
 
 

@@ -81,7 +81,7 @@ def write(app: Sphinx) -> None:
 
 
 def plain(app: Sphinx, what: str, name: str, item: object, options: object, lines: list[str]) -> None:
-    """What docstrings mean: |u| is a modulus, no name to be replaced; indented lines are formulas, no quotation."""
+    """Docstrings as reST: |u| is a modulus and no substitution, indented lines are formulas and no quotation."""
     lines[:] = [line if line.lstrip().startswith((">>>", "...")) else line.replace("|", "\\|") for line in lines]
     for k in range(len(lines) - 1, 1, -1):
         before = next((line for line in reversed(lines[:k]) if line.strip()), "")
@@ -90,6 +90,8 @@ def plain(app: Sphinx, what: str, name: str, item: object, options: object, line
             lines[k:k] = ["::", ""]
             end = next((j for j in range(k + 2, len(lines)) if lines[j][:1].strip()), len(lines))
             lines[k:end] = [line.replace("\\|", "|") for line in lines[k:end]]
+    if what in {"property", "attribute", "data"}:  # napoleon reads words before a colon in their first line as a type
+        lines[:0] = ["..", ""]
 
 
 def readable(text: str) -> str:

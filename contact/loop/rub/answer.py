@@ -12,7 +12,7 @@ from contact.record.record import Tally
 
 @jit
 def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
-    """Add free motion of coupled modes, also under `push` and `body`, to the increments; `old`: the last ones."""
+    """Add to the increments `d` the motion of coupled modes without contact, from the last increments `old`."""
     n = s.q.size
     for i in range(0, n, WIDTH):
         put(w.both, i, load(s.old, i))

@@ -78,8 +78,8 @@ class SurveyPoints:
     def coverage(self) -> tuple[float, int]:
         """Largest gap in theta [deg] and number of heights.
 
-        A survey made of rings (at most 20 heights, nearly all with 8 points or more)
-        is judged by its worst ring; a scattered one by all points together.
+        A survey made of rings has at most 20 heights, nearly all with 8 points or more. Its largest gap is that of the
+        worst ring. The gap of a scattered survey is that of all points together.
         """
         ring = self.rings()
         counts = np.bincount(ring)

@@ -174,7 +174,7 @@ class AbaqusAttachments:
     def take_equations(self, card: Card) -> None:
         """Read *EQUATION: the number of terms, then node, degree of freedom and coefficient of each.
 
-        Repeated on later lines.
+        Later lines may have further equations.
         """
         rows = self.rows(card)
         while rows:
