@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from tests.contact.synthetic_rim import blade, ring
 
 PAIR = ct.gaps.HandPair(
     casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
@@ -94,6 +95,28 @@ def test_several_tips_have_rows_of_the_disks_n():
     assert (worst.at.verdict, worst.n) == ("unstable", 3)
     assert 0.5 * worst.at.closed < worst.at.growth < worst.at.closed
     assert all(run.verdict == "safe" for run in found.runs if run.closed < 1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("psi", "unstable"), [(0.5, 3), (1.0, 6)])
+def test_rows_are_ranked_by_verdict_and_by_what_the_runs_show(psi, unstable):
+    """Five pairs and a blade: unstable rows by the growth of their worst run, safe ones by that of closed contact."""
+    soft = blade(psi=psi, S=2e-5, zeta=5e-4)
+    rim = ct.RotatingRim(ring(zeta=5e-4), soft, clearance=-1e-5, speed_hz=5.0, lean_deg=45.0)
+    scene = ct.Scene(what=rim, t_end=1.2, dt=1e-4, on_limit="flag")
+    found = ct.interactions(scene, np.linspace(85.0, 140.0, 111), runs=3)
+    verdicts = [row.at.verdict for row in found.rows]
+    assert verdicts == ["unstable"] * unstable + verdicts[unstable:]
+    assert "unstable" not in verdicts[unstable:]
+    growth = [row.at.growth for row in found.rows[:unstable]]
+    assert growth == sorted(growth, reverse=True)
+    closed = [row.at.closed for row in found.rows[unstable:]]
+    assert closed == sorted(closed, reverse=True)
+    by_pole = [row.at.closed for row in found.rows[:unstable]]
+    assert (by_pole == sorted(by_pole, reverse=True)) == (psi == 0.5)  # the runs may rank otherwise than closed contact
+    for row in found.rows[:unstable]:
+        own = [run for run in found.runs if row.from_hz <= run.speed_hz <= row.to_hz and run.verdict == "unstable"]
+        assert row.at.growth == max(run.growth for run in own)
 
 
 def test_a_motion_that_opens_the_contact_and_is_bounded_states_so_below_the_table():
