@@ -1,4 +1,4 @@
-"""Results of a rotor in a casing: motion of the disk, angle, orbit, forces of bearings and mounts."""
+"""Results of a rotor: motion of the disk, angle, orbit, forces of bearings and mounts."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import matrices_of
+from contact.model.rotor.rotor import Rotor
 from contact.record.orbit import Orbit, orbit_of_states
 from contact.result import Result
 
@@ -39,22 +40,23 @@ def rotor_orbit(what: object, result: Result) -> Orbit | None:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RotorHistory:
-    """A rotor in a casing at the stored times `time` (ns,): its speed (ns,), vectors along x and y (ns, 2).
+    """A rotor at the stored times `time` (ns,): its speed (ns,), vectors along x and y (ns, 2).
 
-    `disk` and `casing` [m]: the motion of the disk, and the mean motion of the casing's first line as a rigid ring.
-    `bearings` and `mounts` [N] as in `support_forces`, None where a basis has no participation.
+    `disk` and `casing` [m]: the motion of the disk, and the mean motion of the casing's first line as a rigid ring,
+    None without a casing. `bearings` and `mounts` [N] as in `support_forces`, None without a casing or where a basis
+    has no participation.
     """
 
     time: Array
     speed_hz: Array
     disk: Array
-    casing: Array
+    casing: Array | None
     bearings: Array | None
     mounts: Array | None
 
 
 def rotor_history(what: object, result: Result) -> RotorHistory | None:
-    """Speed, motion and support forces of a rotor in a casing; None for other problems, or without states.
+    """Speed and motion of a rotor, in a casing support forces too; None for other problems, or without states.
 
     >>> import contact as ct
     >>> scene = ct.load_scene("data/scenes/blade_off/rigid.toml")
@@ -62,6 +64,11 @@ def rotor_history(what: object, result: Result) -> RotorHistory | None:
     >>> rotor_history(scene.what, result).disk.shape
     (10, 2)
     """
+    if isinstance(what, Rotor) and len(result.state) >= 3:
+        return RotorHistory(
+            time=result.state_time, speed_hz=np.interp(result.state_time, what.speed.time, what.speed.hz),
+            disk=np.asarray(result.state @ what.plane.T), casing=None, bearings=None, mounts=None,
+        )  # fmt: skip
     rub: Rub | None = rub_of(what)
     if rub is None or rub.rotor is None or result.channels.size or len(result.state) < 3:
         return None

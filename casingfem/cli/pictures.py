@@ -51,12 +51,19 @@ def figures(
     from contact.recovery import casing_motion
     from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
 
-    if not result.time.size or not result.force.shape[1]:
+    if not result.time.size:
         return {}
+    rotor = rotor_history(scene.what, result)
+    found = {}
+    if rotor is not None:
+        clearance = scene.what.clearance if isinstance(scene.what, Rub) else 0.0
+        found["rotor"] = figure_rotor_run(rotor, max(0.0, clearance))
+    if not result.force.shape[1]:
+        return found
     casing = casing_motion(scene.what, result) if casing is None else casing
     rim = rim_motion(scene.what, result) if rim is None else rim
     top = TOP / result.window
-    found = over_time(scene, result, rim)
+    found |= over_time(scene, result, rim)
     marks, turn_hz = marks_of(scene.what), turn_of(scene.what)
     moved = tip_motion(scene.what, result, casing)
     if result.time.size > 1 and result.every:
@@ -70,10 +77,6 @@ def figures(
             moved.time, moved.tip[:, 0], label="tip, normal", unit="m", top_hz=top, marks=marks, turn_hz=turn_hz
         )
         found["orbit"] = figure_orbit(moved)
-    rotor = rotor_history(scene.what, result)
-    if rotor is not None:
-        clearance = scene.what.clearance if isinstance(scene.what, Rub) else 0.0
-        found["rotor"] = figure_rotor_run(rotor, max(0.0, clearance))
     if rim is not None:
         found["waves"] = figure_waves(rim, pairs_of(scene.what), top_hz=top)
     over_angle = force_over_angle(scene.what, result)
@@ -141,9 +144,10 @@ def marks_of(what: object) -> "list[Mark]":
 def turn_of(what: object) -> float:
     """Speed [turns/s] of a steady rotation, else 0."""
     from contact.model.gaps.rub import rub_of
+    from contact.model.rotor import Rotor
 
-    rub: Rub | None = rub_of(what)
-    return 0.0 if rub is None or np.ptp(rub.speed.hz) else abs(float(rub.speed.hz[0]))
+    turning = what if isinstance(what, Rotor) else rub_of(what)
+    return 0.0 if turning is None or np.ptp(turning.speed.hz) else abs(float(turning.speed.hz[0]))
 
 
 def ledger(result: "Result") -> dict[str, float]:

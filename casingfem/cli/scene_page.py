@@ -59,6 +59,7 @@ def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "R
     from casingfem.plot.pages.scene import Ran
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
+    from contact.on_rotor import rotor_history
 
     energy, windowed = result.energy, result.windowed_force()
     rubs = isinstance(scene.what, RotatingRim | Rub)
@@ -72,4 +73,5 @@ def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "R
         unaccounted=abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
         flags=tuple(result.flags), divergence=result.divergence, growth=result.growth, rim=rim,
         speed_hz=turn_of(scene.what), tracks=tuple(result.tracks), scheme=result.scheme, seconds=result.seconds,
+        rotor=rotor_history(scene.what, result),
     )  # fmt: skip

@@ -25,7 +25,7 @@ def figure_probability(rows: Rows) -> Figure:
     axes.plot(speed, 100.0 * value, color=AFTER, label="probability")
     axes.set(xlabel="speed [Hz]", ylabel="dangerous [% of casings]", xlim=(speed[0], speed[-1]))
     axes.set_ylim(bottom=0.0)
-    axes.legend(fontsize=8)
+    figure.legend(loc="outside upper left", fontsize=8, ncols=2)
     rpm_above(axes)
     return figure
 
@@ -41,8 +41,7 @@ def figure_splits_of(splits: FloatArray, names: Sequence[str]) -> Figure:
     for part, name in zip(shown, names, strict=False):
         axes.hist(100.0 * part, bins=edges, histtype="step", label=name, density=False)
     axes.set(xlabel="split of the pair [%]", ylabel="casings", xscale="log")
-    axes.set_ylim(top=1.35 * axes.get_ylim()[1])  # room for the legend above the data
-    axes.legend(fontsize=8, ncols=3)
+    figure.legend(loc="outside upper left", fontsize=8, ncols=3)
     return figure
 
 
@@ -62,7 +61,7 @@ def figure_importance(rows: Rows) -> Figure:
             axes.barh(place + shift, value, height=0.34, color=colour, label=label, xerr=np.maximum(ends, 0.0))
         axes.set_yticks(place, [str(row["group"]) for row in own])
         axes.set_title(result, loc="left")
-        axes.set(xlabel="Sobol index [-]" if k == len(results) - 1 else "")
+        axes.set_xlabel("Sobol index [-]")
         axes.set_xlim(left=0.0)
         if k == 0:
             axes.legend(fontsize=8, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))

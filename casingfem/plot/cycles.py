@@ -128,6 +128,7 @@ def figure_orbits(traces: Sequence[Any]) -> Figure:
         velocity = (np.roll(u[:-1], -1) - np.roll(u[:-1], 1)) / (2.0 * step)  # the motion closes on itself
         unit = LABELS.get(trace.orbit.name, trace.orbit.name).partition("[")[2].partition("]")[0]
         label = f"{trace.orbit.value:.5g} {unit.replace('-', '')}".strip()
+        label += f", {trace.orbit.periods} periods" if trace.orbit.periods > 1 else ""
         over_time.plot(trace.time / trace.orbit.period, 1e3 * u, label=label, **style)
         portrait.plot(1e3 * np.append(u[:-1], u[0]), np.append(velocity, velocity[0]), **style)
     channel = next(iter(traces[0].displacement))

@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from casingfem.io.arrays import Array
 from casingfem.plot.style import new_figure, styled
+from casingfem.plot.thousands import in_thousands
 from casingfem.plot.ticks import Powers
 
 BINS = 600  # stretches over the width of a panel
@@ -61,6 +62,8 @@ def figure_history(panels: Sequence[Panel], closeup: tuple[float, float] | None 
             made[0].set_xlim(closeup)
             made[-1].xaxis.set_major_locator(MaxNLocator(3))
             made[-1].ticklabel_format(axis="x", useOffset=False)
+    for row in range(len(panels)):
+        in_thousands(*(axes.yaxis for axes in figure.axes[row :: len(panels)]))
     return figure
 
 

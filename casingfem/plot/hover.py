@@ -9,6 +9,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
+from casingfem.plot.thousands import shown_factor
 
 MOST = 400  # values of one line; a longer line is thinned evenly
 CELLS = 4000  # of a map; larger ones show none
@@ -75,7 +76,9 @@ def placed(figure: Figure, axes: Axes, values: Array) -> list[list[float]]:
     box = axes.bbox
     inside = (at[:, 0] >= box.x0 - 1) & (at[:, 0] <= box.x1 + 1) & (at[:, 1] >= box.y0 - 1) & (at[:, 1] <= box.y1 + 1)
     x, y = at[inside, 0] / figure.bbox.width, 1.0 - at[inside, 1] / figure.bbox.height
-    rows = zip(x.tolist(), y.tolist(), kept[inside], strict=True)
+    shown = kept[inside]
+    shown[:, :2] *= shown_factor(axes.xaxis), shown_factor(axes.yaxis)
+    rows = zip(x.tolist(), y.tolist(), shown, strict=True)
     return [[round(a, 4), round(b, 4), *map(short, row)] for a, b, row in rows]
 
 

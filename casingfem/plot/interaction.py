@@ -10,6 +10,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
 from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
 from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, rpm_above, styled
+from casingfem.plot.thousands import in_thousands
 
 MARKS: dict[str, dict[str, Any]] = {
     "unstable": {"color": AFTER, "marker": "^", "linestyle": "", "markersize": 5.0},
@@ -133,6 +134,7 @@ def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
     axes.plot([], [], "o", color=AFTER, markersize=5, label="engine order meets a mode")
     axes.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
     axes.set(xlabel="speed [Hz]", ylabel="frequency in the rotating frame [Hz]", ylim=(0.0, top))
+    in_thousands(axes.yaxis)
     axes.set_xlim(float(found.speed_hz[0]), float(found.speed_hz[-1]))
     rpm_above(axes)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3)
@@ -204,6 +206,7 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     for row in marked:
         upper.plot(row.at.speed_hz, row.peak.freq_hz, **MARKS[row.at.verdict], zorder=4)
     upper.set(ylim=(0.0, top), ylabel="whirl frequency [Hz]" if peaks.rotor else "frequency at the blade [Hz]")
+    in_thousands(upper.yaxis)
     lower.axhline(0.0, color="#777777", linewidth=0.8)
     lower.plot(growth.seen_hz, growth.seen_growth, color=BEFORE, linewidth=1.0)
     lower.set_ylabel("growth [1/s]")
@@ -268,12 +271,16 @@ def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], sp
         (met > 0.0, "^", AFTER, "n f - f_c: flutter if f_b"), (met <= 0.0, "v", "white", "f_c - n f: resonance if f_b"),
     ):  # fmt: skip
         if kept.any():
-            axes.plot(n[kept], np.abs(met)[kept], mark, color=AFTER, markerfacecolor=face, markersize=6, label=label)
+            axes.plot(
+                n[kept], np.abs(met)[kept], mark, color=AFTER, markerfacecolor=face, markersize=6, label=label, zorder=4
+            )
     top = 1.15 * float(max(casing.max(initial=1.0), np.abs(met).max(initial=0.0)))
     for k, freq in enumerate(freq for freq in blade_hz if freq < top):
         axes.axhline(freq, color=BEFORE, linewidth=1.0, label=None if k else "blade alone, f_b")
     axes.set(xlabel="nodal diameters n", ylabel="frequency [Hz]", ylim=(0.0, top))
+    in_thousands(axes.yaxis)
     axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_title(f"at {60.0 * speed:,.0f} rpm ({speed:.4g} Hz)", loc="left", fontsize=9, fontweight="normal")
     figure.legend(loc="outside upper left", ncols=3, fontsize=8)
     return figure
 

@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from casingfem.io.arrays import Array
 from casingfem.plot.history import BINS, envelope, time_unit
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.thousands import in_thousands, shown_factor
 from casingfem.plot.ticks import Powers, label_decades
 from casingfem.plot.waves import COMMON, Mark, mark_frequencies
 
@@ -59,15 +60,18 @@ def figure_spectrum(
             upper.semilogy(freq[shown], np.maximum(amplitude[shown], 1e-300), color=colour, linewidth=0.8, label=words)
     largest = max((float(line.get_ydata().max()) for line in upper.lines), default=1.0)
     upper.set(xlabel="frequency [Hz]", ylabel=f"{label} [{unit}]", xlim=(0.0, top))
+    in_thousands(upper.xaxis)
     if largest > 0.0:
         upper.set_ylim(1e-5 * largest, 2.0 * largest)
         label_decades(upper.yaxis)
     mark_frequencies(upper, marks, top)
     if turn_hz > 0.0:
         orders = np.array(MaxNLocator(9, steps=[1, 2, 5, 10]).tick_values(0.0, top / turn_hz))
-        upper.set_xticks(orders * turn_hz, [f"{order * turn_hz:.4g}\n{order:g}" for order in orders])
+        scale = shown_factor(upper.xaxis)
+        labels = [f"{scale * order * turn_hz:.4g}\n{order:g}" for order in orders]
+        upper.set_xticks(orders * turn_hz, labels)
         upper.set_xlim(0.0, top)
-        upper.set_xlabel("frequency [Hz]\nengine order, frequency over speed [-]")
+        upper.set_xlabel(f"{upper.get_xlabel()}\nengine order, frequency over speed [-]")
     if upper.lines:
         figure.legend(*upper.get_legend_handles_labels(), loc="outside upper left", ncols=4, fontsize=8)
     if waterfall:
@@ -123,6 +127,7 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
         middle, freq[shown], level.T, shading="nearest", rasterized=True, vmin=-FLOOR, vmax=0.0, cmap="magma"
     )
     axes.grid(visible=False)
+    in_thousands(axes.yaxis)
     figure.colorbar(drawn, ax=axes, label="level [dB of the loudest]", extend="min")
 
 

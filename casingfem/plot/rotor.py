@@ -83,7 +83,9 @@ def figure_rotor_run(history: Any, clearance: float = 0.0) -> Figure:
     panels: Any = left.subplots(3 if known else 2, 1, sharex=True)
     panels[0].plot(history.time, history.speed_hz, color=PERFECT)
     panels[0].set_ylabel("speed [Hz]")
-    _sizes(panels[1], history.time, (("disk", history.disk, AFTER), ("casing", history.casing, BEFORE)), 1e3)
+    moved = [("disk", history.disk, AFTER)]
+    moved += [] if history.casing is None else [("casing", history.casing, BEFORE)]
+    _sizes(panels[1], history.time, moved, 1e3)
     panels[1].set_ylabel("distance [mm]")
     if known:
         forces = (("bearings", history.bearings, AFTER), ("mounts", history.mounts, BEFORE))
@@ -91,8 +93,8 @@ def figure_rotor_run(history: Any, clearance: float = 0.0) -> Figure:
         panels[2].set_ylabel("force [kN]")
     panels[-1].set_xlabel("time [s]")
     axes: Any = right.subplots()
-    axes.plot(*(1e3 * history.disk.T), color=AFTER, linewidth=0.4, label="disk")
-    axes.plot(*(1e3 * history.casing.T), color=BEFORE, linewidth=0.4, label="casing")
+    for name, path, colour in moved:
+        axes.plot(*(1e3 * path.T), color=colour, linewidth=0.4, label=name)
     if clearance > 0.0:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         axes.plot(1e3 * clearance * np.cos(turn), 1e3 * clearance * np.sin(turn), ":", color=PERFECT, label="clearance")
@@ -107,4 +109,4 @@ def _sizes(axes: Any, time: Array, curves: Sequence[tuple[str, Array, str]], uni
     for name, vectors, colour in curves:
         t, low, high = envelope(time, unit * np.hypot(*vectors.T), BINS)
         axes.fill_between(t, low, high, color=colour, linewidth=0.5, alpha=0.7, label=name)
-    axes.legend(loc="upper right", fontsize=8)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=7.5, borderaxespad=0.1)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.plot.history import time_unit
@@ -43,8 +44,8 @@ class Ran:
     """Numbers of a run, all contacts together, in SI units.
 
     `window` [s] is the model's shortest period; `growth` a `contact.record.growth.RunGrowth`, `rim` a
-    `contact.rim_motion.RimMotion`, `tracks` the wear of coatings, each None or empty if a run has none; `speed_hz` is 0
-    if the speed varies or nothing rotates.
+    `contact.rim_motion.RimMotion`, `rotor` a `contact.on_rotor.RotorHistory`, `tracks` the wear of coatings, each None
+    or empty if a run has none; `speed_hz` is 0 if the speed varies or nothing rotates.
     """
 
     rubs: bool
@@ -69,6 +70,7 @@ class Ran:
     tracks: tuple[Any, ...]
     scheme: str
     seconds: float
+    rotor: Any = None
 
 
 def scene_page(
@@ -83,7 +85,7 @@ def scene_page(
     more = OF_RUBS if ran.rubs else OF_RODS
     pictures = (Picture.of(figures[key], CAPTIONS[key] + more.get(key, "")) for key in shown)
     sections.append(Section("Motion", figures=(*films, *pictures)))
-    sections.append(Section("Numbers", tuple(map(str, ran.flags)), tables=(contacts_table(ran), numbers_table(ran))))
+    sections.append(Section("Numbers", tuple(map(str, ran.flags)), tables=(*contacts_tables(ran), numbers_table(ran))))
     sections.append(Section("The scene", preformatted=scene))
     notice = str(ran.flags[0]) if ran.flags else ""
     verdict = scene_verdict(ran, found)
@@ -93,9 +95,11 @@ def scene_page(
 def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
     """Summary of a run: outcome, force, deflection, motion, speeds and wear, confidence, next steps."""
     state, sentence = outcome(ran)
-    facts = [("Force", force_words(ran))]
+    facts = [("Force", force_words(ran))] if ran.contacts else []
     if ran.rim is not None:
         facts.append(("Deflection", deflection_words(ran)))
+    if ran.rotor is not None:
+        facts.append(("Rotor", rotor_words(ran.rotor)))
     if ran.growth is not None:
         facts.append(("Motion", ran.growth.words))
     if found is not None:
@@ -119,6 +123,8 @@ def outcome(ran: Ran) -> tuple[str, str]:
         return "bad", f"Outside the linear model{at}: the rim deflects by more than half of its wall."
     if growing == "grows":
         return "bad", f"Unsafe{at}: the motion grows."
+    if not ran.contacts:
+        return "", f"The scene has no contact{at}: {rotor_words(ran.rotor)}" if ran.rotor else f"No contact{at}."
     if not ran.closings:
         return "good", f"Nothing touches{at}: the least gap is {1e3 * ran.least_gap:.4g} mm."
     if growing == "undecided":
@@ -196,6 +202,19 @@ def deflection_words(ran: Ran) -> str:
     return f"{words}, {part:.2g} % of its wall. The limit is {limit:.3g} mm (50 %): above it, the linear model fails."
 
 
+def rotor_words(rotor: Any) -> str:
+    """Largest motion of the disk, and largest forces of bearings and mounts."""
+    words = f"the disk moves {1e3 * length(rotor.disk):.3g} mm at most"
+    held = {"bearings": rotor.bearings, "mounts": rotor.mounts}
+    forces = [f"{force_size(length(force))} in the {name}" for name, force in held.items() if force is not None]
+    return f"{words}{'; the largest forces are ' if forces else ''}{' and '.join(forces)}."
+
+
+def length(vectors: Any) -> float:
+    """Length of the longest of the vectors (ns, 2)."""
+    return float(np.hypot(*vectors.T).max())
+
+
 def wear_words(ran: Ran) -> str:
     """Depth and volume of the coatings' wear."""
     deepest = max(float(track.worn.max(initial=0.0)) for track in ran.tracks)
@@ -232,13 +251,19 @@ def further_words(ran: Ran) -> str:
         return "Read the warnings above: beyond their limits the model does not describe the machine."
     if ran.growth is not None and ran.growth.state == "undecided":
         return "Lengthen t_end."
+    if not ran.contacts:
+        return (
+            "`casingfem campbell` lists the critical speeds. A casing with its clearance shows whether the rotor rubs."
+        )
     return "Halve dt and add modes, and compare the impulse: `casingfem sweep` does both."
 
 
-def contacts_table(ran: Ran) -> Table:
-    """One row for each contact."""
+def contacts_tables(ran: Ran) -> tuple[Table, ...]:
+    """One row for each contact; no table without contacts."""
+    if not ran.contacts:
+        return ()
     caption = "Contacts, summed over the run. The peak force depends on the time step."
-    return Table.of(caption, ran.contact_columns, ran.contacts, folded=len(ran.contacts) > 12)
+    return (Table.of(caption, ran.contact_columns, ran.contacts, folded=len(ran.contacts) > 12),)
 
 
 def numbers_table(ran: Ran) -> Table:

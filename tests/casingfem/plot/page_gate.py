@@ -14,6 +14,7 @@ from tests.casingfem.plot.browser import Tab
 
 COUNTED = (
     "nodal diameters n", "mode", "measured mode", "computed mode", "model order", "number of the hit", "engine order",
+    "casings",
 )  # fmt: skip
 A4, PHONE, DESK = 794, 380, 1400  # pixels across; A4 at 96 an inch
 EXACT = 1e-9  # of an axis: less beyond its ends is rounding
@@ -38,6 +39,11 @@ WIDE = """(() => {
     const units = [...table.querySelectorAll("tbody tr")].map((row) => row.children[place]?.textContent.trim());
     if (PER_ROW.includes(words) && place >= 0 && units.every((unit) => /[^–]/.test(unit || ""))) continue;
     if (!/\\[|^\\d+$/.test(words) && !COUNTED.includes(words)) found.push("no unit: " + words);
+  }
+  for (const ends of document.querySelectorAll(".speeds .ends")) {
+    const outer = [...ends.children].filter((e) => e.className !== "key");
+    const tops = outer.map((e) => Math.round(e.getBoundingClientRect().top));
+    if (new Set(tops).size > 1) found.push("ends of a strip of speeds on two lines");
   }
   for (const e of document.querySelectorAll("p, dd, td, th, figcaption, caption, summary, .notice")) {
     if (e.textContent.trim() && seen(e) && e.scrollWidth > e.clientWidth + 1 && !e.closest(".scroll"))

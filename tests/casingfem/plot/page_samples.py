@@ -9,6 +9,7 @@ import contact as ct
 from casingfem.plot.pages.scene import Ran
 from contact.interacting import COLUMNS
 from contact.io.columns import records_of
+from contact.on_rotor import RotorHistory
 from contact.record.growth import RunGrowth
 from contact.result import CONTACTS
 from contact.speed_runs import SpeedRun
@@ -34,6 +35,14 @@ def rim_sample(largest: float = 4.5e-5, wall: float = 3e-3) -> Any:
     deflection = np.full(300, largest)
     return SimpleNamespace(time=time, waves=waves, deflection=deflection, wall=wall, allowed=0.5 * wall,
                            largest=largest, with_blades=-1)  # fmt: skip
+
+
+def rotor_sample(*, cased: bool = False) -> RotorHistory:
+    """A rotor on a circle of 0.5 mm at 80 Hz, alone or in a casing."""
+    time = np.linspace(0.0, 0.4, 300)
+    circle = 5e-4 * np.stack([np.cos(500.0 * time), np.sin(500.0 * time)], axis=1)
+    other = circle if cased else None
+    return RotorHistory(time=time, speed_hz=np.full(300, 80.0), disk=circle, casing=other, bearings=other, mounts=other)
 
 
 def ran_sample(**given: Any) -> Ran:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from casingfem.plot.chance import figure_importance, figure_probability, figure_splits_of
 from casingfem.plot.cycles import figure_cycles, figure_multipliers, figure_orbits
 from casingfem.plot.history import Panel, figure_history
 from casingfem.plot.interaction import figure_map, figure_speeds
@@ -15,6 +16,7 @@ from casingfem.plot.pages.cycles import cycles_page
 from casingfem.plot.pages.interactions import interactions_page
 from casingfem.plot.pages.scene import scene_page
 from casingfem.plot.pages.sweep import sweep_page
+from casingfem.plot.rotor import figure_rotor_run
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_waves
@@ -25,6 +27,7 @@ from tests.casingfem.plot.page_samples import (
     cycles_sample,
     ran_sample,
     rim_sample,
+    rotor_sample,
     run_rows,
     speeds_sample,
     trace_samples,
@@ -38,6 +41,7 @@ TIP = SimpleNamespace(time=TIME, tip=1e-5 * np.stack([WAVE, np.cos(900.0 * TIME)
                       rim=1e-8 * np.stack([1e3 * WAVE, WAVE**2], axis=1))  # fmt: skip
 CAMPBELL = SimpleNamespace(speed_hz=np.linspace(0.0, 50.0, 6), crossings=lambda order: [],
                            freq=np.array([[90.0 + k, 91.0 + k, 180.0 - k] for k in range(6)]))  # fmt: skip
+SOBOL = ("total", "total_low", "total_high", "first", "first_low", "first_high")
 PLACES = np.array([[x, y] for x in (1.0, 2.0) for y in (1.0, 2.0, 3.0, 4.0)])
 
 
@@ -70,6 +74,20 @@ FIGURES = {
     "sweep of two keys": lambda: figure_sweep(["a [m]", "b [s]"], PLACES, [*run_rows(), *run_rows("diverged")]),
     "cycles": lambda: figure_cycles(cycles_sample().records(), cycles_sample().marks()),
     "multipliers": lambda: figure_multipliers(cycles_sample()),
+    "spectrum of rods": lambda: figure_spectrum(2e-4 * TIME, 1e5 * WAVE, label="force", unit="N"),
+    "run of a large force": lambda: figure_history(
+        [Panel(label="force, averaged [N]", time=TIME, curves=[("", 1e5 * WAVE, "k")])] * 2, (0.1, 0.15)
+    ),
+    "rotor": lambda: figure_rotor_run(rotor_sample()),
+    "rotor in a casing": lambda: figure_rotor_run(rotor_sample(cased=True), 1e-3),
+    "chance": lambda: figure_probability(
+        [{"speed_hz": float(k), "probability": 0.01, "low": 0.0, "high": 0.02} for k in range(9)]
+    ),
+    "splits by chance": lambda: figure_splits_of(np.abs(WAVE[1:4001].reshape(4, -1)), ["n = 8, m = 1"] * 4),
+    "importance": lambda: figure_importance(
+        [{"result": result, "group": group} | dict.fromkeys(SOBOL, 0.5)
+         for result in ("growth", "gap") for group in ("casing", "blade")]
+    ),
     "orbits": lambda: figure_orbits(trace_samples()),
 }  # fmt: skip
 
@@ -102,6 +120,10 @@ PAGES = {
     "rods": lambda figures: scene_page(
         "rods", "[scene]", ran_sample(rubs=False, growth=None, rim=None, speed_hz=0.0), {}, source=SOURCE
     ).html(),
+    "rotor": lambda figures: scene_page(
+        "rotor", "[scene]", ran_sample(rubs=False, growth=None, rim=None, contacts=(), closings=0, least_gap=np.nan,
+                                       rotor=rotor_sample()), {}, source=SOURCE,
+    ).html(),
     "sweep": lambda figures: sweep_page(
         "rub", ["speed.hz [turns/s]"], ["speed.hz"], run_rows("diverged", "grows"), SOURCE,
         Drawn(swept("diverged", "grows")), MEASURED,
@@ -113,6 +135,7 @@ SOURCE = {"scene": "a_name_without_a_place_to_break_it_" * 3 + ".toml", "sha256"
 BROKEN = {
     "the page is wider than the window": '<div style="width: 1500px">x</div>',
     "cut at the right: table": f"<table><tr>{'<td>cell</td>' * 200}</tr></table>",
+    "ends of a strip of speeds on two lines": "<div class='speeds'><div class='ends'><p>1</p><p>2</p></div></div>",
     "cut at the right: img": '<img width="900" style="max-width: none" alt="">',
     "no unit: impulse": '<table><tr><th class="number">impulse</th></tr></table>',
     "no unit: sigma": '<table><tr><th class="number">sigma</th><th>unit</th></tr><tr><td>1</td><td>–</td></tr></table>',

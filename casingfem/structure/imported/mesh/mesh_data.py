@@ -13,6 +13,7 @@ from casingfem.structure.imported.mesh.collapsed import distinct, native
 from contact.io.brief import brief
 
 NONE: IntArray = frozen(np.zeros(0, dtype=np.int64))
+NAMED = 6  # groups that a line names
 NATIVE = ("hexahedron20", "quad8", "quad9")  # kinds of which collapsed cells are integrated as what they collapse to
 
 
@@ -84,7 +85,7 @@ class MeshData:
 
     def __repr__(self) -> str:
         box = " x ".join(f"{side:.4g}" for side in np.ptp(self.points, axis=0))
-        groups = f"; groups {', '.join(self.groups)}" if self.groups else ""
+        groups = f"; {group_names(self.groups)}" if self.groups else ""
         attached = f"; {self.attachments}" if self.attachments else ""
         collapsed = int(self.collapsed.sum())
         kind = f"{self.kind}, {collapsed} of them collapsed" if collapsed else self.kind
@@ -175,6 +176,19 @@ class MeshData:
         inside[group.nodes] = True
         boundary = self.boundary
         return boundary[inside[self.facet_nodes(boundary)].all(axis=1)]
+
+
+def group_names(groups: Mapping[str, Group]) -> str:
+    """The names of groups on one line; of many groups the first ones and their number.
+
+    >>> group_names(dict.fromkeys(("root", "tip")))
+    'groups root, tip'
+    >>> group_names(dict.fromkeys(f"pid {k}" for k in range(288)))
+    'groups pid 0, pid 1, pid 2, pid 3, pid 4, pid 5 and 282 more'
+    """
+    more = len(groups) - NAMED
+    few = ", ".join(list(groups)[:NAMED])
+    return f"groups {few}{f' and {more} more' if more > 0 else ''}"
 
 
 def natives(mesh: MeshData, cells: IntArray | None = None) -> list[tuple[str, IntArray, IntArray]]:
