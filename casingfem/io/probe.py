@@ -92,7 +92,7 @@ def hand_over(path: str, module: str, function: str, seconds: str, memory: str) 
 
 
 def bounded(module: str, function: str, seconds: str, memory: str) -> Callable[[Path], Any]:
-    """The reader, in a process that has limits from now on."""
+    """Set the limits of this process, and return the reader."""
     call: Callable[[Path], Any] = getattr(importlib.import_module(module), function)
     if os.name == "posix":
         import resource

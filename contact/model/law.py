@@ -62,7 +62,7 @@ class Law(Protocol):
 
 
 def kind(law: Law) -> str:
-    """Name of the class of this module as which schemes treat the law.
+    """Name of the class in this module by whose rules schemes treat the law.
 
     >>> kind(Penalty(stiffness=1e6)), kind(Coulomb(mu=0.0))
     ('Penalty', 'Coulomb')

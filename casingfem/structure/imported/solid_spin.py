@@ -56,7 +56,7 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
 
 
 def solid_turning(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> MeshTurning:
-    """The turning of a solid: its system at rest, and an axis."""
+    """Data for the rotation of a solid: its system at rest, and an axis."""
 
     def steady(fields: FloatArray) -> Callable[[float], csc_array]:
         return lambda omega: steady_state(system, solid, rotation.at(omega), omega**2 * fields).stiffness

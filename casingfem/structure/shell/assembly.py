@@ -187,5 +187,5 @@ def spin(system: System, rotation: Rotation) -> Spin:
 
 
 def turning(system: System, rotation: Rotation) -> Turning:
-    """The turning of a shell: its system at rest, and an axis."""
+    """Data for the rotation of a shell: its system at rest, and an axis."""
     return Turning(system=system, rotation=rotation, mass=nodal_mass(system.shell, system.grid))
