@@ -138,6 +138,8 @@ def test_double_hits_are_left_out_with_their_size_and_delay():
     assert "double hit: a second pulse of 30 % comes 29.8 ms after the first" in found.hits[2].fault
     assert found.averages == 3
     assert off(found.frfs).max() < 2e-3
+    far = cf.frf.estimate([hits[0], second_pulse(hits[1], 1.0, 0.5)])  # a record of its own has one hit
+    assert [hit.fault.partition(":")[0] for hit in far.hits] == ["", "double hit"]
     long = second_pulse(cut(whole, 0, 2 * BLOCK), 0.03, 0.3)
     with pytest.raises(cf.errors.InputError, match=r"hit 1: double hit.*hit 2: double hit"):
         cf.frf.estimate(long)
