@@ -23,15 +23,15 @@ from contact.stability.closed_contact import floor_of, growth
 from contact.stability.split_casing import mean_contact
 
 IN_REALITY = (
-    "In reality a coating that wears ([coating]), a blade that gives way backwards (less friction, lean_deg towards or "
-    'below 0), damping or a stop ends such a motion, and none of them does here. on_limit = "flag" in [scene] runs on '
-    "to a tenth of the radius and ends without an error."
+    "In a machine, wear of a coating, a blade that bends away from the rim, damping or a stop limits such a motion; "
+    "nothing limits it in this scene. Add a [coating], reduce the friction, or set lean_deg nearer to 0 or below 0. "
+    'With on_limit = "flag" in [scene] the run continues to a tenth of the radius and ends without an error.'
 )
 OF_ROTOR = {"the turning rim": "the drive of the rotor", "varying loads": "the unbalance"}
 SUDDEN = 500  # steps
-SHORT = "The rise was too short to fit its growth."
+SHORT = "The motion grew for too short a time to fit a growth rate."
 CLOSED = 0.99  # of the time: contact that stays closed
-AT_ONCE = "The numbers given move it at once: check clearance, units, friction and start."
+AT_ONCE = "The motion passed its limit in the first steps: check clearance, units, friction and initial state."
 
 
 def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, float, float]) -> Divergence:
@@ -65,28 +65,32 @@ def _impact_words(growth: RunGrowth, theory: float) -> str:
     cause = growth.cause
     if cause is None or cause.closed > CLOSED or theory > 0.0 or math.isnan(theory) or growth.numerical:
         return ""
-    return f"Contact that opens and closes feeds this motion: it is closed {100.0 * cause.closed:.2g} % of the time."
+    return f"Opening and closing of the contact supplies energy: it is closed {100.0 * cause.closed:.2g} % of the time."
 
 
 def _limit_words(name: str, reached: float, allowed: float) -> str:
     if name == "wall":
-        return f"diverged: the rim moved {reached:.3g} m, {WALL:g} of its wall is {allowed:.3g} m."
+        return (
+            f"diverged: the rim deflected by {reached:.3g} m, expected at most {allowed:.3g} m, {WALL:g} of its wall."
+        )
     if name == "radius":
-        return f"diverged: rim and tip moved {reached:.3g} m, a tenth of the radius is {allowed:.3g} m."
+        return (
+            f"diverged: rim and tip moved by {reached:.3g} m, expected at most {allowed:.3g} m, a tenth of the radius."
+        )
     if name == "rotor":
-        return f"diverged: the rotor moved {reached:.3g} m, its limit of motion is {allowed:.3g} m."
+        return f"diverged: the rotor moved by {reached:.3g} m, expected at most {allowed:.3g} m."
     if name == "gap":
-        return f"diverged: a gap moved {reached:.3g} m, a million times what start and load could do."
+        return f"diverged: a gap changed by {reached:.3g} m, a million times what initial state and load can cause."
     if name == "energy":
-        return f"diverged: contact and scheme have made {reached:.3g} J, at most {allowed:.3g} J was allowed."
-    return "diverged: the energy is not a finite number, the motion has outgrown the arithmetic."
+        return f"diverged: contact and scheme added {reached:.3g} J of energy, expected at most {allowed:.3g} J."
+    return "diverged: the motion overflowed, its energy is not a finite number."
 
 
 def _forced_words(theory: float) -> str:
     """Cause of the motion of a rotor whose growth was not measured."""
     if theory > 0.0:
         return SHORT
-    return "It does not grow by itself: its load moves it. Check unbalance, gravity, start and units."
+    return "The free motion does not grow: the load drives it. Check unbalance, gravity, initial state and units."
 
 
 def _fed_words(energy: EnergyBudget, named: Mapping[str, str]) -> str:
@@ -100,9 +104,12 @@ def _fed_words(energy: EnergyBudget, named: Mapping[str, str]) -> str:
     if not given:
         return ""
     words = [f"{named.get(part, part)} ({value:.3g} J)" for value, part in given if value > 0.01 * given[0][0]]
-    text = f"Energy came from {', '.join(words)}."
+    text = f"The energy came from {', '.join(words)}."
     if given[0][1] == "the contact law":
-        text += " Contact only pushes overlapping bodies apart: if none do, reduce dt or take the forward law."
+        text += (
+            " Contact adds energy only if bodies overlap at the start. If none overlap, reduce dt or use the forward "
+            "law."
+        )
     return text
 
 
@@ -113,15 +120,15 @@ def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
     try:
         found = _closed(problem, mu, time)
     except InputError as error:
-        return math.nan, f"Theory does not apply ({error})."
+        return math.nan, f"The stability analysis does not apply ({error})."
     if found is None:
         return math.nan, ""
     contact, hz, mean = found
     rate = float(growth(contact, np.array([hz]))[0])
-    by = "By theory (its pairs' mean)" if mean else "By theory"
+    by = "With the contact always closed (mean of each mode pair)," if mean else "With the contact always closed,"
     if rate > floor_of(contact):
-        return rate, f"{by} a contact that stays closed diverges at {hz:.4g} Hz, by {rate:.3g} 1/s."
-    return rate, f"{by} a contact that stays closed does not diverge at {hz:.4g} Hz ({rate:.3g} 1/s)."
+        return rate, f"{by} the motion grows at {hz:.4g} Hz by {rate:.3g} 1/s."
+    return rate, f"{by} the motion does not grow at {hz:.4g} Hz ({rate:.3g} 1/s)."
 
 
 def _of_rotor(rotor: Rotor, time: float) -> tuple[float, str]:
@@ -135,8 +142,8 @@ def _of_rotor(rotor: Rotor, time: float) -> tuple[float, str]:
         k = int(s.real.argmax())
         sense = sense_of(rotor, shape[:, k : k + 1], math.copysign(1.0, hz))[0]
         whirl = f", {sense} whirl at {s[k].imag / (2.0 * math.pi):.4g} Hz"
-    grows = f"grows at {abs(hz):.4g} Hz, by {rate:.3g} 1/s" if rate > 0.0 else f"does not grow at {abs(hz):.4g} Hz"
-    return rate, f"By theory the rotor without contact {grows}{whirl if rate > 0.0 else f' ({rate:.3g} 1/s)'}."
+    grows = f"grows at {abs(hz):.4g} Hz by {rate:.3g} 1/s" if rate > 0.0 else f"does not grow at {abs(hz):.4g} Hz"
+    return rate, f"Without contact, the rotor's motion {grows}{whirl if rate > 0.0 else f' ({rate:.3g} 1/s)'}."
 
 
 def _closed(problem: Problem, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:

@@ -90,27 +90,27 @@ COLUMNS = (
            format=".3f"),
     Column("to_hz", "Last speed of the range.", lambda found: _rows(found, "to_hz"), head="to", unit="Hz",
            format=".3f"),
-    Column("range_rpm", "The same range in turns a minute.", _rpm, head="range", unit="rpm", format=str),
-    Column("at_hz", "Speed of the run, and of the growth of closed contact.",
+    Column("range_rpm", "The same range in rpm.", _rpm, head="range", unit="rpm", format=str),
+    Column("at_hz", "Speed of the run and of the closed-contact growth.",
            lambda found: _runs(found, "speed_hz"), head="at", unit="Hz", format=".4f", where="files"),
     Column("n", "Nodal diameters of the motion.", lambda found: _rows(found, "n"), format="d"),
-    Column("pole_n", "Nodal diameters that grow by the pole of closed contact.",
+    Column("pole_n", "Nodal diameters of the unstable pole with the contact closed.",
            lambda found: [None if row.peak is None else row.peak.n for row in found.rows], head="n of the pole",
            format="d", where="pages"),
-    Column("wave", "With the blades' direction, against it or standing; of a rotor its whirl.",
+    Column("wave", "Direction of the wave: with the blades, against them, or standing; for a rotor, its whirl.",
            lambda found: _rows(found, "wave"), format=str),
     Column("body", "Body that has most of the energy of the motion.", lambda found: _rows(found, "body"), format=str),
-    Column("closed_1_s", "Growth by poles, of a contact that stays closed; of a rotor, without contact.",
+    Column("closed_1_s", "Growth rate from the poles, with the contact always closed; for a rotor, without contact.",
            lambda found: _runs(found, "closed"), head="pole", unit="1/s", format=".3g"),
-    Column("growth_1_s", "Growth of the run.", lambda found: _runs(found, "growth"), head="run", unit="1/s",
+    Column("growth_1_s", "Growth rate of the run.", lambda found: _runs(found, "growth"), head="run", unit="1/s",
            format=".3g"),
-    Column("growth_low_1_s", "Lower end of the 95 % interval of the growth of the run.",
+    Column("growth_low_1_s", "Lower end of the 95 % interval of the run's growth rate.",
            lambda found: _runs(found, "low"), where="files"),
-    Column("growth_high_1_s", "Upper end of the 95 % interval of the growth of the run.",
+    Column("growth_high_1_s", "Upper end of the 95 % interval of the run's growth rate.",
            lambda found: _runs(found, "high"), where="files"),
-    Column("amplitude_m", "Largest deflection of the rim at the end of the run; of a rotor, of its disk.",
+    Column("amplitude_m", "Largest deflection of the rim at the end of the run; for a rotor, of its disk.",
            lambda found: _runs(found, "amplitude_m"), where="files"),
-    Column("deflection_mm", "The same in mm; of a run that was stopped > the limit that it passed.",
+    Column("deflection_mm", "The same in mm; for a stopped run, > and the limit that it passed.",
            lambda found: [row.at.deflection or None for row in found.rows], head="motion", unit="mm", format=str),
     Column("half_wall_s", "Time at which the rim deflects by half its wall, from the start of the run.",
            lambda found: _runs(found, "half_wall_s"), where="files"),
@@ -118,7 +118,7 @@ COLUMNS = (
     Column("check", "Result at half the step for a growing run: converged, numerical, irregular, depends on the step.",
            lambda found: [row.at.check or None for row in found.rows], format=str, where="files"),
     Column("seconds", "Length of the run.", lambda found: _runs(found, "seconds"), where="files"),
-    Column("note", "Why the verdict differs from the growth of closed contact, or why there is none.",
+    Column("note", "Reason why the verdict differs from the closed-contact growth, or why there is no verdict.",
            lambda found: _runs(found, "note"), where="files"),
 )  # fmt: skip
 
@@ -146,10 +146,14 @@ class Interactions(Reported):
         """Sentences on the runs and the conclusions."""
         low, high = (float(hz) for hz in self.peaks.map.speed_hz[[0, -1]])
         span = f"{low:.4g} to {high:.4g} Hz ({60.0 * low:,.0f} to {60.0 * high:,.0f} rpm)"
-        pairs = "Pairs of the casing are split: the poles are those of their mean." if self.peaks.averaged else ""
+        pairs = (
+            "The mode pairs of the casing are split: the poles use the mean of each pair."
+            if self.peaks.averaged
+            else ""
+        )
         if not self.runs:
-            grows = "Closed contact grows in the ranges above." if self.rows else "Nothing grows."
-            return f"{grows} The range is {span}. The contact of a pair is closed by definition: its poles decide."
+            grows = "The motion grows in the ranges above." if self.rows else "No motion grows."
+            return f"{grows} The speeds are {span}. In a pair the contact is always closed: its poles decide."
         count = {verdict: sum(run.verdict == verdict for run in self.runs) for verdict in VERDICTS}
         ended = ", ".join(f"{number} {verdict}" for verdict, number in count.items() if number)
         words = [f"{len(self.runs)} runs of the scene at constant speeds from {span}: {ended}."]
@@ -158,7 +162,7 @@ class Interactions(Reported):
         elif count["safe"]:
             words.append("Speeds outside the rows are safe.")
         open_ = [run for run in self.runs if run.verdict == "not decided"]
-        words += [f"The first run that does not decide, at {run.speed_hz:.4g} Hz: {run.why}." for run in open_[:1]]
+        words += [f"The first undecided run is at {run.speed_hz:.4g} Hz: {run.why}." for run in open_[:1]]
         return " ".join(filter(None, [*words, pairs]))
 
     def __repr__(self) -> str:
@@ -185,7 +189,7 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     Raises InputError for a pair, and for a scene that does not turn.
     """
     if isinstance(scene, HandPair):
-        raise InputError("speed_hz: found none for a pair by hand, expected the speeds to examine")
+        raise InputError("speed_hz: found none for a pair of modes, expected the speeds to examine")
     what = scene.what
     rotor = rotor_of(what)
     if rotor is not None:
@@ -194,7 +198,7 @@ def speeds_of(scene: Scene | HandPair) -> Array:
         hz = rub_of(what).speed.hz if isinstance(what, RotatingRim | Rub) else np.zeros(1)
     top = float(np.max(hz))
     if isinstance(what, RotatingRim | Rub | Rotor) and not top > 0.0:
-        raise InputError("speed_hz: found none for a scene that does not turn, expected the speeds to examine")
+        raise InputError("speed_hz: found none for a scene at rest, expected the speeds to examine")
     low, high = top * AROUND / STEPS, top * AROUND
     for body in () if rub_of(what) is None else rub_of(what).bodies:
         if body.known_speeds is not None:
@@ -261,7 +265,7 @@ def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interac
     proposed = rotor_peaks(rotor, speed_hz)
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
     if not low > 0.0:
-        raise InputError(f"speed_hz: found {low:g} turns/s, expected speeds above 0")
+        raise InputError(f"speed_hz: found {low:g} Hz, expected speeds above 0")
     own = [one["speed_hz"] for one in critical_speeds(rotor)] + np.abs(rotor.speed.hz).tolist()
     at = np.array([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
     at = np.unique(np.concatenate([at, [hz for hz in own if low <= hz <= high]]))

@@ -48,11 +48,14 @@ def _energy(law: Law, result: Result) -> tuple[Flag, ...]:
     made, largest = energy_made(result)
     found = []
     if law.coating is None and made > MADE * largest > 0.0 and too_much(law, result) is None:
-        words = f"contact and scheme made {made:.3g} J, {100.0 * made / largest:.2g} % of the largest energy"
-        found.append(Flag(f"{words}: reduce dt, or take {_other(result.scheme)}", "energy-grows"))
+        words = f"contact and scheme added {made:.3g} J, {100.0 * made / largest:.2g} % of the largest energy"
+        found.append(Flag(f"{words}: reduce dt, or use {_other(result.scheme)}", "energy-grows"))
     energy = result.energy
     if abs(energy.unaccounted) > OPEN * energy.scale:
-        words = f"energy ledger open: {energy.unaccounted:.2g} J of {energy.scale:.3g} J are not accounted for"
+        words = (
+            f"energy balance: {energy.unaccounted:.2g} J of {energy.scale:.3g} J are not accounted for, expected "
+            f"{OPEN:g} of it"
+        )
         found.append(Flag(words, "energy-open"))
     return tuple(found)
 
@@ -60,7 +63,7 @@ def _energy(law: Law, result: Result) -> tuple[Flag, ...]:
 def _other(scheme: str) -> str:
     """Methods without numerical energy, other than that of the run."""
     if "Newmark (" in scheme or "HHT (" in scheme:
-        return "Newmark (.5, .55) or Moreau-Jean, whose forces do not ring"
+        return "Newmark (.5, .55) or Moreau-Jean, whose forces do not oscillate"
     if "averaged law" in scheme:
         return "the forward law"
     return "forward Lagrange (CentralDifference with the law Unilateral)" if "penalty" in scheme else "fewer modes"
@@ -72,7 +75,7 @@ def _penetration(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]
     if not deepest > DEEP * size > 0.0:
         return ()
     words = f"bodies overlapped by {deepest:.3g} m, {100.0 * deepest / size:.3g} % of {of} ({size:.3g} m): reduce dt"
-    words += ", or take a stiffer contact spring" if law.stiffness > 0.0 else ""
+    words += ", or use a stiffer contact spring" if law.stiffness > 0.0 else ""
     return (Flag(words, "penetration", failed=deepest > TOO_DEEP * size),)
 
 
@@ -88,7 +91,9 @@ def _size(problem: Problem) -> tuple[float, str]:
 
 def _slip(result: Result) -> tuple[Flag, ...]:
     count = int(result.reversals.sum())
-    words = f"the slip of the tip changed its sign in {count} steps: the tip moved along faster than the rim"
+    words = (
+        f"the slip of the tip changed its sign in {count} steps: the tip moved faster along the rim than the rim itself"
+    )
     return (Flag(words, "slip-reverses"),) if count else ()
 
 
@@ -97,8 +102,10 @@ def _updates(result: Result) -> tuple[Flag, ...]:
     worst, largest = float(result.residual.max(initial=0.0)), float(np.abs(result.gap).max(initial=0.0))
     if "augmented Lagrangian" not in result.scheme or not worst > UNSETTLED * largest:
         return ()
-    words = f"the augmented Lagrangian did not settle, its law is violated by up to {worst:.1e} m: allow more updates, "
-    words += "take a stiffer spring, or plain Lagrange"
+    words = (
+        f"the augmented Lagrangian did not converge; its law is violated by up to {worst:.1e} m: allow more updates, "
+    )
+    words += "use a stiffer spring, or use plain Lagrange"
     return (Flag(words, "unconverged", failed=worst > MUCH_LEFT * largest),)
 
 

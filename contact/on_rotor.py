@@ -105,7 +105,7 @@ def support_forces(rub: Rub, result: Result) -> dict[str, Array]:
     if rub.casing.participation is None:
         raise InputError("participation: found none in the bases of rotor and casing, expected one in each")
     if result.channels.size or len(result.state) < 3:
-        raise InputError("state: found none stored, expected a record with state_every")
+        raise InputError("state: found none in the result, expected a record with state_every")
     C, K = matrices_of(rub).at(float(rub.speed.omega(0.0)))
     m, q = rub.casing.omega.size, result.state_of("casing")
     v = np.gradient(q, result.state_time, axis=0, edge_order=2)

@@ -25,7 +25,7 @@ def problem_of(what: What, gravity: float) -> Problem:
                 raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
         return assemble(what, gravity=gravity)
     if gravity:
-        expected = "none" if isinstance(what, BeamInCircle) else "it as their load"
+        expected = "none" if isinstance(what, BeamInCircle) else "gravity as a load of the bodies"
         raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {expected}")
     return what
 

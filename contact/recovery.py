@@ -42,7 +42,7 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
     [[1.5, 2.0, 0.0]]
     """
     if body.recovery is None:
-        raise InputError("recovery: found none in this basis, expected rows for the points wanted")
+        raise InputError("recovery: found none in this basis, expected rows for the requested points")
     kept = np.asarray(q @ body.recovery.T)
     return kept if body.recovery_S is None else kept + forces @ body.recovery_S.T
 
@@ -87,10 +87,10 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
     if name not in rub.names:
         raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}{hint(name, rub.names)}")
     if result.channels.size:
-        raise InputError(f"state: found {len(result.channels)} channels, expected a record without")
+        raise InputError(f"state: found {len(result.channels)} channels, expected a record without channels")
     forces = result.tip_force
     if not len(forces):
-        raise InputError("state: found none stored, expected a record with state_every or at")
+        raise InputError("state: found none in the result, expected a record with state_every or at")
     number, d = rub.names.index(name), forces.shape[1] // len(rub.tips)
     if not number:
         return result.state_time, forces_by_wave(rub, -rotor_turned(rub, result), forces).reshape(len(forces), -1)

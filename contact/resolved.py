@@ -40,7 +40,7 @@ def resolved(problem: Problem, law: Law, stepper: Stepper, t_end: float, given: 
     rates = (*(problem.rates() if isinstance(problem, Rated) else ()), *_contacts(problem, law))
     step = f"{dt:.6g} s{f' ({given})' if given else ''}"
     if dt > t_end * (1.0 + 1e-9):
-        raise LimitError(f"dt: found {step}, expected at most t_end = {t_end:g} s: take a shorter step, or a later end")
+        raise LimitError(f"dt: found {step}, expected at most t_end = {t_end:g} s: use a shorter step or a later end")
     problems = [_refusal(rate, dt) for rate in rates if isinstance(rate, Rate) and rate.share(dt) > rate.most]
     flags = [_flag(rate, dt) for rate in rates if isinstance(rate, Rate) and rate.many < rate.share(dt) <= rate.most]
     flags += [_late(one, t_end) for one in rates if isinstance(one, Change) and one.begins >= t_end]
@@ -66,13 +66,13 @@ def _contacts(problem: Problem, law: Law) -> Iterator[Rate]:
 
 
 def _refusal(rate: Rate, dt: float) -> str:
-    take = f"take dt <= {rounded_down(rate.step, 4)} s"
+    take = f"use dt <= {rounded_down(rate.step, 4)} s"
     if rate.decays:
         most = f"expected at most {0.5 * math.pi:.3g}: {take}"
         return f"{rate.key} = {rate.words} makes a step {math.pi * rate.share(dt):.3g} time constants long, {most}"
     said = f"{rate.key} = {rate.words} has {1.0 / (rate.hz * dt):.3g} steps a period"
     if rate.share(dt) > 1.0:
-        said += f" and would act as {abs(rate.hz - round(rate.hz * dt) / dt):.3g} Hz"
+        said += f" and would appear at {abs(rate.hz - round(rate.hz * dt) / dt):.3g} Hz"
     expected = f"expected at least {2.0 / rate.most:.3g}"
     return f"{said}, {expected}: {take}"
 
@@ -80,17 +80,17 @@ def _refusal(rate: Rate, dt: float) -> str:
 def _flag(rate: Rate, dt: float) -> Flag:
     longest = rounded_down(0.5 * rate.many / rate.hz, 4)
     if math.isinf(rate.most):
-        return Flag(f"dt = {dt:.4g} s is longer than {rate.key}, {rate.words}: take dt <= {longest} s", "step-too-long")
+        return Flag(f"dt = {dt:.4g} s is longer than {rate.key}, {rate.words}: use dt <= {longest} s", "step-too-long")
     if rate.decays:
         words = f"{rate.key} = {rate.words} makes a step {math.pi * rate.share(dt):.3g} time constants long"
-        return Flag(f"{words}, more than {0.2 * math.pi:.2g}: take dt <= {longest} s", "step-too-long")
+        return Flag(f"{words}, more than {0.2 * math.pi:.2g}: use dt <= {longest} s", "step-too-long")
     steps = 1.0 / (rate.hz * dt)
     words = f"{rate.key} = {rate.words} has {steps:.3g} steps a period, fewer than {2.0 / rate.many:.3g}"
-    return Flag(f"{words}: take dt <= {longest} s", "step-too-long")
+    return Flag(f"{words}: use dt <= {longest} s", "step-too-long")
 
 
 def _late(change: Change, t_end: float) -> Flag:
-    words = f"{change.key} begins to change at {change.begins:g} s, the run ends at {t_end:g} s: lengthen t_end"
+    words = f"{change.key} begins to change at {change.begins:g} s, but the run ends at {t_end:g} s: increase t_end"
     return Flag(words, "never-begins")
 
 
@@ -99,8 +99,10 @@ def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
     for j, forcing in enumerate(stepper.system.body.forcing if isinstance(stepper, LinearStepper) else ()):
         left = between(forcing.amplitude, stepper.dt, t_end)
         if left > BETWEEN:
-            words = f"forcing {j + 1} varies between the steps by {100.0 * left:.3g} % of itself"
-            asked = f"expected at most {100.0 * MUCH_BETWEEN:.2g} % (a harmonic of 4 steps a period): take a shorter dt"
+            words = f"forcing {j + 1} varies within a step by {100.0 * left:.3g} % of its largest value"
+            asked = (
+                f"expected at most {100.0 * MUCH_BETWEEN:.2g} % (a harmonic with 4 steps a period): use a shorter dt"
+            )
             yield f"{words}, {asked}", left > MUCH_BETWEEN
 
 
@@ -137,9 +139,9 @@ def count_of(t_end: float, dt: float, most: int = MOST_STEPS, coordinates: int =
     ratio = t_end / dt * (1.0 - 1e-12) - 1e-9
     if ratio > most:
         seconds = ratio * (A_STEP + A_COORDINATE * coordinates)
-        found = f"{t_end:g} s with dt = {dt:.4g} s, which is {ratio:.4g} steps, about {_duration(seconds)} of computing"
-        shorter = f"shorten t_end to {most * dt:.4g} s, take a longer dt"
-        raise InputError(f"t_end: found {found}, expected at most {most:.4g}: {shorter}, or give most_steps")
+        found = f"{t_end:g} s with dt = {dt:.4g} s, {ratio:.4g} steps or about {_duration(seconds)} of computing time"
+        shorter = f"reduce t_end to {most * dt:.4g} s, use a longer dt"
+        raise InputError(f"t_end: found {found}, expected at most {most:.4g} steps: {shorter}, or set most_steps")
     return max(1, math.ceil(ratio))
 
 

@@ -34,9 +34,9 @@ Intervals = tuple[tuple[float, float], ...]
 
 CONTACTS = (
     Column("contact", "Number of the contact, from 1.", lambda run: range(1, run.impulse.size + 1), format="d"),
-    Column("closings", "How often the contact closed.", lambda run: [len(closed) for closed in run.intervals],
+    Column("closings", "Number of closings of the contact.", lambda run: [len(closed) for closed in run.intervals],
            format="d"),
-    Column("closed_s", "Time for which the contact was closed.", lambda run: run.contact_steps * run.dt,
+    Column("closed_s", "Total time with the contact closed.", lambda run: run.contact_steps * run.dt,
            head="closed", unit="s", format=".4g"),
     Column("impulse_N_s", "Impulse of the contact.", lambda run: run.impulse, head="impulse", unit="N s",
            format=".6g"),
@@ -137,7 +137,9 @@ class Result(Reported):
         Raises InputError that lists the names, or if channels were stored instead.
         """
         if self.channels.size:
-            raise InputError(f"state: found {len(self.channels)} channels of all bodies, expected a record without")
+            raise InputError(
+                f"state: found {len(self.channels)} channels of all bodies, expected a record without channels"
+            )
         found = [slice(start, end) for body, start, end in self.blocks if body == name]
         if not found:
             known = [body for body, _, _ in self.blocks]
@@ -183,7 +185,7 @@ class Result(Reported):
             lines.append(f"energy of the rotor's spin: {self.notes.spin.words}")
         if self.gap.size and not any(self.intervals):
             row, k = divmod(int(self.gap.argmin()), self.gap.shape[1])
-            lines.append(f"nothing touched: the least gap was {self.gap[row, k]:.4g} m, of contact {k + 1}, at "
+            lines.append(f"no contact closed: the smallest gap was {self.gap[row, k]:.4g} m, at contact {k + 1} and "
                          f"{self.time[row]:.6g} s")  # fmt: skip
         lines.append(
             f"energy [J]: start {energy.start.total:.6g}, end {energy.end.total:.6g}, lost in contact "
@@ -194,7 +196,7 @@ class Result(Reported):
         )
         if self.notes.heat.size:
             heat, drive = float(self.notes.heat.sum()), float(self.notes.drive.sum())
-            lines.append(f"friction [J]: {heat:.4g} turned to heat, {drive:.4g} drawn from what turns the rim")
+            lines.append(f"friction [J]: {heat:.4g} dissipated, {drive:.4g} supplied by the drive of the rim")
         if self.growth is not None:
             lines.append(f"motion: {self.growth.words}")
         lines.extend(f"{'FAILED' if flag.failed else 'FLAG'}: {flag}" for flag in self.flags)
@@ -203,10 +205,10 @@ class Result(Reported):
         if len(self.tracks) > 1:
             lines.extend(f"  track {k} (tips {_listed(t.tips)}): {t!r}" for k, t in enumerate(self.tracks, 1))
         if self.every != 1:
-            which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} unless a Record states otherwise)"
+            which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} samples unless a Record is given)"
             lines.append(
                 f"stored: {self.time.size:,} samples, {which if self.every else 'at the steps nearest to the instants'}"
-                "; sums, intervals, impulse and energy are over every step"
+                "; sums, intervals, impulse and energy use every step"
             )
         return "\n".join(lines)
 

@@ -53,7 +53,9 @@ def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
     data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
     if data["state"].ndim != 2:
         found = data["state"].shape
-        raise InputError(f"{path}: key 'state': found shape {found}, expected (samples, coordinates): run it again")
+        raise InputError(
+            f"{path}: key 'state': found shape {found}, expected (samples, coordinates): run the scene again"
+        )
     try:
         return _fields(json.loads(str(data["document"])), data)
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:

@@ -56,7 +56,7 @@ def asked(stepper: Stepper, *decisive: Any) -> str:
         document = packing.packed(decisive, "")
     except StoredError as error:
         raise InputError(
-            f"checkpoint: a run with {error} cannot be identified after a stop: run it without a checkpoint"
+            f"checkpoint: found {error}, which cannot be compared after a stop: run without a checkpoint"
         ) from error
     text = json.dumps([document, stepper.label, stepper.dt, versions()], sort_keys=True)
     digest = hashlib.sha256(text.encode())

@@ -111,17 +111,18 @@ class SpeedRun:
         >>> run.note
         'The contact opens (closed 30 % of the time). The motion is bounded at 0.02 mm, steady within 4 %.'
         >>> replace(run, amplitude_m=0.0, contact=0.0).note
-        'Nothing touches.'
+        'The contact never closes.'
         """
         if self.why:
             return f"{self.why[0].upper()}{self.why[1:]}."
         if self.verdict not in ("safe", "resonance") or not (self.closed > 0.0 or self.growth > 0.0):
             return ""
         if not self.contact > 0.0:
-            return "" if self.body == "rotor" else "Nothing touches."
+            return "" if self.body == "rotor" else "The contact never closes."
         opens = f"The contact opens (closed {100.0 * self.contact:.2g} % of the time)."
         slow = (
-            f"The contact stays closed. Its growth, {self.closed:.2g} 1/s, is e^{self.closed * self.seconds:.2g} here."
+            f"The contact stays closed. Its growth, {self.closed:.2g} 1/s, is a factor of "
+            f"e^{self.closed * self.seconds:.2g} in this run."
         )
         closed = opens if self.contact < CLOSED else slow
         size = f"{1e3 * self.amplitude_m:.2g} mm, steady within {100.0 * self.steady:.2g} %"
@@ -294,10 +295,10 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
         half_wall_s=none, n=None, wave="", body="", allowed_m=allowed,
     )  # fmt: skip
     if isinstance(outcome, InputError):
-        return replace(run, why=f"the scene is refused: {outcome}")
+        return replace(run, why=f"the run was refused: {outcome}")
     result = outcome.result if isinstance(outcome, NumericsError) else outcome
     if result is None:
-        return replace(run, why=f"the numerics failed: {outcome}")
+        return replace(run, why=f"the run failed: {outcome}")
     closed = float(np.max(result.contact_steps, initial=0)) / max(result.steps, 1)
     run = replace(run, seconds=result.steps * result.dt, contact=closed)
     growth = result.growth
@@ -315,7 +316,7 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     if passed:
         run = replace(run, limit_m=allowed)
     if isinstance(outcome, NumericsError) and not passed:
-        return replace(run, why=f"the numerics failed: {outcome}")
+        return replace(run, why=f"the run failed: {outcome}")
     size = 1.0 if isinstance(what, Rotor) else rub_of(what).casing.line_radius(0)
     if growth is not None and growth.amplitude < STILL * size:
         return replace(run, verdict="safe")

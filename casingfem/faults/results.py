@@ -132,7 +132,7 @@ RESULTS = {
     ),
     "study-key": ("a key is unknown, or is beside one that excludes it", "`casingfem schema` lists all keys"),
     "study-missing": ("a key or table that the study needs is not there", "add it; `casingfem schema` lists all keys"),
-    "study-toml": ("the file is not TOML", "correct the line named; text is in quotes, each table once"),
+    "study-toml": ("the file is not TOML", "correct the line named; write text in quotes and each table once"),
     "study-value": ("a value has the wrong type or lies out of range", "give what is expected there, in SI units"),
     "table-columns": (
         "a frequency table has columns that nobody uses",

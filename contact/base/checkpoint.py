@@ -40,10 +40,10 @@ class Checkpoint(Generic[Kept]):
         try:
             self.found = load_value(self.path, kind)
         except StoredError as error:
-            raise InputError(f"checkpoint: {error}; remove it to begin anew") from error
+            raise InputError(f"checkpoint: {error}; delete the file to start the computation again") from error
         if self.found is not None and self.found.asked != asked:
-            found = "that of another computation or version"
-            expected = "this one's: name another file or folder, or remove it to begin anew"
+            found = "a checkpoint of another computation or version"
+            expected = "one of this computation: give another file or folder, or delete this file to start again"
             raise InputError(f"checkpoint: {self.path}: found {found}, expected {expected}")
 
     def keep(self, value: Callable[[], Kept], *, now: bool = False) -> None:

@@ -44,16 +44,17 @@ class Attractor:
 
 
 MOTIONS = (
-    Column("share", "Part of the starts that reach the motion.", lambda found: [one.share for one in found.attractors],
+    Column("share", "Share of the random starts that reach the motion.",
+           lambda found: [one.share for one in found.attractors],
            unit="%", format=".1f", scale=100.0),
-    Column("periods", "Periods of the forcing after which the motion closes.",
+    Column("periods", "Number of forcing periods after which the motion repeats.",
            lambda found: [one.periods for one in found.attractors], format="d"),
 )  # fmt: skip
 
 
 def amplitude(channel: str) -> Column:
     """Largest motion of a channel."""
-    return Column(f"amplitude_{channel}_m", f"Largest motion of the channel {channel}.",
+    return Column(f"amplitude_{channel}_m", f"Largest displacement of the channel {channel}.",
                   lambda found: [one.amplitude.get(channel) for one in found.attractors],
                   head=f"amplitude {channel}", unit="m", format=".6g")  # fmt: skip
 
@@ -87,7 +88,9 @@ class Basins(Reported):
         if self.attractors:
             lines += table_lines(self.described(), self.records())
         lost = self.reached.count(-1)
-        return "\n".join([*lines, f"{lost / len(self.reached):.1%} of the starts: not periodic"] if lost else lines)
+        return "\n".join(
+            [*lines, f"{lost / len(self.reached):.1%} of the starts reach no periodic motion"] if lost else lines
+        )
 
 
 def basins(
@@ -149,7 +152,7 @@ def _start(motion: Motion, size: Array, draw: np.random.Generator) -> Array:
         except NumericsError:
             continue
         return np.asarray(x)
-    raise NumericsError("found no start outside the rigid contacts in 1,000 draws: give smaller sizes")
+    raise NumericsError("size: found no start outside the rigid contacts in 1,000 draws, expected one: reduce size")
 
 
 def _settled(motion: Motion, x: Array, period: float, settle: int, longest: int) -> tuple[Array, Array]:

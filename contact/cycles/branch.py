@@ -110,7 +110,7 @@ class Course:
                 break
             if moved <= CLOSE**2 * size and abs(change[n]) <= CLOSE * self.span:
                 return made(self.family, value, map_, at.periods, at.start, x, found, k + 1, slope)
-        raise NumericsError(f"no orbit after {NEWTON} Newton steps near {self.family.name} = {value:.8g}")
+        raise NumericsError(f"found no orbit near {self.family.name} = {value:.8g} after {NEWTON} Newton steps")
 
 
 class Signs(NamedTuple):

@@ -17,17 +17,18 @@ PARAMETERS = {
 }
 POINTS = (
     Column("branch", "Number of the branch, from 1.", lambda points: [number for number, _ in points], format="d"),
-    Column("periods", "Periods of the forcing after which the motion repeats.",
+    Column("periods", "Number of forcing periods after which the motion repeats.",
            lambda points: [point.periods for _, point in points], format="d"),
     Column("multiplier", "Largest magnitude of a Floquet multiplier; above 1 the motion is unstable.",
            lambda points: [point.multiplier for _, point in points], format=".6g"),
-    Column("growth_1_s", "Growth of a motion beside it: logarithm of that multiplier over the period.",
+    Column("growth_1_s", "Growth rate of a small disturbance: logarithm of the largest multiplier, divided by the "
+                         "period.",
            lambda points: [point.growth for _, point in points], head="growth", unit="1/s", format=".4g"),
     Column("stable", "Whether the motion is stable.", lambda points: [point.stable for _, point in points],
            format=mark("stable")),
     Column("contacts", "Number of contacts that close.", lambda points: [point.contacts for _, point in points],
            format="d"),
-    Column("closings", "Number of closings in all its periods.",
+    Column("closings", "Number of closings of all contacts in all periods.",
            lambda points: [sum(point.closings) for _, point in points], format="d"),
     Column("gap", "Smallest gap.", lambda points: [float(point.gap.min(initial=np.inf)) for _, point in points],
            head="least gap", unit="m", format=".4g"),

@@ -77,14 +77,14 @@ class DrivenBody:
         k, body = self.patch.contacts, self.patch.body
         require_not_negative(amplitude=self.amplitude, mu=self.mu)
         if self.mu > 0.0 and (self.patch.dimensions != 2 or not np.all(np.asarray(self.patch.slide) != 0.0)):
-            expected = "one tangent and a slide other than 0 for each contact; long runs (ct.run) take the rest"
+            expected = "one tangent and a slide other than 0 for each contact; for other friction simulate with ct.run"
             raise InputError(f"mu: found friction, expected {expected}")
         for name in (self.channel, *self.shown):
             body.channel(name)
         stiffness = readonly(np.broadcast_to(np.asarray(self.stiffness, float), (k,)))
         restitution = readonly(np.broadcast_to(np.asarray(self.restitution, float), (k,)))
         if not np.all(stiffness > 0.0):
-            raise InputError(f"stiffness: found {stiffness.min():g} N/m, expected > 0 (left out or inf: rigid)")
+            raise InputError(f"stiffness: found {stiffness.min():g} N/m, expected > 0 (inf or no value: rigid)")
         if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
             raise InputError(f"restitution: found {restitution.tolist()}, expected 0 to 1")
         object.__setattr__(self, "stiffness", stiffness)
@@ -93,12 +93,20 @@ class DrivenBody:
         S = self.compliance()
         soft = np.flatnonzero(np.diag(S) > 0.0)
         if soft.size < k and np.abs(S[np.diag(S) == 0.0]).max() > 0.0:
-            raise InputError("S: found a contact without compliance coupled to others, expected a matrix >= 0")
+            raise InputError(
+                "S: found a zero on the diagonal and non-zero entries in its row, expected a positive semidefinite "
+                "matrix"
+            )
         if soft.size and not np.linalg.eigvalsh((S + S.T)[np.ix_(soft, soft)])[0] > 1e-12 * np.diag(S).max():
-            raise InputError("S: found contacts whose compliances depend on each other, expected a stiffness for each")
+            raise InputError(
+                "S: found a singular compliance of the contacts, expected a positive definite one: give each a "
+                "stiffness"
+            )
         rigid = self.patch.rows()[:: self.patch.dimensions][np.diag(S) == 0.0]
         if len(rigid) and np.linalg.matrix_rank(rigid) < len(rigid):
-            raise InputError("normal: found rigid contacts that are not independent, expected a stiffness for each")
+            raise InputError(
+                "normal: found linearly dependent rows of rigid contacts, expected a stiffness for each contact"
+            )
 
     def pushes(self) -> Array:
         """Forces on the patch's rows by unit forces at each contact, normal and along the slide: (k dimensions, k)."""
@@ -188,7 +196,7 @@ def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         plant = _unchecked(body, freq_hz, scale)
     if not all(np.isfinite(part).all() for part in (plant.A, plant.B, plant.D, plant.E, plant.rate)):
-        raise InputError("body: found frequencies, shapes or compliances whose products are beyond all numbers")
+        raise InputError("body: found frequencies, shapes or compliances whose products overflow: check their units")
     return plant
 
 

@@ -85,7 +85,7 @@ def follow(
     require_count(2, most=most)
     require_count(0, doublings=doublings)
     if between[0] == between[1]:
-        raise InputError(f"{family.name}: found {between[0]:g} to {between[1]:g}, expected a range")
+        raise InputError(f"{family.name}: found {between[0]:g} to {between[1]:g}, expected two different ends")
     started = time.perf_counter()
     asked = digest(family, between, first, longest, most, doublings) if checkpoint else ""
     kept = None if checkpoint is None else Checkpoint(checkpoint, asked, Found)

@@ -153,7 +153,7 @@ class Known:
 
 def resonance() -> NumericsError:
     """The error at an undamped mode's resonance."""
-    return NumericsError("the drive is at the resonance of an undamped mode, expected damping or another frequency")
+    return NumericsError("found a drive at the resonance of an undamped mode, expected damping or another frequency")
 
 
 def _joined(parts: Array) -> Complex:

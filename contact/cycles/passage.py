@@ -110,7 +110,10 @@ class Motion:
 
         work, plant = self.known.arrays.work, self.plant
         if found == INSIDE:
-            raise NumericsError("a rigid contact is closed where the period begins: choose another start, or give it S")
+            raise NumericsError(
+                "found a rigid contact that is closed at the start of the period, expected an open one: choose another "
+                "start, or give the contact a compliance"
+            )
         if found == TOGETHER:
             gap = plant.C @ work.x + self.drive.c.at(self.angle(time))
             work.closed[:] = 0
@@ -136,7 +139,10 @@ def pressing(W: Array, g: Array) -> Array:
         if not wrong.size:
             return lam
         closed[wrong if pivot < 10 else wrong[:1]] ^= True
-    raise NumericsError("the set of closed contacts was not found: contacts press against each other")
+    raise NumericsError(
+        "found no set of closed contacts that satisfies the contact law: contacts press against each other; give them "
+        "a compliance"
+    )
 
 
 def passage(
@@ -212,10 +218,10 @@ def _refused(why: int, work: Any, start: float) -> NumericsError:
         return NumericsError(f"found over {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters")
     if why == SLIP:
         return NumericsError(
-            f"the slip of contact {work.where[1] + 1} turns before {time:.6g} s: it would stick, which long runs "
-            "follow (ct.run), not periodic motions"
+            f"found contact {work.where[1] + 1} at the change from slip to stick before {time:.6g} s, expected slip in "
+            "one direction: simulate with ct.run, which computes sticking"
         )
-    return NumericsError(f"the motion is not a number after {time:.4g} s")
+    return NumericsError(f"found a motion that is not finite after {time:.4g} s")
 
 
 def _events(work: Any, hits: dict[int, Event]) -> tuple[Event, ...]:

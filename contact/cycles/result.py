@@ -116,7 +116,7 @@ class Cycles(Reported):
         lines = []
         for number, part in enumerate(self.branches, 1):
             first = part.points[0]
-            times = "" if first.periods == 1 else f", closing after {first.periods} periods"
+            times = "" if first.periods == 1 else f", repeating after {first.periods} periods"
             lines.append(f"branch {number}: {len(part.points)} orbits over {self.name}{times}")
             for kept, start, stop in part.stretches:
                 lines.append(f"  {'stable' if kept else 'UNSTABLE':8} {start:.8g} to {stop:.8g}")
@@ -127,7 +127,7 @@ class Cycles(Reported):
                 size = ", ".join(f"{name} {value:.6g} m" for name, value in special.orbit.amplitude.items())
                 lines.append(f"  {special.kind} at {special.orbit.value:.8g}: {size}")
             if grazings > FEW:
-                lines.append(f"  {grazings} times a contact begins or ceases to close (grazing)")
+                lines.append(f"  {grazings} grazing events: a contact begins or ceases to close")
             if part.end:
                 lines.append(f"  ends at {part.points[-1].value:.8g}: {part.end}")
         return "\n".join(lines)

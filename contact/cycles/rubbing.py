@@ -32,7 +32,7 @@ from contact.stability.closed_contact import first_order
 
 SHOWN = ("casing", "span", "flap")
 Parameter = Literal["speed_hz", "clearance", "friction"]
-BY_RUNS = "long runs (ct.run, casingfem rub) take it"
+BY_RUNS = "simulate with ct.run or casingfem rub"
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -109,7 +109,7 @@ class RimFamily:
             rub = replace(rub, speed=Speed.constant(value))
         speed = rub.speed.omega(0.0)
         if speed == 0.0:
-            raise InputError("speed_hz: found 0, expected a rim that turns")
+            raise InputError("speed_hz: found 0 Hz, expected another speed")
         contact = rub_contact(rub, mu=mu)
         plant = _plant(rub, contact, speed, self.stiffness)
         waves = _waves(rub, math.copysign(1.0, speed))
@@ -142,7 +142,9 @@ def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, 
     """
     require_count(harmonics=harmonics)
     if len(wear.tips) != len(rub.tips):
-        raise InputError(f"wear: found that of {len(wear.tips)} tips, expected one track that all {len(rub.tips)} wear")
+        raise InputError(
+            f"wear: found the wear of {len(wear.tips)} tips, expected one track of all {len(rub.tips)} tips"
+        )
     under = np.arange(law.bars) - (law.bars - 1) // 2
     felt = np.mean([np.roll(wear.after, -int(k)) for k in under], axis=0)
     middle = wear.angle + float(under.mean()) * 2.0 * math.pi / felt.size
@@ -162,7 +164,7 @@ def _require_periodic(rub: Rub, mu: float) -> None:
     }  # fmt: skip
     for name, found in refused.items():
         if found:
-            raise InputError(f"{name}: found one, which periodic motions of a rub do not take; {BY_RUNS}")
+            raise InputError(f"{name}: found one, expected none for periodic motions of a rub; {BY_RUNS}")
     for name, body in zip(rub.names, rub.bodies, strict=True):
         require_positive(**{f"{name}.omega, the lowest": float(body.omega.min())})
 

@@ -93,7 +93,7 @@ class Orbit:
     def __repr__(self) -> str:
         size = ", ".join(f"{name} {value:.6g} m" for name, value in self.amplitude.items())
         kept = "stable" if self.stable else "unstable"
-        times = "" if self.periods == 1 else f", closes after {self.periods} periods"
+        times = "" if self.periods == 1 else f", repeats after {self.periods} periods"
         return f"orbit at {self.name} {self.value:.8g}{times}: {size}; {kept}, |multiplier| {self.multiplier:.6g}"
 
 
@@ -155,8 +155,8 @@ def orbit(
             return made(family, value, map_, periods, start, x + change, found, iterations)
         if iterations > NEWTON:
             raise NumericsError(
-                f"{family.name} = {value:.8g}: no orbit of period {periods} after {NEWTON} Newton steps; the last is "
-                f"{size / np.linalg.norm(x):.2g} of the state: start from "
+                f"{family.name} = {value:.8g}: found no orbit of {periods} periods after {NEWTON} Newton steps; the "
+                f"last step is {size / np.linalg.norm(x):.2g} of the state, expected at most {CLOSE:g}: start from "
                 "another state, or with another number of periods"
             )
         x, found = _nearer(map_, x, found, change)
@@ -166,7 +166,7 @@ def require_state(x: Array, family: Family, name: str) -> Array:
     """Check a state of a family's motion, or the sizes of one; raises InputError for anything else."""
     x = np.asarray(x, dtype=float)
     if x.shape != family.begin.shape:
-        expected = f"{family.begin.shape}, displacements and then velocities"
+        expected = f"{family.begin.shape}: displacements, then velocities"
         raise InputError(f"{name}: found shape {x.shape}, expected {expected}")
     if not np.all(np.abs(x) < HUGE):
         raise InputError(f"{name}: found entries that are NaN or infinite or huge, expected numbers below {HUGE:g}")
@@ -187,7 +187,7 @@ def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, 
         if np.linalg.norm(after.x - trial) < before:
             return trial, after
     if last is None:
-        raise NumericsError("no step of Newton's method leads to a motion that can be followed")
+        raise NumericsError("found no Newton step whose motion can be computed: start from another state")
     return last
 
 
@@ -209,7 +209,9 @@ def settled(
         change, size = float(np.linalg.norm(found.x - x)), float(np.linalg.norm(found.x))
         x = found.x
         if not change < HUGE:
-            raise NumericsError(f"{family.name} = {value:.8g}: a run grows without bound")
+            raise NumericsError(
+                f"{family.name} = {value:.8g}: found a motion that grows without bound: start from another state"
+            )
         if near is None or change < apart * size:
             near, apart = found, change / size if size > 0.0 else 0.0
         if change <= SETTLED * size:
@@ -237,7 +239,9 @@ def _free_time(found: Passage, motion: Motion, period: float) -> float:
         elif event is not None:
             closed.discard(event.contact)
     if longest < SHORT * period:
-        raise NumericsError("some rigid contact is closed at all times: give the contacts a compliance")
+        raise NumericsError(
+            "found a rigid contact that never opens, expected an opening in each period: give the contacts a compliance"
+        )
     return middle - found.start
 
 

@@ -141,7 +141,9 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
     joined = A + plant.B[:, chosen] @ K
     lam, V = np.linalg.eig(joined)
     if not np.linalg.cond(V) < DEFECT:
-        raise NumericsError(f"contacts closed {closed}: found two equal modes, expected distinct ones")
+        raise NumericsError(
+            f"contacts closed {closed}: found two modes with the same frequency, expected distinct frequencies"
+        )
     upper = np.flatnonzero(lam.imag >= 0.0)
     U = np.linalg.inv(V)[upper]
     V = V[:, upper] * np.where(lam[upper].imag > 0.0, 2.0, 1.0)

@@ -23,7 +23,7 @@ from contact.scheme.modal.slot import Slot, slot_of
 MOST_BYTES = 4_000_000_000  # of the arrays of the runs that are on the device together
 STEPS = 4096  # of a launch
 THREADS = 128  # of a block
-REASONS = ("", "no force is a solution", "the tip passed its limit", "the rim may pass its limit")
+REASONS = ("", "no force satisfies the contact law", "the tip passed its limit", "the rim may pass its limit")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -103,7 +103,7 @@ def device_runs(
     runs = [run_of(number, one) for number, one in enumerate(ready)]
     sizes = sorted({run.system.omega.size for run in runs})
     if len(sizes) != 1:
-        raise InputError(f"gpu: found scenes of {sizes} modes, expected at least one scene, and one number of modes")
+        raise InputError(f"gpu: found scenes of {sizes} modes, expected at least one scene, all with as many modes")
     slots = [slot_of(run) for run in runs]
     each = bytes_of_a_run(slots, sizes[0])
     group = max(THREADS, int(most_bytes / each))
@@ -127,7 +127,7 @@ def run_of(number: int, ready: Prepared) -> RubStepper:
     """The stepper of a scene; raises InputError for one that the kernel does not know."""
     stepper = ready.stepper
     if not isinstance(stepper, RubStepper) or shape_of(stepper) is None:
-        expected = "a rotating rim with one tip at constant speed, without coating: run ct.run_many"
+        expected = "a rotating rim with one tip at constant speed, without coating: use ct.run_many"
         raise InputError(f"gpu: scene {number}: found another model of contact, expected {expected}")
     return stepper
 

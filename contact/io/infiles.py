@@ -132,14 +132,14 @@ def text_of(data: bytes, *, utf16: bool = False) -> str:
     if marked and not utf16:
         raise TextError(1, "the mark of UTF-16", "UTF-8 text: save the file as UTF-8")
     if not marked and (zero := data.find(b"\0")) >= 0:
-        found = "a zero byte, as in UTF-16 without a mark or in a file that is no text"
+        found = "a zero byte, as in UTF-16 without a mark or in a binary file"
         raise TextError(data.count(b"\n", 0, zero) + 1, found, "UTF-8 text: save the file as UTF-8")
     try:
         return data.decode("utf-16") if marked else data.removeprefix(BOM_UTF8).decode("utf-8")
     except UnicodeDecodeError as error:
         if marked:
             line = data[: error.start].decode("utf-16", errors="ignore").count("\n") + 1
-            raise TextError(line, "bytes that are not UTF-16, whose mark the file has", "a whole text file") from None
+            raise TextError(line, "bytes that are not UTF-16 after a mark of UTF-16", "a complete text file") from None
         data = data.removeprefix(BOM_UTF8)
         byte = data[error.start]
         latin = f" ({chr(byte)!r} in Latin-1)" if byte >= 0xA0 else ""
@@ -169,7 +169,7 @@ def _opened(name: str) -> int:
 def _missing(name: str) -> str:
     """Description of a path where no file exists."""
     if os.path.islink(name):
-        return f"found a link to {os.readlink(name)!r}, which is not there, expected a file"
+        return f"found a link to {os.readlink(name)!r}, which does not exist, expected a file"
     folder = os.path.dirname(name) or "."
     if not os.path.isdir(folder):
         return f"found no folder {folder!r}, expected a file in it"
@@ -221,11 +221,11 @@ def _to_the_end(descriptor: int, pipe: bool, name: str, most: float) -> bytes:
                 pieces.append(piece)
                 size, writer = size + len(piece), True
                 if size > most:
-                    raise _too_large(f"a pipe that gives more than {most / 1e6:g} MB", name, most)
+                    raise _too_large(f"a pipe with more than {most / 1e6:g} MB", name, most)
                 if time.monotonic() < last:
                     continue
         if time.monotonic() >= last:
-            found = f"found a pipe that is open after {LONGEST:g} s, expected its end: write a file instead"
+            found = f"found a pipe that is still open after {LONGEST:g} s, expected its end: write a file instead"
             raise OSError(errno.ETIMEDOUT, found, name)
         writer |= _waited(descriptor, name)
 
@@ -237,6 +237,6 @@ def _waited(descriptor: int, name: str) -> bool:
     poll = select.poll()
     poll.register(descriptor, select.POLLIN)
     if not (events := poll.poll(1e3 * SILENCE)):
-        found = f"found a pipe that gives nothing for {SILENCE:g} s, expected its content: start what writes it first"
+        found = f"found a pipe without data for {SILENCE:g} s, expected its content: start the writing program first"
         raise OSError(errno.ETIMEDOUT, found, name)
     return bool(events[0][1] & select.POLLHUP)

@@ -88,18 +88,18 @@ def _check(archive: ZipFile, size: int) -> None:
     largest = max(members, key=lambda info: info.file_size, default=None)
     unpacked = sum(info.file_size for info in members)
     if largest is not None and unpacked > max(ROOM, PACKED * size):
-        found = f"member {largest.filename!r} that helps to unpack {size / 1e6:.3g} MB to {unpacked / 1e6:.3g} MB"
-        raise ValueError(f"found {found}, expected at most {PACKED:g} times as much")
+        found = f"{size / 1e6:.3g} MB that unpack to {unpacked / 1e6:.3g} MB (largest member: {largest.filename!r})"
+        raise ValueError(f"found {found}, expected at most {PACKED:g} times the size of the file")
     for name, times in Counter(info.filename for info in members).items():
         if times > 1 or not name.endswith(".npy"):
-            raise ValueError(f"found {name!r}{f' {times} times' if times > 1 else ''}, expected arrays, each once")
+            raise ValueError(f"found {name!r}{f' {times} times' if times > 1 else ''}, expected .npy arrays, each once")
 
 
 def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
     """One array; its header is compared with its size before memory is allocated."""
     if info.flag_bits & 1 or info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         how = "encrypted" if info.flag_bits & 1 else f"packed by method {info.compress_type}"
-        raise ValueError(f"found it {how}, expected it stored or deflated")
+        raise ValueError(f"found it {how}, expected a stored or deflated member")
     with archive.open(info) as stream:
         version = np.lib.format.read_magic(stream)
         if version not in HEADERS:
@@ -109,12 +109,12 @@ def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
             raise ValueError(f"found {dtype}, expected numbers or text")
         size = int(np.prod([*map(float, shape), dtype.itemsize]))
         if size != info.file_size - stream.tell() or (not dtype.itemsize and 0 not in shape and shape):
-            raise ValueError(f"found {info.file_size} bytes, expected those of {dtype} of shape {shape}")
+            raise ValueError(f"found {info.file_size} bytes, expected those of an array of {dtype} of shape {shape}")
         stream.seek(0)
         array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
     text = array.astype(dtype.newbyteorder("=")).ravel() if dtype.kind == "U" and array.size else np.array("0")
     if text.view(np.uint32).max() > LAST:
-        raise ValueError("found characters that are none, expected text")
+        raise ValueError("found codes that are not Unicode characters, expected text")
     return array
 
 
@@ -144,5 +144,5 @@ def compliance_fault(S: NDArray[Any]) -> str:
         np.linalg.cholesky(S / (scale or 1.0) + 1e-6 * np.eye(len(S)))  # a fifth of the time of eigenvalues
     except np.linalg.LinAlgError:
         least = float(np.linalg.eigvalsh(S)[0])
-        return f"the eigenvalue {least:.3g} m/N, expected none below 0: a force would pull its own point away"
+        return f"the eigenvalue {least:.3g} m/N, expected eigenvalues >= 0"
     return ""

@@ -117,10 +117,14 @@ def _check(target: Path, files: Mapping[str, Content]) -> None:
         raise NotADirectoryError(errno.ENOTDIR, way, str(target))
     for name in files:
         if (target / name).is_dir():
-            raise IsADirectoryError(errno.EISDIR, "found a folder, expected a file or none", str(target / name))
+            raise IsADirectoryError(
+                errno.EISDIR, "found a folder, expected a file or an unused name", str(target / name)
+            )
         if len(files) > 1:
             if not stays_inside(name):
-                raise OSError(errno.EINVAL, "found a name that leads elsewhere, expected one below", str(target / name))
+                raise OSError(
+                    errno.EINVAL, "found a name outside the folder, expected one inside it", str(target / name)
+                )
             require_no_links(target, name)
 
 
@@ -129,8 +133,8 @@ def in_the_way(folder: Path) -> str | None:
     place = next((at for at in (folder, *folder.parents) if at.exists() or at.is_symlink()), None)
     if place is None or place.is_dir():
         return None
-    found = "a file" if place.exists() else "a link to nothing"
-    return f"found {found}{'' if place == folder else f', {place}'}, expected a folder or none"
+    found = "a file" if place.exists() else "a broken link"
+    return f"found {found}{'' if place == folder else f', {place}'}, expected a folder or an unused name"
 
 
 @contextmanager

@@ -163,7 +163,7 @@ ALL = (
     ),
     Check(
         name="unbalance", quantity="mass times eccentricity", unit="kg m", lower=0.0, upper=1000.0,
-        reason="a lost blade of the largest turbine leaves 100 kg m", usual=(1e-9, 100.0),
+        reason="a lost blade of the largest turbine causes 100 kg m", usual=(1e-9, 100.0),
         slips=(Slip("g mm", 1e-6), Slip("kg mm", 1e-3), Slip("g m", 1e-3)),
     ),
 )  # fmt: skip
@@ -186,7 +186,7 @@ class Implausible(NamedTuple):
 
 def advice(name: CheckName) -> str:
     """Text that tells the user how to keep an intended value."""
-    return f'if it is meant, write {ALLOW} = ["{name}"]'
+    return f'if the value is intended, write {ALLOW} = ["{name}"]'
 
 
 def implausible(table: BaseModel, *, radius: float = 0.0, path: Path = ()) -> Iterator[Implausible]:
@@ -257,18 +257,18 @@ def question(infos: Sequence[FieldInfo], value: object) -> str:
 def speed_fault(hz: float, radius: float, check: Check) -> str | None:
     """Fault of a speed [turns/s] of a rim of this radius [m]; a radius of 0 means unknown.
 
-    >>> speed_fault(4800.0, 0.545, CHECKS["speed"])[:64]
-    'found 4800 turns/s = 288,000 rpm, a surface speed of 16,437 m/s,'
+    >>> speed_fault(4800.0, 0.545, CHECKS["speed"])[:59]
+    'found 4800 Hz = 288,000 rpm, a surface speed of 16,437 m/s,'
     """
     assumed = radius if radius > 0.0 else SMALLEST_WHEEL
     surface = 2.0 * math.pi * abs(hz) * assumed
     if surface <= check.upper:
         return None
-    found = f"found {hz:g} turns/s = {60.0 * hz:,.0f} rpm, a surface speed of {surface:,.0f} m/s"
+    found = f"found {hz:g} Hz = {60.0 * hz:,.0f} rpm, a surface speed of {surface:,.0f} m/s"
     of = f"at the radius {radius:.4g} m" if radius > 0.0 else f"even at a radius of {SMALLEST_WHEEL:g} m"
     expected = f"expected at most {check.upper:g} m/s ({check.reason}) {of}"
-    slips = [f"is this rpm? {hz:g} rpm are {hz / 60.0:.4g} turns/s" if surface / 60.0 <= TIP_SPEED else ""]
-    slips.append(f"rad/s? {hz:g} rad/s are {hz / 2.0 / math.pi:.4g} turns/s" if surface <= 6.0 * TIP_SPEED else "")
+    slips = [f"is this rpm? {hz:g} rpm are {hz / 60.0:.4g} Hz" if surface / 60.0 <= TIP_SPEED else ""]
+    slips.append(f"rad/s? {hz:g} rad/s are {hz / 2.0 / math.pi:.4g} Hz" if surface <= 6.0 * TIP_SPEED else "")
     asked = ", or ".join(filter(None, slips))
     return f"{found}, {expected}{f'; {asked}' if asked else ''}"
 

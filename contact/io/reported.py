@@ -82,7 +82,9 @@ class Reported:
         for draw in painters():
             if (figure := draw(self, ax, **options)) is not None:
                 return figure
-        raise ValueError(f"plot: found nothing that draws {type(self).__name__}; casingfem draws the results of runs")
+        raise ValueError(
+            f"plot: found no figure for {type(self).__name__}, expected a result of a run and casingfem installed"
+        )
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write an npz file of plain arrays, whole or not at all, without pickle; `load` reads it. Returns the path."""

@@ -11,10 +11,10 @@ from contact.io.infiles import read_bytes, text_of
 PLACE = re.compile(r"at line (\d+), column \d+\)$")
 # frequent spellings that TOML does not allow, and the correct ones
 HABITS = {
-    r"[=,\[]\s*[+-]?(\.\d|\d+\.(?!\d))": "a number has digits on both sides of its point: 0.5, 100.0",
-    r"=\s*[+-]?\d+,\d+\s*$": "write decimals with a point: 0.5",
-    r"[=,\[]\s*(True|False|TRUE|FALSE)\b": "true and false are small letters",
-    r"=\s*[A-Za-z_/]": "text is in quotes",
+    r"[=,\[]\s*[+-]?(\.\d|\d+\.(?!\d))": "write digits on both sides of the decimal point: 0.5, 100.0",
+    r"=\s*[+-]?\d+,\d+\s*$": "write a decimal point, not a comma: 0.5",
+    r"[=,\[]\s*(True|False|TRUE|FALSE)\b": "write true and false in lower case",
+    r"=\s*[A-Za-z_/]": "write text in quotes",
 }
 SHOWN = 60  # characters of a line
 MOST = 16e6  # bytes: large data are in files of their own
@@ -39,7 +39,7 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
     try:
         return data, tomllib.loads(text)
     except RecursionError:
-        raise ValueError("not TOML: found values nested some hundred deep, expected tables and lists") from None
+        raise ValueError("not TOML: found values nested hundreds of levels deep, expected tables and lists") from None
     except ValueError as error:  # also of numbers with thousands of digits
         raise ValueError(f"not TOML: {error}{spelling(str(error), text)}") from None
 
@@ -56,14 +56,14 @@ def require_short_keys(text: str) -> None:
             words = part.split(".")
             if len(words) > DEEPEST and all(KEY.fullmatch(word) for word in words):
                 found = f"a key of {len(words)} parts at line {number}"
-                raise ValueError(f"not TOML: found {found}, expected at most {DEEPEST}")
+                raise ValueError(f"not TOML: found {found}, expected at most {DEEPEST} parts")
 
 
 def spelling(error: str, text: str) -> str:
     r"""The line of a TOML error with the corrected spelling; empty if the error names no line.
 
     >>> spelling("Invalid value (at line 2, column 5)", "a = 1\nb = .5")
-    ': b = .5; a number has digits on both sides of its point: 0.5, 100.0'
+    ': b = .5; write digits on both sides of the decimal point: 0.5, 100.0'
     """
     named = PLACE.search(error)
     if named is None:

@@ -27,98 +27,106 @@ class Trouble(NamedTuple):
 
 TROUBLES = MappingProxyType({
     "energy-grows": Trouble(
-        "contact and scheme have made energy, which no contact can",
+        "contact and time integration added energy to the motion, which no contact can do",
         f"warning above {MADE:g} of the largest energy of the run (0.5 % of a speed), failure above {MUCH_MADE:g} "
-        "(5 % of a speed); work of loads, drive and friction is not counted",
-        "reduce dt; take Newmark (0.5, 0.55), Moreau-Jean or forward Lagrange, whose forces do not ring",
+        "(5 % of a speed); the work of loads, drive and friction is not counted",
+        "reduce dt, or use Newmark (0.5, 0.55), Moreau-Jean or forward Lagrange, whose forces do not oscillate",
     ),
     "energy-open": Trouble(
-        "the changes of energy do not add up to the work done",
-        f"warning above {OPEN:g} of the largest energy: round-off of a million steps is below",
-        "shorten the run or reduce dt; report the scene, since a scheme's own ledger closes to round-off",
+        "the energy balance of the run does not close",
+        f"warning above {OPEN:g} of the largest energy; rounding errors of a million steps are smaller",
+        "shorten the run or reduce dt; if the warning remains, report the scene",
     ),
     "growth-numerical": Trouble(
-        "the growth of the motion depends on the step",
-        "warning where half the step changes the growth by more than 10 % and more than both intervals, of a motion "
-        "that is not irregular",
-        "reduce dt until half the step gives the same growth",
+        "the growth rate of the motion depends on the time step",
+        "warning if half the step changes the growth rate by more than 10 % and by more than both confidence "
+        "intervals, "
+        "unless the motion is irregular",
+        "reduce dt until half the step gives the same growth rate",
     ),
     "load-unknown": Trouble(
-        "a load that was given as a function is no finite number", "failure at the first step that meets one",
+        "a load given as a function has a value that is not finite", "failure at the first step with such a value",
         "correct the function",
     ),
     "motion-overflow": Trouble(
-        "the motion is no finite number any more", "failure at the step that overflows",
-        "reduce dt; check units, stiffness and start",
+        "the motion is no longer finite", "failure at the step that overflows",
+        "reduce dt; check units, stiffness and initial state",
     ),
     "motion-radius": Trouble(
-        "rim and tip moved by more than a tenth of the radius", "failure above 0.1 of the radius: no linear model "
-        "describes such a motion; a warning with on_limit = \"flag\"",
-        "search for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
+        "rim and tip moved by more than a tenth of the "
+        "radius", "failure above 0.1 of the radius, where no linear model "
+        "is valid; a warning with on_limit = \"flag\"",
+        "find the cause of the growth: friction too high for the lean, a modal interaction, or a value in a wrong unit",
     ),
     "motion-rotor": Trouble(
-        "a rotor without a casing moved further than linear theory describes", "failure above a tenth of the shaft's "
-        "length, above 2.5 m where no length is known, or above the stated limit; a warning with on_limit = \"flag\"",
-        "reduce the unbalance or the speed, add damping, put the rotor into a casing, or state rotor.limit",
+        "a rotor without a casing moved beyond the limit of the linear model", "failure above a tenth of the shaft's "
+        "length, above 2.5 m if no length is known, or above rotor.limit; a warning with on_limit = \"flag\"",
+        "reduce the unbalance or the speed, add damping, add a casing, or set rotor.limit",
     ),
     "motion-unbounded": Trouble(
-        "a gap moved by a million times what start and load could do", "failure above 1e6: the motion feeds on itself",
+        "a gap changed by a million times what initial state and load can cause", "failure above 1e6",
         "reduce dt or friction; check stiffness and units",
     ),
     "never-begins": Trouble(
-        "something that was asked for begins after the end of the run", "warning where its first change is at or after "
-        "t_end", "lengthen t_end, or give its instants in seconds from the start",
+        "a change that the scene prescribes begins after the end of the run", "warning if its first change is at or "
+        "after t_end", "increase t_end, or give the times in seconds from the start",
     ),
     "penetration": Trouble(
-        "bodies overlap deeply", f"warning above {DEEP:g} of the shortest rod, the beam or the radius, failure above "
-        f"{TOO_DEEP:g}: linear theory describes strains of a per cent",
-        "reduce dt, or take a stiffer contact spring",
+        "bodies overlap by more than the linear model permits", f"warning above {DEEP:g} of the shortest rod, the beam "
+        f"or the radius, failure above {TOO_DEEP:g}; linear theory is valid for strains of about 1 %",
+        "reduce dt, or use a stiffer contact spring",
     ),
     "slip-reverses": Trouble(
-        "a single tip moved along faster than the rim, so that its slip changed sign", "warning from the first step on",
-        "possible at low speed or high friction; else check speed, friction and the compliance of the blade",
+        "the slip of a single tip changed its sign: the tip moved faster along the rim than the rim itself",
+        "warning from the first such step",
+        "this is possible at low speed or high friction; otherwise check speed, friction and compliance of the blade",
     ),
     "spin-beyond": Trouble(
-        "a rotor whose speed follows from its torques left the speeds that the run was made for",
-        "failure above 1e-3 of the range from standstill to spin.most_hz, 1.2 times the speed at the start by default",
-        "give [spin] a larger most_hz; of a rotor that is driven backwards, start at a speed of that sense",
+        "a rotor with [spin] left the range of speeds for which its modes were computed",
+        "failure if the speed is outside 0 to spin.most_hz by more than 1e-3 of this range; by default most_hz is 1.2 "
+        "times the initial speed",
+        "set a higher spin.most_hz; if the drive turns the rotor backwards, start at a speed of that sign",
     ),
     "step-too-long": Trouble(
-        "the step is long for something that was asked for",
-        "warning above 0.2 of the Nyquist limit (fewer than ten steps a period), or a step longer than the passage of "
-        "a wave or a place; above 0.5 (fewer than four steps) the run is refused",
-        "take the step that the message names",
+        "the time step is too long for a frequency, a passage or a decay in the scene",
+        "warning above 0.2 of the Nyquist frequency (fewer than ten steps a period), or if the step is longer than the "
+        "passage of a wave or a tip; the run is refused above 0.5 (fewer than four steps a period)",
+        "use the step that the message gives",
     ),
     "tip-moves-along": Trouble(
-        "a tip moved so far along the rim that its curvature changes the gap", "warning above 0.1 of the clearance",
-        "read the gap with care: the gap law leaves curvature out",
+        "a tip moved so far along the rim that the rim's curvature changes the "
+        "gap", "warning above 0.1 of the clearance",
+        "check the gap: the gap law neglects the curvature",
     ),
     "turning-fast": Trouble(
-        "a body turns much faster than its modes were computed for",
-        f"warning where the stiffness by speed changes a frequency of its basis by more than {FAST:g} of it; "
-        "up to there frequencies err by less than 1e-6; without gyroscopic_higher and stiffness_higher, by about 1e-3",
-        "compute the modes at the speed: give the study a [rotation], and reduce again",
+        "a body rotates much faster than the speed at which its modes were computed",
+        f"warning if the rotation changes a frequency of the basis by more than {FAST:g} of it; up to there "
+        "frequencies "
+        "err by less than 1e-6, or by about 1e-3 without gyroscopic_higher and stiffness_higher",
+        "compute the modes at the speed: set [rotation] in the study, then reduce again",
     ),
     "turning-unmodelled": Trouble(
-        "a casing turns whose basis has no matrices of rotation",
-        "warning where turning = \"casing\" and the basis has no gyroscopic matrix",
-        "reduce the casing again; a basis of your own needs gyroscopic and stiffness_by_speed",
+        "the casing rotates, but its basis has no matrices of rotation",
+        "warning if turning = \"casing\" and the basis has no gyroscopic matrix",
+        "reduce the casing again; a basis from elsewhere needs gyroscopic and stiffness_by_speed",
     ),
     "turning-unstated": Trouble(
-        "the scene does not state which side turns", "warning where a basis has matrices of rotation, or gravity or a "
-        "whirl acts, and the speed is not 0",
-        "give [speed] turning = \"casing\" for a rig whose casing turns, \"blades\" for a rotor in a casing at rest",
+        "the scene does not state whether the casing or the blades rotate", "warning if a basis has matrices of "
+        "rotation, or if gravity or a whirl acts, and the speed is not 0",
+        "set speed.turning = \"casing\" for a rig with a rotating casing, \"blades\" for a rotor in a fixed casing",
     ),
     "unconverged": Trouble(
-        "contact forces were not found, or not to the accuracy of the law",
-        f"failure where a step has no solution, where updates end with a gap above {UNSETTLED:g} of the largest, or "
-        f"where forces leave {MUCH_LEFT:g} of a contact's motion; warning above {LEFT:g} of it",
-        "reduce dt or friction, allow more updates, or let contacts yield",
+        "the contact forces were not found, or they are less accurate than the contact law requires",
+        f"failure if a step has no solution, or if the error of the forces is above {MUCH_LEFT:g} of a contact's free "
+        f"motion; warning above {LEFT:g} of it. Failure if the updates of an augmented Lagrangian leave a gap above "
+        f"{MUCH_LEFT:g} of the largest; warning above {UNSETTLED:g} of it",
+        "reduce dt or friction, allow more updates, or give the contacts a compliance",
     ),
     "wall-deflection": Trouble(
-        "the rim deflected by more than half of its wall", "failure above 0.5 of the wall, to which linear theory is "
-        "valid; a warning with on_limit = \"flag\"",
-        "search for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
+        "the rim deflected by more than half of its wall "
+        "thickness", "failure above 0.5 of the wall thickness, to which "
+        "linear theory is valid; a warning with on_limit = \"flag\"",
+        "find the cause of the growth: friction too high for the lean, a modal interaction, or a value in a wrong unit",
     ),
 })  # fmt: skip
 OF_LIMITS = MappingProxyType({

@@ -80,7 +80,9 @@ def in_processes(todo: Sequence[T], work: Callable[[T], R], jobs: int) -> Iterat
     while waiting:
         if deaths == TRIES:
             raise KilledWorkersError(
-                f"workers: {len(waiting)} tasks ended with their worker killed, {TRIES} times over"
+                f"workers: found {len(waiting)} unfinished tasks after their process was killed {TRIES} times in a "
+                "row; "
+                "use fewer workers if the memory is full"
             )
         deaths += 1
         with suppress(BrokenProcessPool), worker_pool(min(jobs, len(waiting))) as pool:

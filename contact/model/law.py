@@ -188,7 +188,7 @@ class Abradable:
             raise InputError(f"machined: found {self.machined:g} m, expected {expected}")
         require_count(bars=self.bars)
         if self.bars > MOST_BARS:
-            expected = f"a whole number under the tip from 1 to {MOST_BARS:,}"
+            expected = f"a whole number from 1 to {MOST_BARS:,} under the tip"
             raise InputError(f"bars: found {self.bars!r}, expected {expected}")
 
     @property

@@ -78,7 +78,7 @@ def require_table(name: str, at: ArrayLike, values: ArrayLike) -> None:
     """Refuse a table whose places do not ascend, or that has not as many finite values as places."""
     x, y = np.asarray(at, dtype=float), np.asarray(values, dtype=float)
     if x.ndim != 1 or x.shape != y.shape or not x.size:
-        raise InputError(f"{name}: found {x.shape} places and {y.shape} values, expected as many of both")
+        raise InputError(f"{name}: found {x.shape} places and {y.shape} values, expected equal numbers")
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         raise InputError(f"{name}: found values that are NaN or infinite, expected finite numbers")
     if np.any(np.diff(x) <= 0.0):

@@ -38,7 +38,7 @@ class Orbit:
     def words(self) -> str:
         """One line."""
         if not self.turns:
-            return f"no whole turn; {self.speed_hz_end:.6g} Hz at the end"
+            return f"shorter than one turn; {self.speed_hz_end:.6g} Hz at the end"
         lag = f", {self.phase_deg_end:.3f} degrees behind the unbalance" if math.isfinite(self.phase_deg_end) else ""
         of = f"mean of the last {self.turns} turns" if self.turns > 1 else "mean of the last turn"
         return f"radius {self.radius_end:.6g} m{lag} ({of}); {self.speed_hz_end:.6g} Hz at the end"

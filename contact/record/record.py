@@ -54,7 +54,7 @@ class Record:
             if rows.ndim != 2 or rows.size == 0 or not np.isfinite(rows).all():
                 raise InputError(f"channels: found shape {rows.shape}, expected finite rows, one for each channel")
             if self.at is None and self.state_every == 0:
-                raise InputError("channels: found no displacements to store, expected state_every or at as well")
+                raise InputError("channels: found neither state_every nor at, expected one of them with channels")
             object.__setattr__(self, "channels", rows)
         require_count(every=self.every)
         require_count(0, state_every=self.state_every)
@@ -67,7 +67,7 @@ class Record:
         if instants.ndim != 1 or instants.size == 0 or not np.isfinite(instants).all() or instants.min() < 0.0:
             raise InputError(f"at: found {self.at!r}, expected instants >= 0 [s]")
         if self.every != 1 or self.state_every:
-            raise InputError("at: found beside every or state_every, expected instants alone")
+            raise InputError("at: found with every or state_every, expected only at")
         object.__setattr__(self, "at", instants)
 
     def steps(self, *, dt: float, count: int) -> Indices:
@@ -88,7 +88,7 @@ class Record:
             return readonly(np.zeros((0, coordinates)))  # as channels are: the same type compiles once
         rows = np.asarray(self.channels)
         if rows.shape[1] != coordinates:
-            expected = f"{coordinates}, the coordinates of the run"
+            expected = f"{coordinates}, one for each coordinate of the run"
             raise InputError(f"channels: found rows of {rows.shape[1]} numbers, expected {expected}")
         return rows
 

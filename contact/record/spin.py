@@ -72,7 +72,7 @@ class SpinBudget:
         """Energies and works of the spin in one line."""
         return (
             f"{self.start:.6g} J at the start, {self.end:.6g} J at the end; drive {self.drive:.4g}, friction "
-            f"{self.friction:.4g}, unbalance {self.unbalance:.4g}, casing that is not round {self.rotation:.4g}, "
+            f"{self.friction:.4g}, unbalance {self.unbalance:.4g}, out-of-round casing {self.rotation:.4g}, "
             f"unaccounted {self.unaccounted / max(self.start, self.end, 1e-300):.1e} of the largest"
         )
 

@@ -19,7 +19,8 @@ WEAR_NUMBERS = ("volume", "stated", "dissipated", "bare")
 COLUMNS = (
     Column("angle_rad", "Angle of the bar in the casing's frame.", lambda wear: wear.angle, head="angle", unit="deg",
            format=".2f", scale=180.0 / np.pi),
-    Column("made_m", "Deviation of the rim's radius as made.", lambda wear: wear.made, head="as made", unit="um",
+    Column("made_m", "Deviation of the rim's radius before machining and wear.",
+           lambda wear: wear.made, head="as made", unit="um",
            format=".3g", scale=1e6),
     Column("cut_m", "Depth machined before the run.", lambda wear: wear.cut, head="machined", unit="um", format=".3g",
            scale=1e6),
@@ -86,7 +87,8 @@ class Wear(Reported):
     def __repr__(self) -> str:
         return (
             f"worn {1e9 * self.volume:.4g} mm^3, at most {1e6 * float(self.worn.max()):.4g} um, {self.bare} of "
-            f"{self.worn.size} bars to the casing; {self.dissipated:.4g} J dissipated, residual {self.residual:.1e}"
+            f"{self.worn.size} bars worn through to the casing; {self.dissipated:.4g} J dissipated, residual "
+            f"{self.residual:.1e}"
         )
 
 

@@ -230,17 +230,17 @@ def driven_orbit(*, omega: float, drive: float, drive_omega: float, gap: float, 
     e, period = restitution, 2.0 * math.pi * cycles / drive_omega
     tan = math.tan(0.5 * omega * period)
     if abs(tan) < 1e-12:
-        expected = f"a period that is no whole number of the oscillator's own, 2 pi/{omega:g} s"
+        expected = f"a period that is not a multiple of the oscillator's period, 2 pi/{omega:g} s"
         raise InputError(f"drive_omega: found {drive_omega:g} rad/s with cycles = {cycles}, expected {expected}")
     p = (1.0 + e) / (2.0 * omega * tan)
     q = (1.0 - e) / (2.0 * drive_omega)
     if omega * math.hypot(p, q) < 1e-12:
-        expected = "less: every impact takes the oscillator to the next by itself, whatever its speed"
+        expected = "a lower value: here orbits of every speed exist"
         raise InputError(f"restitution: found {e:g} at drive_omega = {drive_omega:g} rad/s, expected {expected}")
     G = drive / (omega**2 - drive_omega**2)
     root = (p * gap) ** 2 - (p * p + q * q) * (gap * gap - G * G)
     speed = (-p * gap + math.sqrt(root)) / (p * p + q * q) if root >= 0.0 else math.nan
     if not speed > 0.0:
-        raise InputError(f"drive: found {drive:g} m/s^2, expected one strong enough to reach the stop in every period")
+        raise InputError(f"drive: found {drive:g} m/s^2, expected a drive that reaches the stop in every period")
     c, d = gap + p * speed, q * speed * drive_omega
     return ImpactOrbit(speed=speed, phase=math.atan2(-d / drive_omega / G, c / G), period=period)

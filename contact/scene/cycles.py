@@ -70,7 +70,7 @@ class DriveTable(Table):
             found = ", ".join(sorted(given)) or "nothing"
             raise ValueError(f"{found} found, expected amplitude, from_hz and to_hz, or freq_hz, from_n and to_n")
         if self.from_hz == self.to_hz and self.from_n == self.to_n:
-            raise ValueError("a range without length found, expected two different ends")
+            raise ValueError("two equal ends of the range found, expected different ends")
         return self
 
     @property
@@ -187,8 +187,8 @@ def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> Cycl
     except SceneError as error:
         if "scheme" not in data and "t_end" not in data["scene"]:
             raise
-        remedy = "leave out its time and its scheme, and state speed.from_hz and speed.to_hz"
-        more = f"{file}: found a scene of a run, expected a scene of periodic motions: {remedy}"
+        remedy = "remove scene.t_end and [scheme], and give speed.from_hz and speed.to_hz"
+        more = f"{file}: found a scene of a time simulation, expected one of periodic motions: {remedy}"
         raise SceneError([*error.problems, more]) from None
     require_plausible(table, file)
     speed, vary = table.speed, table.vary

@@ -97,4 +97,4 @@ def contact_law(mu: float, law: AnyLaw | None, coating: CoatingTable | None = No
 def require_one(law: object, coating: object) -> None:
     """Raise ValueError if a scene has both a law and a coating."""
     if law is not None and coating is not None:
-        raise ValueError("law and coating found, expected one of them: a coating is a law of its own")
+        raise ValueError("law and coating found, expected one of them, since a coating is also a contact law")

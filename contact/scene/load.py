@@ -57,7 +57,7 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     from contact.scene.plausible import refusals  # pydantic is loaded when a file is read, not with the package
 
     if table.scene.kind == "pair":
-        expected = "expected a scene that runs: use casingfem interactions or stability"
+        expected = "expected a scene with a time simulation: use casingfem interactions or stability"
         raise SceneError([f"{file}: scene.kind: found 'pair', {expected}"])
     problems = Problems(file)
     problems.extend(refusals(table, file))

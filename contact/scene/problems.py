@@ -84,7 +84,7 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
     if detail["type"] == "missing":
         return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
     if detail["type"] == "union_tag_not_found":
-        return f"{file}: {key}.kind: missing, expected which kind of {key} it is"
+        return f"{file}: {key}.kind: missing, expected the kind of {key}"
     if detail["type"] == "union_tag_invalid":
         found, tags = detail["ctx"]["tag"], detail["ctx"]["expected_tags"].replace("'", "")
         return f"{file}: {key}.kind: found {found!r}, expected one of {tags}"

@@ -132,7 +132,9 @@ class RotorSpeed(Table):
     @model_validator(mode="after")
     def _fits(self) -> RotorSpeed:
         if (self.hz is None) == (self.rpm is None):
-            raise ValueError(f"{'neither hz nor rpm' if self.hz is None else 'hz and rpm both'} found, expected one")
+            raise ValueError(
+                f"{'neither hz nor rpm' if self.hz is None else 'hz and rpm both'} found, expected one of them"
+            )
         name = "hz" if self.rpm is None else "rpm"
         speeds, times = (
             np.shape(np.asarray(self.hz if self.rpm is None else self.rpm)),
@@ -140,7 +142,9 @@ class RotorSpeed(Table):
         )
         if speeds != times:
             many = speeds[0] if speeds else "one"
-            raise ValueError(f"{many} {name} and {len(self.time or [])} time found, expected as many or one {name}")
+            raise ValueError(
+                f"{many} {name} and {len(self.time or [])} time found, expected equal numbers, or one {name}"
+            )
         return self
 
     @property
@@ -264,12 +268,14 @@ class RotorFile(SceneFile):
             kinds[0], {"mass", "stiffness", "zeta", "zeta_internal"}
         )
         if others := [name for name in self.rotor.given if name not in allowed | {"limit"}]:
-            raise ValueError(f"rotor.{others[0]} found beside {kinds[0]}, expected only {', '.join(sorted(allowed))}")
+            raise ValueError(f"rotor.{others[0]} found with {kinds[0]}, expected only {', '.join(sorted(allowed))}")
         if self.rotor.limit is not None and self.casing is not None:
-            raise ValueError("rotor.limit found beside [casing], expected none: the casing's radius limits it")
+            raise ValueError(
+                "rotor.limit found with [casing], expected none: the radius of the casing limits the motion"
+            )
         if not self.shaft and (self.disk or self.bearing or self.unbalance.at is not None):
             found = "[[disk]]" if self.disk else "[[bearing]]" if self.bearing else "unbalance.at"
-            raise ValueError(f"{found} found without [[shaft]], expected also [[shaft]]")
+            raise ValueError(f"{found} found without [[shaft]], expected both")
         return self
 
     @model_validator(mode="after")
@@ -283,12 +289,14 @@ class RotorFile(SceneFile):
             found, missing = ([name for name, there in around.items() if there == which] for which in (True, False))
             raise ValueError(f"{', '.join(found)} found without {', '.join(missing)}, expected all of them or none")
         if self.tips is not None and self.blade:
-            raise ValueError("[tips] found beside [[blade]], expected one of them")
+            raise ValueError("[tips] found with [[blade]], expected one of them")
         alone = [name for name in ("coating", "law", "spin") if getattr(self, name) is not None]
         if alone and self.casing is None:
-            raise ValueError(f"[{alone[0]}] found without [casing], expected the casing that the rotor rubs on")
+            raise ValueError(f"[{alone[0]}] found without [casing], expected both")
         if any(table.axial for table in self.blade):
-            raise ValueError("blade.axial = true found on a rotor, whose disk does not move along the axis")
+            raise ValueError(
+                "blade.axial = true found on a rotor, expected false: the disk does not move along the axis"
+            )
         return self
 
     def files(self) -> list[str]:

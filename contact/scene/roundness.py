@@ -68,7 +68,7 @@ class RandomRoundness(Table):
             found = "neither" if self.spectrum is None else "both"
             raise ValueError(f"spectrum and harmonics: found {found}, expected one of them")
         if self.harmonics is not None and self.rms is None:
-            raise ValueError("harmonics found without rms, expected how large the deviation is [m]")
+            raise ValueError("harmonics found without rms, expected the size of the deviation [m]")
         p = [line.p for line in self._lines()]
         if p != sorted(set(p)):
             raise ValueError(f"harmonics {p} found, expected each once, ascending")
@@ -107,7 +107,9 @@ class Roundness(Table):
     @model_validator(mode="after")
     def _draws_of_something(self) -> Roundness:
         if self.draw is not None and self.random_out_of_roundness is None:
-            raise ValueError("draw found without random_out_of_roundness, expected [contact.random_out_of_roundness]")
+            raise ValueError(
+                "draw found without random_out_of_roundness, expected [contact.random_out_of_roundness] too"
+            )
         return self
 
     def terms(self, casing: ModalBody) -> list[dict[str, float]]:

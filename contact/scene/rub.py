@@ -168,7 +168,7 @@ class RubSpeed(Table):
         found = np.shape(self.hz)
         if found != np.shape(self.time if self.time is not None else 0.0):
             many = found[0] if found else "one"
-            raise ValueError(f"{many} hz and {len(self.time or [])} time found, expected as many or one hz")
+            raise ValueError(f"{many} hz and {len(self.time or [])} time found, expected equal numbers, or one hz")
         return self
 
     @property
@@ -194,7 +194,7 @@ class RubClosing(Table):
     def _one(self) -> RubClosing:
         listed = np.ndim(self.by) > 0
         if listed == (self.time is None) or listed == (self.time_constant is not None):
-            raise ValueError("expected a number as by with time_constant, or lists of by and time")
+            raise ValueError("found other keys, expected one number by with time_constant, or lists by and time")
         return self
 
     def law(self) -> Closing:

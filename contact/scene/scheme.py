@@ -157,7 +157,7 @@ def hz_of_rpm(data: Any) -> Any:
     if not isinstance(data, dict) or "rpm" not in data:
         return data
     if "hz" in data:
-        raise ValueError("hz and rpm both found, expected one")
+        raise ValueError("hz and rpm both found, expected one of them")
     rpm = data["rpm"]
     if not all(isinstance(one, int | float) for one in (rpm if isinstance(rpm, list) else [rpm])):
         return data
@@ -212,15 +212,16 @@ class SchemeTable(Table):
         allowed = ("kind", "courant", "dt", "most_steps", *SCHEMES[self.kind][1], *OF_LAWS.get(self.kind, ()))
         for key in self.model_fields_set:
             if key not in allowed:
-                raise ValueError(f"{key} found with kind = {self.kind!r}, which takes {', '.join(allowed[1:])}")
+                raise ValueError(f"{key} found with kind = {self.kind!r}, expected {', '.join(allowed[1:])}")
         laws = get_args(ModalLaw if self.kind == "exact-modal" else ContactLaw)
         if self.law is not None and self.law not in laws:
             raise ValueError(f"law {self.law!r} found with kind = {self.kind!r}, expected {', '.join(laws)}")
         soft = self.kind == "penalty" or self.law in ("penalty", "augmented-lagrangian")
         if soft != (self.stiffness is not None):
             raise ValueError(
-                "stiffness [N/m] belongs to kind = 'penalty', and to law = 'penalty' or 'augmented-lagrangian', which "
-                "need it"
+                f"stiffness {'missing' if soft else 'found'}, expected one in N/m with kind = 'penalty', law = "
+                "'penalty' "
+                "or law = 'augmented-lagrangian', and none otherwise"
             )
         return self
 

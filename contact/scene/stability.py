@@ -76,7 +76,7 @@ def load_stability(path: str | Path) -> StabilityScene:
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim' or 'rotor'{more}"])
     scan = table.speed.scan
     if scan is None:
-        expected = "{from_hz = ..., to_hz = ..., steps = ...}; casingfem interactions needs none"
+        expected = "{from_hz = ..., to_hz = ..., steps = ...}; casingfem interactions runs without it"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
     scene = load_scene(file)
     mu = (scene.law or Unilateral()).mu
@@ -128,16 +128,16 @@ def _speeds_around(table: Any, scene: Scene, file: Path) -> Array:
     """The speeds of speed.scan [Hz]; by default those of `speeds_of`."""
     hz = np.atleast_1d(table.speed.turns if table.scene.kind == "rotor" else table.speed.hz)
     if hz.min() < 0.0 and table.scene.kind != "rotor":
-        expected = "no speed below 0: mirror the scene (lean_deg and shape)"
-        raise SceneError([f"{file}: speed.hz: found {hz.min():g} turns/s, expected {expected}"])
+        expected = "a speed of 0 or above: mirror the scene (lean_deg and shape)"
+        raise SceneError([f"{file}: speed.hz: found {hz.min():g} Hz, expected {expected}"])
     top = float(np.abs(hz).max())
     if table.speed.scan is not None:
         if not table.speed.scan.from_hz > 0.0:
-            found = f"found {table.speed.scan.from_hz:g} turns/s, expected a speed above 0"
+            found = f"found {table.speed.scan.from_hz:g} Hz, expected a speed above 0"
             raise SceneError([f"{file}: speed.scan.from_hz: {found}"])
         return _speeds(table.speed.scan)
     if not top > 0.0:
-        expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
+        expected = "{from_hz = ..., to_hz = ..., steps = ...} for a scene at rest"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
     return speeds_of(scene)
 

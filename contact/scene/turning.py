@@ -63,7 +63,7 @@ class SpeedRange(Table):
                 raise ValueError(f"from_hz = {self.from_hz:g} and to_hz = {self.to_hz:g} found, expected {expected}")
         elif not self.hz or given[:2] != (None, None):
             found = ", ".join(name for name, one in zip(("from_hz", "to_hz", "hz"), given, strict=True) if one)
-            raise ValueError(f"{found or 'nothing'} found, expected from_hz and to_hz, or hz beside [vary]")
+            raise ValueError(f"{found or 'nothing'} found, expected from_hz and to_hz, or hz with [vary]")
         return self
 
 
@@ -76,7 +76,7 @@ class VaryTable(Table):
     @model_validator(mode="after")
     def _one_range(self) -> VaryTable:
         if (self.clearance is None) == (self.friction is None) or len(set(self.between)) < 2:
-            raise ValueError("expected one of clearance and friction, with two different ends")
+            raise ValueError("expected one of clearance and friction with two different ends")
         return self
 
     @property
@@ -106,14 +106,19 @@ class TurningFile(CheckedFile):
     @model_validator(mode="after")
     def _one_parameter(self) -> TurningFile:
         if (self.vary is None) == (self.speed.hz is not None):
-            raise ValueError("expected a range of speeds, or [vary] with speed.hz")
+            found = "a range of speeds with" if self.speed.hz is None else "speed.hz without"
+            raise ValueError(f"{found} [vary] found, expected speed.from_hz and speed.to_hz, or speed.hz with [vary]")
         if self.continuation.channels:
-            raise ValueError("continuation.channels found with a rim, which shows casing, span and flap")
+            raise ValueError(
+                "continuation.channels found with a rim, expected none: the channels are casing, span and flap"
+            )
         if self.coating is not None and self.coating.machined > 0.0:
-            raise ValueError("coating.machined found, expected the machined profile as out_of_roundness")
+            raise ValueError(
+                "coating.machined found, expected 0: give the machined profile as contact.out_of_roundness"
+            )
         require_one(self.law, self.coating)
         if self.law is not None and self.law.damping > 0.0:
-            raise ValueError("law.damping found, expected a spring alone: a run (casingfem rub) takes the rest")
+            raise ValueError("law.damping found, expected 0 for periodic motions: simulate with casingfem rub")
         return self
 
 

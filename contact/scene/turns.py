@@ -32,7 +32,7 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
     turning = [name for name, body in zip(rub.names, rub.bodies, strict=True) if body.varies]
     if given is None and (turning or rub.forces):
         what = f"Coriolis forces and stiffening of {' and '.join(turning)}" if turning else "gravity or whirl"
-        words = f"speed.turning: left out in a scene with {what}, taken as 'blades': the casing is at rest"
+        words = f"speed.turning: missing in a scene with {what}, 'blades' is assumed: the casing is at rest"
         _warn("turning-unstated", file, words)
     omega = rub.speed.fastest
     for name, body, sense in zip(rub.names, rub.bodies, matrices_of(rub).senses, strict=True):
@@ -47,7 +47,7 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
             expected = f"expected at most {100.0 * FAST:g} %"
             _warn("turning-fast", file, f"{name}: {found}, {expected}")
     if given == "casing" and rub.casing.gyroscopic is None:
-        _warn("turning-unmodelled", file, "casing: found no gyroscopic matrix in its basis beside turning = 'casing'")
+        _warn("turning-unmodelled", file, "casing: found no gyroscopic matrix in its basis with turning = 'casing'")
 
 
 def moved_by_speed(body: ModalBody, omega: float) -> float:

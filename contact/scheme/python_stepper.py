@@ -90,7 +90,7 @@ class PythonStepper(PlainStepper):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        return Flag("the motion is not a finite number: reduce dt", "motion-overflow", failed=True)
+        return Flag("the motion is not finite: reduce dt", "motion-overflow", failed=True)
 
     def motions(self) -> tuple[Motion, ...]:
         """Empty: no rigid motion is stated."""

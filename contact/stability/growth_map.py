@@ -94,7 +94,7 @@ def ascending(speed_hz: Array) -> Array:
     """Speeds as a read-only row; raises InputError unless there are at least two and they ascend."""
     speed = readonly(speed_hz)
     if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0):
-        raise InputError("speed_hz: found no ascending row, expected at least two ascending speeds")
+        raise InputError("speed_hz: found numbers that do not ascend, expected at least two ascending speeds")
     return speed
 
 

@@ -27,7 +27,9 @@ def slope_of(law: Law, depth: float | None = None) -> float:
     (15000000, 2000000.0)
     """
     if law.response is None:
-        raise InputError(f"law: found {law.words}, expected one with a response: Hertz, ForceTable, ForceLaw, Penalty")
+        raise InputError(
+            f"law: found {law.words}, expected a law with a response: Hertz, ForceTable, ForceLaw or Penalty"
+        )
     if depth is not None:
         require_positive(depth=depth)
         return law.response(depth)[1]

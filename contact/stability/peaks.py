@@ -111,7 +111,7 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
     """
     speed = readonly(speed_hz)
     if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0) or speed[0] <= 0.0:
-        raise InputError("speed_hz: found speeds that do not ascend from above 0, expected two or more that do")
+        raise InputError("speed_hz: found other numbers, expected two or more ascending speeds above 0 Hz")
     contact, averaged = _closed(what, mu)
     found, turn = growth_map(contact, speed), 2.0 * math.pi
     return Peaks(

@@ -188,7 +188,9 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
 
 def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
     if rim.speed == 0.0:
-        raise InputError("speed_hz: found 0 with a split casing, expected a speed: there is no turn to follow")
+        raise InputError(
+            "speed_hz: found 0 Hz with a split casing, expected another speed: Floquet's theory needs a period"
+        )
     C, K = matrices_of(rub_of(rim)).at(rim.speed)
     turn = monodromy(rim_system(rim), C, K, math.copysign(mu, rim.speed), phase)
     return float(np.log(np.abs(np.linalg.eigvals(turn)).max()) * abs(rim.speed) / (2.0 * math.pi))
@@ -205,7 +207,7 @@ def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float =
     scale = float(system.omega.max())
     steps = math.ceil(period * fastest(system, C, K, mu) / phase)
     if steps > MOST_STEPS:
-        raise LimitError(f"speed_hz: found {steps} steps a turn, expected at most {MOST_STEPS}: raise the speed")
+        raise LimitError(f"speed_hz: found {steps} steps a turn, expected at most {MOST_STEPS}: use a higher speed")
     h = period / steps
     q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
@@ -317,7 +319,7 @@ def fastest(system: ModalSystem, C: Array, K: Array, mu: float) -> float:
         Q, T = system.table.rows(float(phi))
         S = system.S_nn(float(phi)) - mu * system.S_nt(float(phi))
         if not S > 0.0:
-            raise InputError(f"S: found compliance {S:g} m/N at the contact, expected > 0: it needs some give")
+            raise InputError(f"S: found compliance {S:g} m/N at the contact, expected > 0")
         stiffest = max(stiffest, float(np.linalg.norm(Q) * np.linalg.norm(Q - mu * T)) / S)
     carried = 0.25 * float(np.linalg.norm(C - C.T, 2))  # half of the shift of a pair by Coriolis forces
     return carried + math.sqrt(carried**2 + float(np.linalg.norm(K, 2)) + stiffest)

@@ -48,7 +48,7 @@ class Cases:
             found = f"casing {self.casing.shape}, blade {self.blade.shape}, mu {self.mu.shape}"
             raise InputError(f"cases: found {found}, expected (cases, modes), (cases,) and (cases,)")
         if not (np.all(self.casing > 0.0) and np.all(self.blade > 0.0) and np.all(self.mu >= 0.0)):
-            raise InputError("cases: found ratios that are not above 0 or a friction below 0, expected r > 0, mu >= 0")
+            raise InputError("cases: found ratios <= 0 or friction < 0, expected ratios > 0 and friction >= 0")
 
     def __repr__(self) -> str:
         return f"Cases({len(self.mu)} of {self.casing.shape[1]} modes)"
@@ -94,7 +94,7 @@ def _require(contact: ClosedContact, speeds: Array, cases: Cases) -> None:
     if len(contact.Q) > 1:
         raise InputError(f"tips: found {len(contact.Q)} contacts, expected one")
     if not (np.all(np.isfinite(speeds)) and np.all(speeds > 0.0)):
-        raise InputError("speed_hz: found speeds that are not above 0, expected turns per second above 0")
+        raise InputError("speed_hz: found speeds <= 0 Hz, expected speeds above 0 Hz")
     contact.require_known(2.0 * math.pi * speeds)
     if cases.casing.shape[1] != contact.casing:
         raise InputError(f"cases: found {cases.casing.shape[1]} modes, expected {contact.casing}, those of the casing")
@@ -109,7 +109,7 @@ def _varied(
     seen = waves_of(smooth)
     free, pushed = (waves_of(one).poles(np.array([omega]), 1.0) for one in (smooth, rough))
     if free is None or pushed is None:
-        raise InputError("modes: found free poles that coincide, expected different ones: change a damping ratio")
+        raise InputError("modes: found equal poles of the free bodies, expected distinct poles: change a damping ratio")
     a, with_friction = free.residues[0], pushed.residues[0]
     most = float(np.abs(a).max(initial=0.0))
     used = (np.abs(a) > SEEN * most) | (np.abs(with_friction) > SEEN * most)

@@ -129,14 +129,15 @@ class RotorStability(Reported):
         size = f"up to {self.rub_force[k]:.3g} N and an orbit of {1e3 * self.rub_orbit[k]:.3g} mm"
         words = f"A synchronous rub exists {_ranges(self.speed_hz, there)}, with {size} at {_speed(self.speed_hz[k])}"
         if not np.isfinite(self.rub_growth[there]).any():
-            return f"{words}; the rotor differs between directions, so that its growth is left to runs."
+            return f"{words}; the rotor is not isotropic: simulate to find the growth."
         grows = there & (self.rub_growth > 0.0)
         return f"{words}; it grows {_ranges(self.speed_hz, grows)}." if grows.any() else f"{words}; it is stable."
 
     def _dry_words(self) -> str:
         if not math.isfinite(self.dry_from_hz):
-            least = f"expected at least {self.least_friction:.3g}" if math.isfinite(self.least_friction) else "at any"
-            return f"Dry backward whirl is impossible: the friction is {self.mu:g}, {least}."
+            if not math.isfinite(self.least_friction):
+                return "Dry backward whirl is impossible at any friction."
+            return f"Dry backward whirl is impossible: the friction is {self.mu:g}, below {self.least_friction:.3g}."
         words = f"Dry backward whirl is possible from {_speed(self.dry_from_hz)} on"
         slips = np.array([one == "slipping" for one in self.dry])
         if not slips.any():

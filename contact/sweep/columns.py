@@ -16,7 +16,7 @@ def kept(name: str) -> Callable[[Any], list[Any]]:
 MEASURED = (
     Column("status", "Outcome: done, diverged, failed or refused.", kept("status"), format=word),
     Column("steps", "Number of steps.", kept("steps"), format="d", where="files"),
-    Column("contact_fraction", "Part of the time that the contact with the longest contact was closed.",
+    Column("contact_fraction", "Fraction of the time for which the contact that was closed longest was closed.",
            kept("contact_fraction"), head="contact, part of the time", format=".4g"),
     Column("closings", "Number of closings of all contacts.", kept("closings"), format="d", where="files"),
     Column("impulse_N_s", "Impulse of all contacts.", kept("impulse_N_s"), head="impulse", unit="N s", format=".4g"),
@@ -27,7 +27,7 @@ MEASURED = (
     Column("lost_in_contact_J", "Energy lost in contacts.", kept("lost_in_contact_J"), where="files"),
     Column("friction_J", "Work of friction.", kept("friction_J"), where="files"),
     Column("damping_J", "Work of damping.", kept("damping_J"), where="files"),
-    Column("rotation_J", "Work of the rotation.", kept("rotation_J"), where="files"),
+    Column("rotation_J", "Work of the rotation of the rim.", kept("rotation_J"), where="files"),
     Column("worn_J", "Energy dissipated by wear of a coating.", kept("worn_J"), where="files"),
     Column("unaccounted_rel", "Energy that the ledger does not account for, over its largest entry.",
            kept("unaccounted_rel"), head="energy not accounted for", format=".4g"),

@@ -21,11 +21,13 @@ def on_cluster(todo: Sequence[T], work: Callable[[T], R], address: str, tries: i
     try:
         dask: Any = importlib.import_module("distributed")
     except ImportError as error:
-        raise InputError("scheduler: found no package distributed, expected it: pip install distributed") from error
+        raise InputError("scheduler: found no package distributed: pip install distributed") from error
     try:
         client = dask.Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
-        raise InputError(f"scheduler: found nobody at {address!r}, expected such as tcp://host:8786") from error
+        raise InputError(
+            f"scheduler: found no scheduler at {address!r}, expected an address such as tcp://host:8786"
+        ) from error
     with client:
         futures = {client.submit(work, task, pure=False): (task, 1) for task in todo}
         answers = dask.as_completed(list(futures))
@@ -35,7 +37,10 @@ def on_cluster(todo: Sequence[T], work: Callable[[T], R], address: str, tries: i
                 yield future.result()
             except dask.KilledWorker as error:
                 if tried >= tries:
-                    raise InputError(f"scheduler: the workers of a task died {tries} times over") from error
+                    raise InputError(
+                        f"scheduler: found a task whose worker died {tries} times, expected a result: check the memory "
+                        "of the workers"
+                    ) from error
                 again = client.submit(work, task, pure=False)
                 futures[again] = (task, tried + 1)
                 answers.add(again)

@@ -127,11 +127,15 @@ def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:
     if table.kind == "list":
         sizes = {len(column) for column in columns}
         if len(sizes) > 1:
-            raise SceneError([f"{file}: sweep.vary: found lists of {sorted(sizes)} values, expected one length"])
+            raise SceneError(
+                [f"{file}: sweep.vary: found lists of {sorted(sizes)} values, expected lists of equal length"]
+            )
         yield from zip(*columns, strict=True)
     else:
         if (runs := math.prod(map(len, columns))) > MOST_RUNS:
-            raise SceneError([f"{file}: sweep.vary: found {runs} combinations, expected at most {MOST_RUNS}"])
+            raise SceneError(
+                [f"{file}: sweep.vary: found {runs} combinations, expected at most {MOST_RUNS}: use fewer values"]
+            )
         yield from itertools.product(*columns)
 
 
@@ -184,9 +188,11 @@ def _place(data: dict[str, Any], key: str, file: Path | None) -> tuple[dict[str,
         if match and match[2]:
             at = entries(at).get(int(match[2]) - 1)
         if entries(at) is not at:  # no table
-            raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
+            raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no table {part!r}"])
     if not path or re.fullmatch(r"\w+", last) is None:
-        raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected table.key of the scene"])
+        raise SceneError(
+            [f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected a key of the scene, such as speed.hz"]
+        )
     return at, last
 
 

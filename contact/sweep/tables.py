@@ -33,11 +33,11 @@ class VaryTable(Table):
     def _fits(self) -> VaryTable:
         between = (self.from_ is None, self.to is None)
         if self.values is not None and (not all(between) or self.steps is not None or self.log):
-            raise ValueError("values found beside from, to, steps or log, expected one or the other")
+            raise ValueError("values found with from, to, steps or log, expected values alone, or from, to and steps")
         if self.values is not None and not self.values:
             raise ValueError("values: found none, expected at least one")
         if self.values is None and any(between):
-            raise ValueError("found neither values nor both from and to, expected one or the other")
+            raise ValueError("found neither values nor both from and to, expected values, or from, to and steps")
         if self.log and not (self.from_ is not None and self.to is not None and self.from_ > 0.0 and self.to > 0.0):
             raise ValueError("log found with from or to <= 0, expected both > 0")
         return self
@@ -57,12 +57,12 @@ class SweepTable(Table):
     def _fits(self) -> SweepTable:
         random = self.kind == "random"
         if random != (self.draws is not None) or random != (self.seed is not None):
-            raise ValueError("draws and seed belong to kind = 'random', which needs both")
+            raise ValueError("draws or seed found or missing, expected both with kind = 'random' and none otherwise")
         for vary in self.vary:
             if random and vary.steps is not None:
-                raise ValueError(f"{vary.key}: steps found with kind = 'random', which draws between from and to")
+                raise ValueError(f"{vary.key}: steps found with kind = 'random', expected only from and to")
             if not random and vary.values is None and vary.steps is None:
-                raise ValueError(f"{vary.key}: steps missing, expected how many from .. to")
+                raise ValueError(f"{vary.key}: steps missing, expected the number of values between from and to")
         keys = [vary.key for vary in self.vary]
         if len(set(keys)) < len(keys):
             raise ValueError("vary: found a key twice, expected each once")

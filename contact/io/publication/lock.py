@@ -43,7 +43,7 @@ def _locked(descriptor: int, folder: Path, kind: int) -> bool:
             fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
         except BlockingIOError:
             if time.monotonic() > last:
-                found = f"found another program that moves files there for {WAIT:g} s, expected it to end"
+                found = f"found another program that still writes files after {WAIT:g} s, expected its end: try again"
                 raise OSError(errno.EBUSY, found, str(folder)) from None
             time.sleep(PAUSE)
         except OSError:  # some network drives have no locks

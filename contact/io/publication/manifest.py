@@ -21,7 +21,7 @@ WRITER = r"(?P<host>\w*)-(?P<process>\d+)-(?P<start>\d+)"
 PART = re.compile(rf"\.(?P<name>.+)\.{WRITER}-(?P<key>[0-9a-f]{{32}})\.part", re.DOTALL)
 DEEPEST = 3  # folders between that of a set and its files
 MOST = 64e6  # bytes of a manifest
-STOPPED = "found {0} of {1} files of a set whose writer was stopped"
+STOPPED = "found {0} of {1} new files, since the writing program was stopped"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -28,7 +28,7 @@ def announce(publication: Publication) -> None:
         os.link(listed, publication.manifest)
     except OSError as error:
         if os.path.lexists(publication.manifest):
-            found = "found a set that another program is writing, expected it to end: try again"
+            found = "found files that another program is writing, expected its end: try again"
             raise FileExistsError(errno.EEXIST, found, str(publication.folder)) from None
         if error.errno not in NO_LINKS:
             raise

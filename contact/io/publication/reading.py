@@ -37,8 +37,8 @@ def _require_whole(folder: Path, path: str) -> None:
     there = sum(publication.state(entry) == "in place" for entry in publication.entries)
     if there < len(publication.entries):
         found = STOPPED.format(there, len(publication.entries))
-        advice = f"run `casingfem recover {shlex.quote(str(folder))}`, or write the set again"
-        raise OSError(errno.EBUSY, f"{found}, expected all or none: {advice}", path)
+        advice = f"run `casingfem recover {shlex.quote(str(folder))}`, or write all files again"
+        raise OSError(errno.EBUSY, f"{found}; expected all or none: {advice}", path)
 
 
 def _announced(folder: Path, name: str) -> Publication | None:

@@ -34,7 +34,7 @@ def recover(folder: Path) -> Recovery:
         If the folder is missing, the set cannot be recognised, or files were changed since. Then nothing is changed.
     """
     if not folder.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, "found no such folder, expected that of a set of files", str(folder))
+        raise NotADirectoryError(errno.ENOTDIR, "found no such folder, expected a folder with results", str(folder))
     with alone(folder) as certain:
         found = settled(folder, certain)
         removed = tuple(path.name for path in clear_parts(folder))
@@ -47,10 +47,10 @@ def settled(folder: Path, certain: bool) -> Recovery:
         return Recovery(action="nothing")
     publication = read_manifest(folder)
     if publication is None:
-        found = f"found {MANIFEST}, which is no manifest of this program, expected none: move it away"
+        found = f"found {MANIFEST} of another program, expected none: move it to another folder"
         raise OSError(errno.EEXIST, found, str(folder))
     if not certain and is_written(publication):
-        found = "found a set that another program is writing, expected it to end: try again"
+        found = "found files that another program is writing, expected its end: try again"
         raise OSError(errno.EBUSY, found, str(folder))
     for entry in publication.entries:
         for name in (entry.name, f"{publication.staging}/new/{entry.name}", f"{publication.staging}/old/{entry.name}"):
@@ -58,17 +58,21 @@ def settled(folder: Path, certain: bool) -> Recovery:
     states: Mapping[str, State] = {entry.name: publication.state(entry) for entry in publication.entries}
     names = tuple(states)
     if changed := [name for name, state in states.items() if state == "changed"]:
-        found = f"found {', '.join(changed)}, changed or made since the writer was stopped"
-        raise OSError(errno.EEXIST, f"{found}, expected none: move them away, then recover again", str(folder))
+        found = f"found files changed after the writing program was stopped: {', '.join(changed)}"
+        raise OSError(
+            errno.EEXIST, f"{found}; expected none: move them to another folder, then recover again", str(folder)
+        )
     missing = tuple(name for name, state in states.items() if state == "missing")
     if not missing:
         finish(publication)
         return Recovery(action="finished", files=names)
     if not all(publication.can_go_back(entry) for entry in publication.entries):
         whole = len(names) - len(missing)
-        found = f"{STOPPED.format(whole, len(names))}, without {', '.join(missing)} and without the files before it"
-        advice = f"move {MANIFEST} away to use what is there"
-        raise OSError(errno.EIO, f"{found}, expected all new or all old files: {advice}", str(folder))
+        found = (
+            f"{STOPPED.format(whole, len(names))}; neither the new nor the old version of {', '.join(missing)} exists"
+        )
+        advice = f"move {MANIFEST} to another folder to use the files that exist"
+        raise OSError(errno.EIO, f"{found}; expected all new or all old files: {advice}", str(folder))
     move_back(publication)
     withdraw(publication)
     return Recovery(action="put back", files=names, damaged=missing)

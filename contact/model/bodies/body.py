@@ -151,7 +151,9 @@ class Rod:
         if self.fixed != "none":
             return "right" if self.fixed == "left" else "left"
         if has_left and has_right:
-            raise InputError("end_mass: found on a free rod between two bodies, expected a rod with one contact end")
+            raise InputError(
+                "end_mass: found one on a free rod between two bodies, expected a rod with one contact end"
+            )
         return "left" if has_left else "right"
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:

@@ -146,8 +146,8 @@ def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], inverse: 
         if inverse[node] == 0.0 and inverse[node + 1] == 0.0:
             a, b = _name(ordered[i], numbers[i]), _name(ordered[i + 1], numbers[i + 1])
             raise InputError(
-                f"bodies: nothing can touch between {a} and {b}: both ends are fixed (`fixed`, or a wall); free one "
-                "of them or leave one out"
+                f"bodies: found fixed ends on both sides of the gap between {a} and {b} (`fixed`, or a wall), expected "
+                "one that moves: free one end, or remove one body"
             )
 
 

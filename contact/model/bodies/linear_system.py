@@ -144,7 +144,7 @@ def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Arr
         return _top_lumped(K, root)
     if system.size > DENSE:
         found = f"a consistent mass matrix of {system.size} coordinates"
-        raise InputError(f"M: found {found}, expected at most {DENSE}, or lumped")
+        raise InputError(f"M: found {found}, expected at most {DENSE}, or a lumped matrix")
     from scipy.linalg import eigh
 
     n = system.size

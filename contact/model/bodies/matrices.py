@@ -87,7 +87,7 @@ class Matrices:
         named = tuple(checked_dof(dof) for dof in dofs)
         if len(set(named)) < len(named):
             twice = next(dof for k, dof in enumerate(named) if dof in named[:k])
-            raise InputError(f"dofs: found {twice[0]}.{twice[1]} twice, expected each once")
+            raise InputError(f"dofs: found {twice[0]}.{twice[1]} twice, expected each dof once")
         size = [system.length if dof[1][0] == "r" else 1.0 for dof in named]  # a rotation times this is a length
         scale = csc_array(diags_array(np.array(size)))
         matrices: dict[str, Any] = {}
@@ -111,7 +111,9 @@ class Matrices:
         places = {int(node): system.length * np.asarray(x, dtype=float) for node, x in (points or {}).items()}
         for node, x in places.items():
             if x.shape != (3,) or not np.isfinite(x).all():
-                raise InputError(f"points: found {points[node] if points else x!r} for node {node}, expected x, y, z")
+                raise InputError(
+                    f"points: found {points[node] if points else x!r} for node {node}, expected finite x, y, z"
+                )
         rounding = rounding_of(csc_array(K).data)
         M, K = matrices["M"], matrices["K"]
         cross = csc_array(0.5 * (K - K.T)) if skews["K"] > SKEW else None
@@ -121,7 +123,7 @@ class Matrices:
         if empty.size:
             node, direction = named[int(empty[0])]
             found = f"found neither mass nor stiffness at {node}.{direction}, the first of {empty.size} such dofs"
-            raise InputError(f"M, K: {found}, expected one or both; leave out their rows and columns")
+            raise InputError(f"M, K: {found}, expected one or both: remove the rows and columns of these dofs")
         turned = {int(node): checked_axes(int(node), own) for node, own in (axes or {}).items()}
         return Matrices(
             M=M, K=K, C=matrices["C"], K4=matrices["K4"], G=matrices["G"], cross=cross, dofs=named, points=places,
@@ -159,7 +161,7 @@ class Matrices:
         if isinstance(contact, Mapping):
             P = np.stack([np.asarray(row, dtype=float) for row in contact.values()], axis=1)
             if P.shape[0] != self.size:
-                raise InputError(f"contact: found rows of {P.shape[0]} entries, expected {self.size}, one a dof")
+                raise InputError(f"contact: found rows of {P.shape[0]} entries, expected {self.size}, one for each dof")
             return tuple(contact), P
         wanted: list[tuple[int, str]] = []
         for item in contact:
@@ -175,7 +177,7 @@ class Matrices:
         forces = [self.unit_force(node, direction) for node, direction in wanted]
         missing = [f"{node}.{axis}" for (node, axis), force in zip(wanted, forces, strict=True) if force is None]
         if missing or not wanted or len(set(wanted)) < len(wanted):
-            found = f"{missing[0]}, which is no dof" if missing else f"{wanted}"
+            found = f"{missing[0]}, which is not a dof" if missing else f"{wanted}"
             raise InputError(f"contact: found {found}, expected nodes or dofs of the matrices, each once")
         P = np.zeros((self.size, len(wanted)))
         for column, force in enumerate(forces):

@@ -53,7 +53,7 @@ def check_minors(M: Any, dofs: Sequence[tuple[int, str]]) -> None:
         k = int(beyond.argmax())
         (one, axis), (other, other_axis) = dofs[int(rows[k])], dofs[int(columns[k])]
         found = f"found {entries.data[k]:.3g} between {one}.{axis} and {other}.{other_axis}"
-        raise InputError(f"M: {found}, more than their diagonals allow, {expected}")
+        raise InputError(f"M: {found}, more than the diagonal entries allow, {expected}")
 
 
 def checked_dof(dof: Dof) -> tuple[int, str]:
@@ -78,7 +78,7 @@ def checked(name: str, A: Any, size: int) -> Any:
     if not np.isfinite(sparse.data).all():
         raise InputError(f"{name}: found entries that are NaN or infinite, expected finite numbers")
     if not sparse.count_nonzero() and name not in OPTIONAL:
-        raise InputError(f"{name}: found zeros alone, expected a mass and a stiffness")
+        raise InputError(f"{name}: found only zeros, expected other entries")
     return sparse
 
 
@@ -132,7 +132,9 @@ def skew_part(G: Any, size: int) -> Any:
         k = int(np.abs(even.data).argmax())
         row, column = int(even.coords[0][k]), int(even.coords[1][k])
         found = f"{sparse[row, column]:.6g} at ({row}, {column}) and {sparse[column, row]:.6g} at ({column}, {row})"
-        raise InputError(f"G: found {found}, expected a skew matrix, G[i, j] = -G[j, i], per rad/s of the speed")
+        raise InputError(
+            f"G: found {found}, expected a skew-symmetric matrix, G[i, j] = -G[j, i], per rad/s of the speed"
+        )
     return csc_array(0.5 * (sparse - sparse.T))
 
 

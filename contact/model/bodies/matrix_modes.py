@@ -55,7 +55,7 @@ def reduced(
     """
     modes = min(MODES, matrices.size) if modes is None else modes
     if not 1 <= modes <= matrices.size:
-        raise InputError(f"modes: found {modes}, expected 1 to the {matrices.size} unknowns")
+        raise InputError(f"modes: found {modes}, expected 1 to {matrices.size}, the number of unknowns")
     channels, P = matrices.loads(contact)
     lam, phi, rigid = lowest_modes(matrices, modes)
     omega = np.sqrt(lam)
@@ -138,8 +138,8 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
             values, X = eigsh(K, wanted, M=M, sigma=-shift, OPinv=inverse, which="LM", v0=start)
         except ArpackError as error:
             massive = np.count_nonzero(M.diagonal())
-            found = f"found no {wanted} modes of {n} dofs, {massive} of them with mass ({error})"
-            raise InputError(f"M, K: {found}; with few masses, condense the dofs without mass") from None
+            found = f"found fewer than {wanted} modes of {n} dofs, of which {massive} have mass ({error})"
+            raise InputError(f"M, K: {found}: if few dofs have mass, condense the massless ones") from None
         order = np.argsort(values)
         theta, X = 1.0 / (values[order] + shift), X[:, order]
         if (theta < 0.0).any():
@@ -169,16 +169,16 @@ def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
     bound = np.maximum(least, np.minimum(noise, ROUGH * level))
     if lam[0] < -bound[0]:
         found = f"found omega^2 = {lam[0]:.3g} rad^2/s^2, expected a stiffness without negative modes"
-        raise InputError(f"K: {found}; round-off of K explains {-bound[0]:.3g}")
+        raise InputError(f"K: {found}; rounding errors of K explain down to {-bound[0]:.3g}")
     lam, bound, least = lam[:candidates], bound[:candidates], least[:candidates]
     noisy = candidates > 0 and lam[0] < -RIGID * level
     zero = lam < least
     if not zero.all():
         zero |= (lam < bound) & ((strain(matrices, lowest) < STRAINED) | (noisy & (lam < -SEEN * lam[0])))
     if noisy and (lost := lam[~zero & (lam < noise[:candidates])]).size:
-        found = f"found omega^2 = {lam[0]:.3g} and {lost[0]:.3g} rad^2/s^2, and round-off of K explains both"
+        found = f"found omega^2 = {lam[0]:.3g} and {lost[0]:.3g} rad^2/s^2, which rounding errors of K can explain"
         advice = "give K in double precision, or the positions of its nodes"
-        raise InputError(f"K: {found}, expected rigid and elastic modes that its precision separates; {advice}")
+        raise InputError(f"K: {found}, expected elastic modes above the rounding errors: {advice}")
     return candidates if zero.all() else int(np.argmin(zero))
 
 
@@ -213,7 +213,7 @@ def factored(A: Any) -> Any:
     try:
         return splu(csc_array(A))
     except RuntimeError:
-        raise InputError("K: found a singular stiffness, expected dofs that have mass or springs") from None
+        raise InputError("K: found a singular stiffness, expected mass or stiffness at every dof") from None
 
 
 def median_rate(matrices: Matrices) -> float:
@@ -221,10 +221,10 @@ def median_rate(matrices: Matrices) -> float:
     masses, springs = matrices.M.diagonal(), matrices.K.diagonal()
     heavy = masses > 0.0
     if not heavy.any():
-        raise InputError("M: found no mass on its diagonal")
+        raise InputError("M: found no mass on its diagonal, expected entries > 0")
     rates = springs[heavy] / masses[heavy]
     if not (rates > 0.0).any():
-        raise InputError("K: found no stiffness on its diagonal where there is mass")
+        raise InputError("K: found no stiffness on its diagonal at dofs with mass, expected entries > 0")
     return float(np.median(rates[rates > 0.0]))
 
 

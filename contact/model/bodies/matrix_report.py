@@ -54,26 +54,26 @@ class MatrixReport:
             rows = "; ".join(" ".join(f"{x:.6g}" for x in row) for row in self.inertia)
             lines.append(f"inertia about it [kg m^2]: {rows}")
         else:
-            lines.append("inertia: not known without the positions of the nodes, or with masses that differ")
-        lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the entries in the same rows")
+            lines.append("inertia: unknown, since positions of nodes are missing or the masses along x, y and z differ")
+        lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the other entries of their rows")
         lines.append(f"lowest elastic frequencies [Hz]: {' '.join(f'{f:.6g}' for f in self.freq_hz)}")
         if self.coupling is not None:
-            lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, kept in the basis")
-        if self.gyroscopic:
-            lines.append("gyroscopic matrix: kept between the modes, by the speed")
-        if self.cross:
             lines.append(
-                "nonsymmetric stiffness: its skew part is kept between the modes, not in the residual compliance"
+                f"damping between modes: up to {self.coupling:.2g} of the damping of these modes, kept in the basis"
             )
+        if self.gyroscopic:
+            lines.append("gyroscopic matrix: kept in the basis, for each rad/s of the speed")
+        if self.cross:
+            lines.append("nonsymmetric stiffness: its skew part couples the modes; the residual compliance neglects it")
         if self.structural is not None:
             least, most = self.structural
             lines.append(
-                f"structural damping: g from {least:.4g} to {most:.4g}, taken as zeta = g/2 of each mode: "
-                "the same at resonance alone"
+                f"structural damping: loss factors g from {least:.4g} to {most:.4g}, converted to zeta = g/2 of each "
+                "mode, which is exact at resonance only"
             )
             if self.structural_coupling > 0.0:
-                share = f"up to {self.structural_coupling:.2g} of their own"
-                lines.append(f"structural damping between modes: {share}, left out")
+                share = f"up to {self.structural_coupling:.2g} of the damping of these modes"
+                lines.append(f"structural damping between modes: {share}, neglected")
         if self.rigid_motion:
             lines.append(self.rigid_motion)
         return "\n".join([*lines, self.words])
@@ -83,10 +83,11 @@ class MatrixReport:
         """Whether the basis has residual compliance, and what follows from that."""
         if self.residual > 0.0:
             return (
-                f"residual compliance: present, {100 * self.residual:.3g} % of the static compliance at the contact; "
-                f"without it the {self.kept} modes would be so much too stiff there"
+                f"residual compliance: included, {100 * self.residual:.3g} % of the static compliance at the contact; "
+                f"without it the contact would be too stiff by this amount with {self.kept} modes"
             )
         return (
-            "residual compliance: none, all modes are kept; statics are exact, but the contact then carries mass and "
-            "the step must resolve the highest mode: keep fewer modes, and S takes the rest"
+            "residual compliance: none, since all modes are kept. Statics are exact, but the contact point has mass "
+            "and "
+            "the step must resolve the highest mode: keep fewer modes, so that S replaces the others"
         )

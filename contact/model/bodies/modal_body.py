@@ -125,7 +125,7 @@ class ModalBody:
         """Out-of-roundness of a rim line, terms {p, cos, sin} [m]; raises InputError where the basis has none."""
         if self.out_of_roundness is None:
             raise InputError(
-                "out_of_roundness: found a basis without it, expected a basis of a whole casing from casingfem reduce, "
+                "out_of_roundness: found none in the basis, expected a basis of a whole casing from casingfem reduce, "
                 "or harmonics [{p = ..., cos = ..., sin = ...}]"
             )
         c, N = self.out_of_roundness[line], self.n_max
@@ -203,8 +203,8 @@ class ModalBody:
             return
         share = f" at {out.size} of {hz.size} speeds" if hz.size > 1 else ""
         raise InputError(
-            f"speed: found {_span(float(out.min()), float(out.max()))}{share}, expected {_span(low, high)}, where the "
-            "stiffness of this basis is known: set rotation.speed_hz of its study nearer and reduce it again"
+            f"speed: found {_span(float(out.min()), float(out.max()))}{share}, expected {_span(low, high)}, the range "
+            "of this basis: set rotation.speed_hz of its study nearer to the speed and reduce it again"
         )
 
     def without_rotation(self) -> ModalBody:
@@ -364,7 +364,9 @@ class ModalBody:
         data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
         if unknown := sorted(data.keys() - {"format", *ModalBody.__dataclass_fields__}):
             found = ", ".join(unknown)
-            raise InputError(f"{path}: found {found}, which this version does not know: reduce the structure again")
+            raise InputError(
+                f"{path}: found unknown keys {found}, expected those of this version: reduce the structure again"
+            )
         try:
             return of_arrays(data)
         except (InputError, TypeError, ValueError) as error:

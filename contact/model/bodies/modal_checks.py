@@ -54,7 +54,9 @@ def check(body: Any) -> None:
             require_shape(name, parts, (len(parts), m, m))
     heads = {name.partition(".")[0] for name in body.channels}
     if body.sectors and heads != {f"sector{j}" for j in range(body.sectors)}:
-        raise InputError(f"sectors: found {body.sectors} beside channels of {len(heads)}, expected sector0.*, ...")
+        raise InputError(
+            f"sectors: found {body.sectors} and channels of {len(heads)} sectors, expected channels sector0.*, ..."
+        )
     _check_modes(body.omega, body.zeta)
     if body.gyroscopic is not None:
         _check_skew("gyroscopic", body.gyroscopic)
@@ -93,7 +95,8 @@ def _check_skew(name: str, G: Array) -> None:
     if even.max(initial=0.0) > SKEW * scale:
         i, j = (int(k) for k in np.unravel_index(int(even.argmax()), even.shape))
         raise InputError(
-            f"{name}: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew matrix, "
+            f"{name}: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew-symmetric "
+            "matrix, "
             "G[i, j] = -G[j, i]"
         )
 

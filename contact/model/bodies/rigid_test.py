@@ -52,7 +52,7 @@ def rigid_findings(matrices: Matrices, null: Array, rate: float) -> str:
     """
     given = rows_of_nodes(matrices)
     if given is None:
-        return "rigid-body motion: not tested, no row belongs to a node"
+        return "rigid-body motion: not tested, since no row belongs to a node"
     moves, turns = residuals(given, matrices, rate)
     _, parts = np.unique(components(given), return_inverse=True)
     free, worst, otherwise = True, 0.0, False
@@ -71,14 +71,14 @@ def rigid_findings(matrices: Matrices, null: Array, rate: float) -> str:
     if not free:
         if otherwise:
             return (
-                "rigid-body motion: warning: the rigid modes of K are no rigid motions of its nodes: the part is a "
-                f"mechanism, or its axes or units are wrong; if so, {ADVICE}"
+                "rigid-body motion: warning: the rigid modes of K are not rigid motions of its nodes. Either the part "
+                f"is a mechanism, or its axes or units are wrong; if they are wrong, {ADVICE}"
             )
-        return "rigid-body motion: not tested further, the part has supports"
+        return "rigid-body motion: tested in part, since the part has supports"
     if null.shape[1] >= ALL and not given.coupled:
         check_mass(matrices, given)
-    unknown = "" if not np.isnan(turns).any() else "; rotations not tested, positions are not known"
-    return f"rigid-body motion: K R leaves {worst:.1e} of its terms, up to {TOLERANCE:g} is expected{unknown}"
+    unknown = "" if not np.isnan(turns).any() else "; rotations not tested, since positions are unknown"
+    return f"rigid-body motion: K R is {worst:.1e} of its terms, expected at most {TOLERANCE:g}{unknown}"
 
 
 def rows_of_nodes(matrices: Matrices) -> Rows | None:
@@ -179,8 +179,8 @@ def refuse(given: Rows, matrices: Matrices, moves: Array, turns: Array, own: Arr
     of = moves if shifted else turns
     node, direction = matrices.dofs[int(given.rows[rows[np.nanargmax(of[own])]])]
     what = "translation" if shifted else "rotation"
-    found = f"found {count} rigid modes, yet a {what} of all nodes leaves {np.nanmax(of[own]):.2g} of the terms of row"
-    why = "the axes of nodes" if shifted else "the positions of nodes or their length unit, or axes,"
+    found = f"found {count} rigid modes, but a {what} of all nodes causes {np.nanmax(of[own]):.2g} of the terms of row"
+    why = "the axes of nodes" if shifted else "the positions of nodes, their length unit or their axes"
     raise InputError(f"K: {found} {node}.{direction}, expected at most {TOLERANCE:g}: {why} do not fit K; {ADVICE}")
 
 
@@ -193,7 +193,9 @@ def check_mass(matrices: Matrices, given: Rows) -> None:
     mass = np.diag(inertia)[:3][np.abs(R[:, :3]).max(axis=0) > 0.0]
     if mass.size and np.ptp(mass) > MASSES * mass.max():
         found = f"found the masses {' '.join(f'{m:.6g}' for m in np.diag(inertia)[:3])} kg along x, y, z"
-        raise InputError(f"M: {found} of a free part, expected one mass: the rows of M do not fit those of K; {ADVICE}")
+        raise InputError(
+            f"M: {found} of a free part, expected equal masses: the rows of M do not fit those of K; {ADVICE}"
+        )
     if not known or mass.size < 3:
         return
     cross = inertia[3:, :3]
@@ -201,5 +203,5 @@ def check_mass(matrices: Matrices, given: Rows) -> None:
     least, *_, most = np.linalg.eigvalsh(0.5 * (about + about.T)).tolist()
     # the inertia of a body exceeds none of the sums of the others, as of masses at places
     if least < -MASSES * most or np.abs(cross + cross.T).max() > MASSES * np.sqrt(mass.max() * max(most, 0.0)):
-        found = f"found moments of inertia that no body has, {least:.3g} to {most:.3g} kg m^2"
+        found = f"found the moments of inertia {least:.3g} to {most:.3g} kg m^2, expected those of a body"
         raise InputError(f"M: {found}: positions or axes do not fit M; {ADVICE}")

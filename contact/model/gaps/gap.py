@@ -114,13 +114,13 @@ class RotatingRim:
             raise InputError(f"casing: found a basis of kind {self.casing.kind!r}, expected 'rim'")
         if self.casing.directions > 2 or self.casing.rim_lines > 1:
             found = f"{self.casing.rim_lines} rim lines in {self.casing.directions} directions"
-            raise InputError(f"casing: found {found}, expected one line, radial and tangential (Rub takes them all)")
+            raise InputError(f"casing: found {found}, expected one line, radial and tangential: use ct.Rub for others")
         if self.blade.kind != "point":
             raise InputError(f"blade: found a basis of kind {self.blade.kind!r}, expected 'point'")
         if not {"span", "flap"} <= set(self.blade.channels):
             found = f"the channels {', '.join(self.blade.channels)}"
             raise InputError(
-                f"blade: found {found}, expected span and flap: name other channels in a scene of kind 'rub', with span"
+                f"blade: found {found}, expected span and flap: use a scene of kind 'rub' and name the channels by span"
                 " and flap in [[blade.node]] (in Python ct.Rub)"
             )
         casing_turns(self.turning)

@@ -63,8 +63,8 @@ def wall_flags(deflection: float, thickness: float) -> tuple[Flag, ...]:
     """Flag for a rim's largest deflection [m] if it exceeds half of the wall; none below."""
     if not (math.isfinite(thickness) and thickness > 0.0 and deflection > WALL * thickness):
         return ()
-    part = f"{deflection / thickness:.2g} of the wall"
-    words = f"rim deflected by {deflection:.3g} m, {part}: linear theory is valid to {WALL:g}"
+    part = f"{deflection / thickness:.2g} of its wall thickness"
+    words = f"the rim deflected by {deflection:.3g} m, {part}; linear theory is valid to {WALL:g} of it"
     return (Flag(words, "wall-deflection"),)
 
 
@@ -72,5 +72,5 @@ def require_near(radius: float, **lengths: float) -> None:
     """Raise InputError for the first length [m] beyond a tenth of the radius, which suggests a mistyped unit."""
     for name, value in lengths.items():
         if not abs(value) <= FAR * radius:
-            expected = f"at most a tenth of it: millimetres are written {1e-3 * value:g}"
+            expected = f"at most a tenth of it: {value:g} mm are {1e-3 * value:g} m"
             raise InputError(f"{name}: found {value:g} m on a radius of {radius:g} m, expected {expected}")

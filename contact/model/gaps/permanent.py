@@ -76,7 +76,7 @@ class ClosedContact:
         keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt", *SQUARES, *HIGHER)
         m, r = self.omega.size, len(self.Q)
         if not r:
-            raise InputError("Q: found no contact, expected a row for each of one or more")
+            raise InputError("Q: found no contact, expected a row for each contact")
         shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
         shapes |= {name: (m, m) for name in SQUARES if getattr(self, name) is not None}
         shapes |= {name: (len(part), m, m) for name in HIGHER if (part := getattr(self, name)) is not None}
@@ -85,7 +85,9 @@ class ClosedContact:
         require_not_negative(mu=self.mu)
         lowest = float(np.linalg.eigvalsh(0.5 * (self.S_nn + self.S_nn.T))[0])
         if not lowest > 0.0:
-            raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs a compliance")
+            raise InputError(
+                f"S: found {lowest:g} m/N as the smallest eigenvalue, expected > 0: give each contact a compliance"
+            )
 
     def parts(self) -> tuple[Array, Array]:
         """Coefficients of 1, Omega, Omega^3, ... in C and of 1, Omega^2, Omega^4, ... in K, (powers, m, m) each."""
@@ -250,7 +252,7 @@ def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blade
     require_positive(stiffness=stiffness)
     if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
         found = f"casing {casing.n}, disk {disk.n}, {blades} blades"
-        raise InputError(f"n: found {found}, expected one n >= 1 for both pairs and more than 2 n blades")
+        raise InputError(f"n: found {found}, expected the same n >= 1 for both pairs and more than 2 n blades")
 
 
 def turning(n: list[int], size: int) -> Array:
@@ -295,8 +297,8 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     each = [part[..., :m, :m].reshape(-1, m, m) for part in squares.values()]
     left = max([left, *(_varies(part, G[:m, :m]) for parts in each for part in parts)])
     if left > TURNS or varies > TURNS:
-        found = f"pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on the angle"
-        expected = "a perfect casing; a split one is a matter for Floquet's theory"
+        found = f"split mode pairs (residual {left:.1e} of their rows) or S that depends on the angle"
+        expected = "a perfect casing; a casing with split pairs needs Floquet's theory"
         raise SplitError(f"casing: found {found}, expected {expected}")
     rows = np.zeros((2, K, system.omega.size))
     for j in range(K):

@@ -93,7 +93,7 @@ def chain_gap(chain: Chain, *, modes: int) -> PointGap:
 def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Side:
     """One body of a chain as a side of the contact at its `face`; a class of your own registers its function."""
     name = type(body).__name__
-    raise InputError(f"bodies: found {name}, which has no modes, expected a rod or a mass for the exact-modal scheme")
+    raise InputError(f"bodies: found {name} without modes, expected a rod or a mass for the exact-modal scheme")
 
 
 def _require_undamped(damping: float) -> None:
@@ -106,7 +106,7 @@ def _(body: PointMass, face: str, sign: int, *, modes: int, gravity: float) -> S
     _require_undamped(body.damping)
     root = math.sqrt(body.mass)
     if body.force:
-        raise InputError("force: found a varying force, expected none for ExactModal (loads are constant there)")
+        raise InputError("force: found a varying force, expected a constant force for ExactModal")
     point = ModalBody(
         omega=np.array([math.sqrt(body.stiffness) / root]), zeta=np.zeros(1), channels=(face,),
         rows=np.array([[1.0 / root]]), S=np.zeros((1, 1)),

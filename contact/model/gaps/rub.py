@@ -187,15 +187,16 @@ class Rub:
         turns = casing_turns(self.turning)
         if turns and self.stiffening:
             raise InputError(
-                "blade.stiffening: found blades that the speed stiffens beside turning = 'casing', where blades are at "
-                "rest, expected turning = 'blades' or no stiffening"
+                "blade.stiffening: found stiffening by the speed with turning = 'casing', where the blades are at "
+                "rest, "
+                "expected turning = 'blades' or no stiffening"
             )
         if self.rotor is not None and (turns or self.flexible < 0):
             found = f"turning = {self.turning!r} and a casing of {self.casing.omega.size} modes"
-            raise InputError(f"rotor: found {found}, expected a rub of ct.rotor.rotor_rub, whose blades turn")
+            raise InputError(f"rotor: found {found}, expected a rub from ct.rotor.rotor_rub with turning blades")
         for one in self.forces:
             if one.casing_turns != turns:
-                found = f"a force of bodies of which the {'casing' if one.casing_turns else 'blades'} turn"
+                found = f"a force with turning = '{'casing' if one.casing_turns else 'blades'}'"
                 raise InputError(f"forces: found {found}, expected turning = {self.turning!r} as in the rub")
         for force in self.forces:
             self._require_participation(force)
@@ -210,8 +211,8 @@ class Rub:
     def _require_participation(self, force: BodyForce) -> None:
         for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
             if body.participation is None and (force.on == "both" or (force.on == "casing") == (k == 0)):
-                found = "a basis without participation, which gravity and whirl need"
-                raise InputError(f"{name}: found {found}, expected a basis made by casingfem reduce")
+                found = "a basis without participation factors, which gravity and whirl need"
+                raise InputError(f"{name}: found {found}, expected a basis from casingfem reduce")
 
     def _require_tip(self, j: int, tip: ContactPoint) -> None:
         if not _counts(tip.blade, len(self.blades)):
@@ -224,13 +225,13 @@ class Rub:
             raise InputError(f"tips[{j}]: {error}") from error
         if (tip.axial is None) != (self.tips[0].axial is None):
             found = f"{tip.axial!r} beside {self.tips[0].axial!r}"
-            raise InputError(f"tips[{j}].axial: found {found}, expected all or none")
+            raise InputError(f"tips[{j}].axial: found {found}, expected an axial channel for all tips or none")
         if tip.axial is not None and self.casing.directions < 3:
             raise InputError(f"tips[{j}].axial: found a casing basis without axial channels, expected Rim(axial=True)")
         radius, total = self.casing.line_radius(tip.line), self.clearance + tip.clearance
         if not (radius > 0.0 and abs(total) <= FAR * radius):
             found = f"{total:g} m at tip {j} on a radius of {radius:g} m"
-            raise InputError(f"clearance: found {found}, expected at most a tenth of it")
+            raise InputError(f"clearance: found {found}, expected at most a tenth of the radius")
 
     def rates(self) -> tuple[Rate | Change, ...]:
         """Rates of whirl, gravity and the points of a measured profile as they pass.
@@ -245,7 +246,7 @@ class Rub:
             found += [Rate(key=key, hz=rate, words=f"{rate:.6g} Hz")] if rate > 0.0 else []
         if self.profile.theta is not None and omega > 0.0:
             least = float(np.diff(self.profile.theta).min()) / omega
-            found.append(Rate.of_passage("the passage of a point of the profile", least, f"{least:.3g} s"))
+            found.append(Rate.of_passage("the time between two points of the profile", least, f"{least:.3g} s"))
         if self.rotor is not None:
             found += self.rotor.rates()
         for key, table, values, unit in (

@@ -110,7 +110,7 @@ class RimProfile:
         require_table("profile", self.theta, self.depth)
         span = float(self.theta[-1] - self.theta[0])
         if len(self.theta) < 3 or span >= 2.0 * math.pi:
-            expected = "three or more within one turn, the last before the first comes round again"
+            expected = "three or more within less than 2 pi rad"
             raise InputError(f"profile: found {len(self.theta)} angles over {span:g} rad, expected {expected}")
 
     @staticmethod

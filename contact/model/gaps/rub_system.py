@@ -56,15 +56,13 @@ def place(rub: Rub, blade: int) -> tuple[float, float]:
     """Angle at t = 0 and lean of one blade [rad]; raises InputError if its tips differ in them."""
     tips = [tip for tip in rub.tips if tip.blade == blade]
     if not tips:
-        raise InputError(
-            f"forces: found no tip of blade {blade + 1}, expected at least one, which gives the blade's angle"
-        )
+        raise InputError(f"forces: found no tip of blade {blade + 1}, expected at least one to give the blade's angle")
     first, leans = tips[0].angle_deg, [tip.lean_deg for tip in tips]
     away = [(tip.angle_deg - first + 180.0) % 360.0 - 180.0 for tip in tips]  # 359 and 1 degree are near each other
     if np.ptp(away) > SPREAD or np.ptp(leans) > 0.0:
         raise InputError(
             f"forces: found the tips of blade {blade + 1} over {np.ptp(away):g} degrees and leans that differ by "
-            f"{np.ptp(leans):g}, expected one blade in one place (at most {SPREAD:g} degrees, one lean)"
+            f"{np.ptp(leans):g} degrees, expected at most {SPREAD:g} degrees and one lean"
         )
     return math.radians(first + float(np.mean(away))), math.radians(leans[0])
 
@@ -131,7 +129,7 @@ def settled(rub: Rub) -> Rub:
         live = np.ones(own.size, dtype=bool)
         live[-1:] = k > 0 or rub.spin is None  # the angle of a rotor has no rest
         if own[live].any() and not body.omega[live].min() > 0.0:
-            raise InputError(f"{rub.names[k]}: found rigid modes, which have no support against gravity or whirl")
+            raise InputError(f"{rub.names[k]}: found rigid modes under gravity or whirl, expected a supported body")
         at = np.zeros(own.size)
         if own[live].any():
             at[live] = np.linalg.solve(K[np.ix_(live, live)], own[live])

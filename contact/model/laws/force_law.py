@@ -62,7 +62,7 @@ class Response:
     def __post_init__(self) -> None:
         values = readonly(np.atleast_1d(np.asarray(self.values, dtype=float)))
         if values.ndim != 1 or not np.isfinite(values).all():
-            raise InputError(f"values: found {self.values!r}, expected finite numbers, one after the other")
+            raise InputError(f"values: found {self.values!r}, expected a list of finite numbers")
         object.__setattr__(self, "values", values)
 
     def __call__(self, depth: float, rate: float = 0.0) -> tuple[float, float]:
@@ -172,7 +172,10 @@ class ForceTable(_GivesWay):
         depth, force = np.asarray(self.depth), np.asarray(self.force)
         require_not_negative(damping=self.damping, mu=self.mu)
         if depth.ndim != 1 or depth.size < 2 or depth.shape != force.shape:
-            raise InputError(f"depth, force: found shapes {depth.shape}, {force.shape}, expected two or more of each")
+            raise InputError(
+                f"depth, force: found shapes {depth.shape}, {force.shape}, expected the same number, two or more, of "
+                "each"
+            )
         for name, values, strictly in (("depth", depth, True), ("force", force, False)):
             if not np.isfinite(values).all() or values[0] != 0.0:
                 raise InputError(f"{name}: found {values.tolist()[:4]}, expected finite values that begin with 0")

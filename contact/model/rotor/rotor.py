@@ -170,7 +170,7 @@ class Rotor:
             raise InputError(f"limit: found {self.limit!r}, expected a positive length in m, or inf")
         require_not_negative(gravity=self.gravity)
         if self.gravity > 0.0 and self.body.participation is None:
-            raise InputError("gravity: found a body without participation, expected one: reduce it again, or gravity 0")
+            raise InputError("gravity: found a body without participation factors: reduce it again, or set gravity = 0")
 
     @staticmethod
     def of(
@@ -248,7 +248,7 @@ class Rotor:
         try:
             return np.asarray(np.linalg.solve(self.matrices(self.speed.omega(0.0))[1], load))
         except np.linalg.LinAlgError:
-            raise InputError("gravity: found a rotor that no bearing supports, expected one, or gravity 0") from None
+            raise InputError("gravity: found a rotor without support, expected a bearing, or gravity = 0") from None
 
     def rates(self) -> tuple[Rate | Change, ...]:
         """Rates of the speed, of its change, and of the release."""

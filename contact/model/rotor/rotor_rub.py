@@ -75,18 +75,20 @@ def rotor_rub(
     4
     """
     if casing.kind == "rim" and casing.n_max < 1:
-        raise InputError(f"casing: found n_max = {casing.n_max}, expected n_max >= 1, the waves by which a rotor moves")
+        raise InputError(
+            f"casing: found n_max = {casing.n_max}, expected n_max >= 1, since a rotor moves the rim with n = 1"
+        )
     if any(tip.axial is not None for tip in tips):
         raise InputError(
-            "tips: found axial friction on a rotor, whose disk does not move along the axis, expected none"
+            "tips: found axial friction on a rotor, expected none, since the disk does not move along the axis"
         )
     varies = len(np.unique(rotor.speed.hz)) > 1
     if spin is not None and (varies or closing is not None or not rotor.speed.hz.any()):
         what = "a speed over time" if varies else "a closing gap" if closing is not None else "a rotor at rest"
-        raise InputError(f"spin: found {what} beside it, expected one speed at the start, and no closing gap")
+        raise InputError(f"spin: found it with {what}, expected one initial speed other than 0 and no closing gap")
     varies = varies or spin is not None
     if rotor.internal is not None and varies:
-        raise InputError("rotor: found internal damping beside a speed that varies, expected one of them")
+        raise InputError("rotor: found internal damping and a speed that varies, expected one of them")
     turned = Speed(rotor.speed.time, readonly(-rotor.speed.hz))
     hanging: Literal["both", "casing"] = "both" if all(one.participation is not None for one in blades) else "casing"
     weight = replace(BodyForce.gravity(acceleration=rotor.gravity), on=hanging)

@@ -51,7 +51,7 @@ class Piece:
             raise InputError(f"nu: found {self.nu!r}, expected between -1 and 0.5")
         if self.inner_diameter >= self.diameter:
             found = f"{self.inner_diameter:g} m with an outer diameter of {self.diameter:g} m"
-            raise InputError(f"inner_diameter: found {found}, expected less")
+            raise InputError(f"inner_diameter: found {found}, expected a smaller bore")
 
     @property
     def area(self) -> float:
@@ -94,7 +94,7 @@ class Disk:
         require_keyed(self)
         if self.polar > 2.0 * self.diametral * (1.0 + 1e-9):
             found = f"{self.polar:g} with a diametral moment of {self.diametral:g} kg m^2"
-            raise InputError(f"polar: found {found}, expected at most twice the diametral moment, as every body has")
+            raise InputError(f"polar: found {found}, expected at most twice the diametral moment")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,7 +182,7 @@ class Shaft:
             if not 0.0 <= at <= self.length * (1.0 + SAME):
                 raise InputError(f"{name}: found {at:g} m, expected 0 to the end of the shaft, {self.length:g} m")
         if self.nodes.size > LARGEST:
-            raise InputError(f"pieces: found {self.nodes.size} nodes, expected at most {LARGEST}: take fewer elements")
+            raise InputError(f"pieces: found {self.nodes.size} nodes, expected at most {LARGEST}: use fewer elements")
 
     @property
     def length(self) -> float:
@@ -283,7 +283,7 @@ def _soft_first(K: Array, M: Array) -> tuple[Array, Array, float]:
             return (*eigh(M, K + shift * M), shift)
         except np.linalg.LinAlgError:
             continue
-    expected = "bearings whose symmetric stiffness takes no energy"
+    expected = "bearings with a positive definite symmetric stiffness"
     raise InputError(f"bearings: found a shaft without a positive stiffness, expected {expected}")
 
 

@@ -99,7 +99,7 @@ class BeamStepper(BeamRun):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        return Flag("the motion is not a number: reduce dt", "motion-overflow", failed=True)
+        return Flag("the motion is not finite: reduce dt", "motion-overflow", failed=True)
 
     def stored(self) -> Stored:
         """Kinetic energy at the half step, strain energy at t_n, the torque's potential, the ring's energies."""
@@ -146,7 +146,7 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
     assert dt is not None
     require_positive(dt=dt)
     if dt > limit * (1.0 + 1e-9):
-        expected = f"<= 2 (stability of central differences): take dt <= {rounded_down(limit, 11)} s"
+        expected = f"<= 2 (stability of central differences): use dt <= {rounded_down(limit, 11)} s"
         raise LimitError(f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected {expected}")
     return dt
 
@@ -208,7 +208,7 @@ class ImplicitBeamStepper(BeamRun):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        words = "Newton's method found no state that satisfies motion and contact: reduce dt"
+        words = "Newton's method found no state that satisfies the equations of motion and the contact law: reduce dt"
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:

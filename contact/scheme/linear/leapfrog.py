@@ -36,7 +36,7 @@ def prepare_leapfrog(
     system, h = run.system, run.h
     omega = omega_max(system, contact_stiffness=law.stiffness) if law.stiffness else run.omega
     if not system.M.lumped and system.size > CONSISTENT:
-        raise InputError(f"M: found a consistent mass matrix, expected a lumped one for {name} (it is explicit)")
+        raise InputError(f"M: found a consistent mass matrix, expected a lumped one for the explicit scheme {name}")
     parts = parts_of(system, combine((1.0 / h**2, system.M), (0.5 / h, system.C)), 1.0)
     method = (run.law, rule, restitution)
     return linear_stepper(run, parts, advance_leapfrog, method, words, limit=2.0, omega=omega, leapfrog=True)

@@ -79,8 +79,8 @@ def _massless_places(system: LinearSystem) -> Indices:
         soft = [i for i in columns if sprung[i] and mass[i] <= neighbours[i]]
         if not soft:
             raise InputError(
-                f"scheme: contact {k + 1} has no elastic side whose end may lose its mass (point masses and walls have "
-                "none, end masses are real), expected another scheme than MasslessBoundary"
+                f"scheme: found contact {k + 1} between point masses, walls or ends with an end mass, expected an "
+                "elastic body with a free contact end for MasslessBoundary: use another scheme"
             )
         bare += soft
     return np.unique(np.array(bare, dtype=np.int64))
@@ -110,7 +110,8 @@ def _moved(A: Band, K: Band, bare: Indices) -> Band:
         share = np.where(np.isin(others, bare), 0.0, np.abs(springs))
         if not share.any():
             raise InputError(
-                "scheme: a contact coordinate is sprung to other contact coordinates only, refine the mesh"
+                "scheme: found a contact coordinate with springs only to other contact coordinates, expected one to an "
+                "inner coordinate for MasslessBoundary: refine the mesh"
             )
         moved[others] += A.ground[i] * share / share.sum()
     moved[bare] = 0.0

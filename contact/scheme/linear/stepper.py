@@ -90,8 +90,8 @@ class LinearStepper(PlainStepper):
         if self.fault:
             return self.fault[-1]
         if not np.isfinite(self.state.u).all() or not np.isfinite(self.state.v).all():
-            return Flag("the motion is not a finite number", "motion-overflow", failed=True)
-        words = "the contacts have no common answer: their forces cycle, or a gap is not a number"
+            return Flag("the motion is not finite", "motion-overflow", failed=True)
+        words = "no contact forces satisfy all contacts: the search cycles, or a gap is not finite. Reduce dt"
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
@@ -173,7 +173,7 @@ def require_stable(h: float, omega: float, limit: float, name: str) -> str:
     """Text "dt omega_max = x (limit y)"; raises LimitError beyond the limit."""
     reached = h * omega
     if reached > limit * (1.0 + 1e-9):
-        expected = f"<= {limit:.4g} (stability of {name}): take dt <= {rounded_down(limit * h / reached, 6)} s"
+        expected = f"<= {limit:.4g} (stability of {name}): use dt <= {rounded_down(limit * h / reached, 6)} s"
         raise LimitError(f"dt: found {h:.6g} s, dt * omega_max = {reached:.4g}, expected {expected}")
     bound = "no limit" if math.isinf(limit) else f"limit {limit:.4g}"
     return f"dt omega_max = {reached:.3g} ({bound})"
@@ -253,7 +253,7 @@ def setup(
     from contact.solver.unilateral.complementarity import LawNumbers, Several
 
     if not hasattr(problem, "linear_form"):
-        expected = "ExactModal (it is for rods, masses and linear bodies)"
+        expected = "ExactModal; this scheme is for rods, masses and linear bodies"
         raise InputError(f"scheme: found {name} for {type(problem).__name__}, expected {expected}")
     found = cast(Linear, problem)
     system = linear_system(found)

@@ -149,8 +149,8 @@ def at_speeds(
         if max(map(_error, made(between), map(table.at, between.tolist()))) <= EXACT:
             return table
     raise LimitError(
-        f"dt: found modes that change too much between {low / (2.0 * math.pi):g} and {high / (2.0 * math.pi):g} Hz "
-        f"within a step of {h:g} s, expected a smaller dt"
+        f"dt: found {h:g} s, in which modes change too much between the speeds {low / (2.0 * math.pi):g} and "
+        f"{high / (2.0 * math.pi):g} Hz, expected a smaller dt"
     )
 
 

@@ -79,7 +79,7 @@ class ExactModal:
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
         if law.updates > 0:
-            expected = "Unilateral(), Coulomb(mu=...), Abradable(...) or a law with a response with ExactModal"
+            expected = "Unilateral(), Coulomb(mu=...), Abradable(...) or a law with a response for ExactModal"
             raise InputError(f"law: found {law!r}, expected {expected}")
         if law.coating is not None and not isinstance(problem, RotatingRim | Rub):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
@@ -114,7 +114,7 @@ class ExactModal:
             raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
         if mu > 0.0 and problem.dimensions == 1:
             found = "Coulomb friction on a Patch without tangent"
-            raise InputError(f"law: found {found}, expected channels along the ground")
+            raise InputError(f"law: found {found}, expected tangent channels")
         body, load = problem.body, np.asarray(problem.load)
         still = BodyMatrices.of_one(body)
         speeds = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: _step(top, dt, courant))
@@ -134,7 +134,7 @@ class ExactModal:
         `rim` is the same scene in the form in which several runs may share steps.
         """
         if self.law == "energy":
-            raise InputError("law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'")
+            raise InputError("law: found 'energy' on a rotating rim, expected 'auto', 'forward' or 'averaged'")
         mu = law.mu
         dimensions = rub.dimensions if mu > 0.0 else 1
         system = rub_system(rub, dimensions)
@@ -174,7 +174,7 @@ class ExactModal:
         if averaged and rho > 1.0:
             raise LimitError(
                 f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the "
-                f"averaged law: reduce dt (H_d falls as dt^2), keep fewer modes, or take law = 'forward'"
+                f"averaged law: reduce dt (H_d falls as dt^2), keep fewer modes, or use law = 'forward'"
             )
         return averaged
 
@@ -182,7 +182,7 @@ class ExactModal:
         if h * top > self.omega_h_limit * (1.0 + 1e-12):
             raise LimitError(
                 f"dt: found omega_max dt = {h * top:.6g}, expected <= {self.omega_h_limit:g} (step "
-                f"resonance at pi): take dt <= {rounded_down(self.omega_h_limit / top, 4)} s, or keep modes up to "
+                f"resonance at pi): use dt <= {rounded_down(self.omega_h_limit / top, 4)} s, or keep modes up to "
                 f"{rounded_down(self.omega_h_limit / h, 5)} rad/s (ModalBody.truncated)"
             )
 
@@ -191,14 +191,16 @@ def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
     angle = n_max * abs(speed) * h
     if angle > 0.3:
         found = f"n_max Omega dt = {angle:.4g} rad with n_max = {n_max}"
-        raise LimitError(f"dt: found {found}, expected <= 0.3: take dt <= {rounded_down(0.3 * h / angle, 4)} s")
+        raise LimitError(f"dt: found {found}, expected <= 0.3: use dt <= {rounded_down(0.3 * h / angle, 4)} s")
 
 
 def _delassus(system: ModalSystem, parts: Propagator) -> Numbers:
     """H_d, S and rho = H_d/S of a fixed contact point (rho = inf if S is 0)."""
     H, S = float(parts.c @ system.Q**2), system.S_nn(0.0)
     if H + S <= 0.0:
-        raise LimitError(f"law: found H_d + S = {H + S:.4g} m/N, expected > 0: no force opens the gap")
+        raise LimitError(
+            f"law: found H_d + S = {H + S:.4g} m/N, expected > 0, otherwise no force opens the gap: reduce dt"
+        )
     return H, S, H / S if S > 0.0 else math.inf
 
 
@@ -223,15 +225,15 @@ def _system(problem: Problem, modes: int) -> ModalSystem:
         return point_system(chain_gap(problem, modes=modes))
     if not hasattr(problem, "modal_form"):
         name = type(problem).__name__
-        raise InputError(f"scheme: found ExactModal for {name}, expected such as CentralDifference")
+        raise InputError(f"scheme: found ExactModal for {name}, expected another scheme, such as CentralDifference")
     return cast(Modal, problem).modal_form(modes)
 
 
 def _gap_system(problem: PointGap) -> ModalSystem:
     for side in problem.sides:
         if BodyMatrices.of_one(side.body).coupled:
-            found = f"modes of {side.name} that are coupled (damping or stiffness)"
-            raise InputError(f"sides: found {found}, expected single modes at a PointGap: take a Patch of that body")
+            found = f"coupled modes of {side.name} (by damping or stiffness)"
+            raise InputError(f"sides: found {found}, expected uncoupled modes at a PointGap: use a Patch of that body")
     return point_system(problem)
 
 

@@ -33,7 +33,7 @@ def yielding_of(law: Law, now: Array, before: Array) -> Yielding | None:
         found.compile()
     except Exception as error:  # numba's own, of many kinds
         reason = str(error).strip().splitlines()[0]
-        expected = "a function of numbers that numba compiles: math and the array values alone"
+        expected = "a function that numba compiles, which uses only math and the array values"
         raise InputError(
             f"response: found {law.words}, which does not compile ({reason}), expected {expected}"
         ) from error
@@ -46,7 +46,7 @@ def require_usable(response: Response) -> None:
         force, slope = response(TRIED, TRIED)
     except Exception as error:
         found = f"{type(error).__name__}: {error}"
-        raise InputError(f"response: found {found}, expected (force, slope) of (depth, rate, values)") from error
+        raise InputError(f"response: found {found}, expected (force, slope) from (depth, rate, values)") from error
     if not (np.isfinite([force, slope]).all() and slope >= 0.0):
         found = f"force {force:g} N and slope {slope:g} N/m at a depth of {TRIED:g} m"
         raise InputError(f"response: found {found}, expected finite numbers and a force that does not fall")
@@ -73,7 +73,7 @@ def too_long(y: Yielding | None, H: float, dt: float) -> tuple[Flag, ...]:
         return ()
     ratio = float(np.sqrt(H * y.steepest[0]))
     words = (
-        f"dt = {dt:.4g} s is {ratio:.3g} time constants of the contact at its stiffest ({y.steepest[0]:.3g} N/m): take "
-        f"dt <= {dt / ratio:.2g} s"
+        f"dt = {dt:.4g} s is {ratio:.3g} time constants of the contact at its largest stiffness, {y.steepest[0]:.3g} "
+        f"N/m: use dt <= {dt / ratio:.2g} s"
     )
     return (Flag(words, "step-too-long"),)

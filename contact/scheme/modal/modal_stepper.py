@@ -63,8 +63,10 @@ def _stored(system: ModalSystem, parts: Propagator, state: ModalState, at_rest: 
 
 def _failure(state: ModalState) -> Flag:
     if np.isnan(state.q).any() or np.isnan(state.d).any():
-        return Flag("the motion is not a number", "motion-overflow", failed=True)
-    return Flag("no force found that opens the gap: the Delassus number is not > 0", "unconverged", failed=True)
+        return Flag("the motion is not finite", "motion-overflow", failed=True)
+    return Flag(
+        "no force opens the gap, since the compliance H_d + S is not above 0: reduce dt", "unconverged", failed=True
+    )
 
 
 def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:
@@ -123,7 +125,7 @@ def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
     return ModalRun(
         system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=np.zeros(1, dtype=np.int64), state=state,
         energy=lambda: _energy_stored(system, state), velocity=lambda: state.v,
-        failure=lambda: Flag("the gap is not a number", "motion-overflow", failed=True),
+        failure=lambda: Flag("the gap is not finite", "motion-overflow", failed=True),
     )  # fmt: skip
 
 

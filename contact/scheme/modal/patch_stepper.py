@@ -105,13 +105,13 @@ class PatchStepper(ExactRun):
 
         s = self.state
         words = {
-            JAMMED: "no motion opens all gaps at once: contacts press against each other without compliance",
-            UNSETTLED: "the forces of the springs did not settle: reduce dt",
-            ROUGH: "no forces found that obey Coulomb's law in every contact: reduce dt or mu",
+            JAMMED: "no motion opens all gaps at once: contacts press against each other; give them a compliance",
+            UNSETTLED: "the forces of the springs did not converge: reduce dt",
+            ROUGH: "no forces satisfy Coulomb's law in every contact: reduce dt or mu",
         }
         fault = words.get(float(s.counts[3]))
         if fault is None or not (np.isfinite(s.q).all() and np.isfinite(s.d).all()):
-            return Flag("the motion is not a number", "motion-overflow", failed=True)
+            return Flag("the motion is not finite", "motion-overflow", failed=True)
         return Flag(fault, "unconverged", failed=True)
 
     def notes(self) -> Notes:

@@ -97,7 +97,7 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
         raise LimitError(
             f"law: found H_d + S = {H[i, j] + soft[i, j]:.4g} m/N at tip {j}, "
             f"{math.degrees(system.angle[j] - _angles()[i]):.0f} deg, mu = {mu:g}, "
-            "expected > 0: the blade jams (friction exceeds the lean); reduce mu, or trail the blade"
+            "expected > 0: the blade jams, since its friction is too high for its lean; reduce mu or lean_deg"
         )
     rho = np.divide(np.abs(H), soft, out=np.full_like(H, math.inf), where=soft > 0.0)
     worst = int(rho.argmax())

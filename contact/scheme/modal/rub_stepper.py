@@ -224,8 +224,8 @@ class RubStepper(ExactRun):
     def why(self) -> Flag:
         """Explain a failed step."""
         if not (np.isfinite(self.state.q).all() and np.isfinite(self.state.d).all()):
-            return Flag("the motion is not a number", "motion-overflow", failed=True)
-        words = "no forces found that obey Coulomb's law at every tip: a tip digs in, or reduce dt or mu"
+            return Flag("the motion is not finite", "motion-overflow", failed=True)
+        words = "no forces satisfy Coulomb's law at every tip: a tip jams, or dt is too long; reduce dt or mu"
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
@@ -264,8 +264,8 @@ class RubStepper(ExactRun):
             return ()
         ends = sorted(abs(omega) / (2.0 * math.pi) for omega in (low, high))
         words = (
-            f"spin: the speed of the rotor went {self.spun[1] / (2.0 * math.pi):.4g} Hz beyond {ends[0]:.4g} to "
-            f"{ends[1]:.4g} Hz, between which its gyroscopic moments are known: give [spin] another most_hz"
+            f"spin: the speed of the rotor is {self.spun[1] / (2.0 * math.pi):.4g} Hz outside {ends[0]:.4g} to "
+            f"{ends[1]:.4g} Hz, the range for which its modes were computed: set another spin.most_hz"
         )
         return (Flag(words, "spin-beyond", failed=True),)
 
@@ -318,8 +318,8 @@ def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[Flag, ...]:
     radius = float(system.radius.min())
     if tangential > 0.0 and tangential**2 / (2.0 * radius) > 0.1 * _play(rub):
         words = (
-            f"a tip moved {tangential:.3g} m along the rim, whose curvature changes the gap there by "
-            f"{tangential**2 / (2.0 * radius):.3g} m: the gap law leaves this out"
+            f"a tip moved {tangential:.3g} m along the rim; there the curvature changes the gap by "
+            f"{tangential**2 / (2.0 * radius):.3g} m, which the gap law neglects"
         )
         return (Flag(words, "tip-moves-along"),)
     return ()

@@ -49,11 +49,14 @@ class Track:
         from contact.solver.abradable.tips import Coating
 
         if law.tip > 0.5 * math.pi * radius:
-            raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {radius:g} m")
+            raise InputError(
+                f"tip: found {law.tip:g} m, expected at most a quarter of the circumference, "
+                f"{0.5 * math.pi * radius:.4g} m"
+            )
         around = 2.0 * math.pi * radius * law.bars / law.tip
         if around > MOST_AROUND:
-            found = f"{law.tip:g} m with {law.bars} bars under it, {around:.3g} bars around the rim of {radius:g} m"
-            raise InputError(f"tip: found {found}, expected at most {MOST_AROUND}: take a longer tip or fewer bars")
+            found = f"{law.tip:g} m with {law.bars} bars, which gives {around:.3g} bars around the rim"
+            raise InputError(f"tip: found {found}, expected at most {MOST_AROUND}: use a longer tip or fewer bars")
         cells = round(around)
         radial = np.array([profile(float(phi)) for phi in _angles(cells)])
         mean = float(radial.mean())
@@ -209,6 +212,6 @@ def _require_apart(rub: Rub, number: int, tips: list[int], length: float) -> Non
     for (low, a), (high, b) in zip(around, [*around[1:], (around[0][0] + 360.0, around[0][1])], strict=True):
         apart = radius * math.radians(high - low)
         if apart < length * (1.0 - 1e-9):
-            found = f"{apart:.3g} m to tips[{min(a, b)}] on one track {number}"
+            found = f"{apart:.3g} m to tips[{min(a, b)}] on the same track {number}"
             expected = f"at least the tip's length of {length:g} m, or another track"
             raise InputError(f"tips[{max(a, b)}].track: found {found}, expected {expected}")

@@ -73,7 +73,7 @@ class RotorStepper(PlainStepper):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        return Flag("the motion is not a number", "motion-overflow", failed=True)
+        return Flag("the motion is not finite", "motion-overflow", failed=True)
 
     def notes(self) -> Notes:
         """The orbit so far."""
@@ -101,7 +101,7 @@ def rotor_stepper(rotor: Rotor, law: Law, h: float) -> RotorStepper:
     from contact.loop.rotor import RotorLaws, RotorState
 
     if law.mu > 0.0 or law.stiffness > 0.0 or law.response is not None or law.coating is not None:
-        raise InputError(f"law: found {law!r} with a rotor without contact, expected none")
+        raise InputError(f"law: found {law!r} for a rotor without contact, expected none")
     m, table = rotor.body.omega.size, rotor.speed.table
     ends = table[1:, 2]
     low, high = float(ends.min()), float(ends.max())

@@ -187,8 +187,8 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     iterations, residual = friction_forces(W, b.ravel(), friction, b.shape[1], len(b), force, room)
     if not residual <= TOLERANCE:
         raise NumericsError(
-            f"friction: residual {residual:.2e} after {iterations} iterations, wanted {TOLERANCE:.0e}: there may be no "
-            "solution; contacts that close each other, directly or by friction, need not have one"
+            f"friction: found residual {residual:.2e} after {iterations} iterations, expected at most {TOLERANCE:.0e}: "
+            "contacts that close each other, directly or by friction, may have no solution"
         )
     left = float(room.left[0])
     if not left <= LEFT:

@@ -10,7 +10,8 @@ def inexact(left: float) -> tuple[Flag, ...]:
     if left <= LEFT:
         return ()
     words = (
-        f"forces leave {left:.1e} of a contact's motion in a step: contacts are coupled so closely, W conditioned to "
-        "about 1e10 and more, that double precision does no better; let contacts yield (S), or leave some out"
+        f"the contact forces have an error of {left:.1e} of a contact's free motion in a step, expected at most "
+        f"{LEFT:g}: the contacts are nearly dependent, so that W is ill-conditioned; give them a compliance (S), or "
+        "remove some"
     )
     return (Flag(words, "unconverged", failed=left > MUCH_LEFT),)

@@ -63,9 +63,13 @@ def unilateral(A: Array, b: Array) -> Contacts:
     status, iterations = project(A, b, len(b), A.shape[1], force, space)
     y = space.y
     if status == NO_MOTION:
-        raise NumericsError("no motion opens all gaps at once: contacts press against each other without compliance")
+        raise NumericsError(
+            "no motion opens all gaps at once: contacts press against each other; give them a compliance"
+        )
     if status == TOO_LONG:
-        raise NumericsError(f"the active set did not settle in {iterations} changes; largest row over smallest too big")
+        raise NumericsError(
+            f"the active set did not converge in {iterations} changes: scale the rows of A to similar size"
+        )
     return Contacts(force=force, gap=A @ y + b, y=y, iterations=int(iterations))
 
 

@@ -162,7 +162,7 @@ def refusal(given: Part) -> float:
     try:
         basis(given)
     except InputError as error:
-        return 0.0 if "rigid modes, yet" in str(error) else 1.0
+        return 0.0 if "rigid modes, but" in str(error) else 1.0
     return 1.0
 
 

@@ -86,7 +86,7 @@ def test_a_basis_without_it_is_refused_with_the_key(folder, tmp_path):
     body.save(tmp_path / "casing.npz")
     (tmp_path / "blade.npz").write_bytes((folder / "blade.npz").read_bytes())
     (tmp_path / "scene.toml").write_text(SCENE.format('"basis"'))
-    with pytest.raises(ct.InputError, match=r"scene\.toml: out_of_roundness: found a basis without it, expected"):
+    with pytest.raises(ct.InputError, match=r"scene\.toml: out_of_roundness: found none in the basis, expected"):
         ct.load_scene(tmp_path / "scene.toml")
     (tmp_path / "scene.toml").write_text(SCENE.format('"survey"'))
     with pytest.raises(ct.InputError, match=r"contact\.out_of_roundness"):

@@ -20,7 +20,7 @@ from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
 from tests.casingfem.plot.page_samples import growth_sample, ran_sample, rim_sample
 
 N, HZ, SPEED = 4, 100.0, 5.0
-FAILED = Flag("the motion is no finite number", "motion-overflow", failed=True)
+FAILED = Flag("the motion is not finite", "motion-overflow", failed=True)
 
 
 @pytest.fixture(scope="module")

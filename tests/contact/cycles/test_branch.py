@@ -183,10 +183,10 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatc
         assert np.array_equal([p.multipliers for p in one.points], [p.multipliers for p in other.points])
         assert [(s.kind, s.orbit.value) for s in one.specials] == [(s.kind, s.orbit.value) for s in other.specials]
     assert again.records() == whole.records()
-    with pytest.raises(ct.InputError, match="found that of another computation"):
+    with pytest.raises(ct.InputError, match="found a checkpoint of another computation"):
         ct.cycles.follow(scene.family, scene.between, longest=0.05, checkpoint=file)
     file.write_bytes(b"not a file of numbers")
-    with pytest.raises(ct.InputError, match="remove it to begin anew"):
+    with pytest.raises(ct.InputError, match="delete"):
         scene.solve(checkpoint=file)
 
 

@@ -36,7 +36,7 @@ def test_an_orbit_of_two_periods_and_its_state_elsewhere_in_the_period(family):
     assert np.sort(found.x) == pytest.approx([(1.0 - B - root) / 2.0, (1.0 - B + root) / 2.0], rel=1e-10)
     assert (found.period, found.periods, found.start) == (4.0, 2, 0.25)
     assert set(family.asked) == {(0.5, 4.0)}
-    assert "v 0.5, closes after 2 periods: x 0.714" in repr(found)
+    assert "v 0.5, repeats after 2 periods: x 0.714" in repr(found)
     twice = found.twice()
     assert (twice.periods, twice.period) == (4, 8.0)
     assert twice.M == pytest.approx(found.M @ found.M)
@@ -104,11 +104,11 @@ def test_basins_of_a_point_of_two_points_and_of_nothing(family):
         "12 starts at v 0.5",
         "share [%]  periods  amplitude x [m]  amplitude y [m]",
         f"{100.0 * two.share:9.1f}  {2:7d}  {two.amplitude['x']:15.6g}  {two.amplitude['y']:15.6g}",
-        f"{kept.count(-1) / 12:.1%} of the starts: not periodic",
+        f"{kept.count(-1) / 12:.1%} of the starts reach no periodic motion",
     ]  # fmt: skip
     assert found.records()[0]["periods"] == 2
     short = ct.cycles.basins(family, 0.5, np.array([0.1, 0.1]), starts=2, seed=3, settle=200, longest=1)
     assert short.reached == (-1, -1)
     one = ct.cycles.basins(family, 0.2, np.array([0.1, 0.1]), starts=2, seed=3)
     assert (one.reached, one.attractors[0].periods, one.attractors[0].share) == ((0, 0), 1, 1.0)
-    assert "not periodic" not in repr(one)
+    assert "no periodic motion" not in repr(one)

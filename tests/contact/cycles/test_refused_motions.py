@@ -39,7 +39,7 @@ def test_friction_without_a_slide_is_for_long_runs(slide, friction):
 def test_a_body_whose_products_are_beyond_all_numbers_is_refused(large):
     """Squares of rows up to 1.34e154 are numbers."""
     assert before([[1.3e154, 0.0]], stiffness=1.0).over("freq_hz", freq_hz=1.0).plant.rate == pytest.approx(1.3e154)
-    with pytest.raises(ct.InputError, match="body: found frequencies, shapes or compliances whose products are beyond"):
+    with pytest.raises(ct.InputError, match="body: found frequencies, shapes or compliances whose products overflow"):
         before([[large, 0.0]], stiffness=1.0).over("freq_hz", freq_hz=1.0)
 
 
@@ -47,7 +47,7 @@ def test_a_start_inside_a_rigid_contact_is_refused():
     """By more than 1e-9 of what adds up to the gap, .1 + .1."""
     motion, _ = mass_on_stop().over("freq_hz", freq_hz=0.2).at(0.2)
     assert motion.closed_at(np.array([0.1 + 1.9e-10, 0.0]), 0.0) == ()
-    with pytest.raises(ct.NumericsError, match="closed where the period begins: choose another start, or give it S"):
+    with pytest.raises(ct.NumericsError, match="closed at the start of the period"):
         motion.closed_at(np.array([0.1 + 2.1e-10, 0.0]), 0.0)
     soft, _ = mass_on_stop(100.0).over("freq_hz", freq_hz=0.2).at(0.2)
     assert soft.closed_at(np.array([0.2, 0.0]), 0.0) == (0,)
@@ -64,7 +64,7 @@ def test_a_coating_without_effect_is_refused(stiffness):
 @pytest.mark.slow
 def test_a_ball_that_its_table_never_throws_up_has_no_free_start():
     """Without rebound it rests where the table's acceleration stays below g."""
-    with pytest.raises(ct.NumericsError, match="some rigid contact is closed at all times"):
+    with pytest.raises(ct.NumericsError, match="found a rigid contact that never opens"):
         ct.cycles.orbit(ball(9.0, 0.0).over("freq_hz", freq_hz=1.0), 1.0, settle=5)
     thrown = ct.cycles.orbit(ball(11.0, 0.0).over("freq_hz", freq_hz=1.0), 1.0, settle=5)
     assert thrown.gap[0] == pytest.approx(0.0, abs=1e-12)
@@ -88,7 +88,7 @@ def test_a_branch_ends_on_the_edge_of_its_range_though_nothing_is_beyond(name, b
 @pytest.mark.parametrize(
     ("state", "words"),
     [
-        (np.zeros(3), r"shape \(3,\), expected \(2,\), displacements and then velocities"),
+        (np.zeros(3), r"shape \(3,\), expected \(2,\): displacements, then velocities"),
         (np.zeros((1, 2)), r"shape \(1, 2\), expected \(2,\)"),
         ([np.inf, 0.0], r"entries that are NaN or infinite or huge, expected numbers below 1e\+30"),
         ([0.0, np.nan], "entries that are NaN"),
@@ -125,7 +125,7 @@ def test_what_has_no_period_of_a_turn_is_named(change, word):
     }
     rub = ct.Rub(ring(), (blade(),), whirl=[ct.gaps.Whirl(amplitude=1e-6, per_rev=-3.0)], **still)
     assert ct.cycles.RimFamily(rim=rub).at(-4.0)[1] == pytest.approx(0.125, rel=1e-12)
-    with pytest.raises(ct.InputError, match=rf"^{word}: found one, which periodic motions of a rub do not take; long"):
+    with pytest.raises(ct.InputError, match=rf"^{word}: found one, expected none for periodic motions of a rub"):
         ct.cycles.RimFamily(rim=change(rub))
 
 
@@ -151,7 +151,7 @@ def test_friction_along_the_axis_is_for_long_runs():
     )
     rub = ct.Rub(axial_ring(), (three,), (ct.ContactPoint(axial="chord"),))
     assert ct.cycles.RimFamily(rim=rub).mu == 0.0
-    with pytest.raises(ct.InputError, match=r"^tips\.axial: found one, which periodic motions of a rub do not take"):
+    with pytest.raises(ct.InputError, match=r"^tips\.axial: found one, expected none for periodic motions of a rub"):
         ct.cycles.RimFamily(rim=rub, mu=0.1)
 
 
@@ -165,6 +165,6 @@ def test_a_drive_is_at_a_resonance_within_1e_12_of_its_frequency(sense):
     assert np.abs(motion.phase(()).X[0, 0]) == pytest.approx(1.0 / (2.0 * TURN**2 * 1.1e-12), rel=1e-3)
     motion, _ = family.at(1.0 + sense * 0.9e-12)
     with pytest.raises(
-        ct.NumericsError, match="the drive is at the resonance of an undamped mode, expected damping or"
+        ct.NumericsError, match="found a drive at the resonance of an undamped mode, expected damping or"
     ):
         motion.phase(())

@@ -82,10 +82,10 @@ def test_a_pipe_is_read_to_its_end_by_every_parser(pipe, tmp_path):
 
 
 def test_a_pipe_is_bounded_in_size_and_time(pipe, tmp_path, monkeypatch):
-    refused(tmp_path / "pipe", errno.ETIMEDOUT, "found a pipe that gives nothing for 0.2 s")
-    refused(pipe(*[b"x" * 4096] * 100), errno.EFBIG, "found a pipe that gives more than 0.1 MB", most=1e5)
+    refused(tmp_path / "pipe", errno.ETIMEDOUT, "found a pipe without data for 0.2 s")
+    refused(pipe(*[b"x" * 4096] * 100), errno.EFBIG, "found a pipe with more than 0.1 MB", most=1e5)
     monkeypatch.setattr(infiles, "LONGEST", 0.0)
-    refused(pipe(b"x"), errno.ETIMEDOUT, "found a pipe that is open after 0 s")
+    refused(pipe(b"x"), errno.ETIMEDOUT, "found a pipe that is still open after 0 s")
 
 
 def test_within_one_command_a_pipe_gives_the_same_again(pipe):
@@ -94,7 +94,7 @@ def test_within_one_command_a_pipe_gives_the_same_again(pipe):
         assert infiles.read_bytes(path) == TEXT
         with infiles.pipes_read_once():
             assert infiles.read_bytes(path) == TEXT
-    refused(path, errno.ETIMEDOUT, "gives nothing")
+    refused(path, errno.ETIMEDOUT, "without data")
 
 
 def test_a_library_that_opens_files_itself_gets_no_pipe(pipe, tmp_path):

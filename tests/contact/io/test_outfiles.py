@@ -97,13 +97,13 @@ def test_what_cannot_keep_a_set_is_refused_before_anything_is_written(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "nowhere")
     (tmp_path / "file").write_text("x")
     (tmp_path / "out" / "a.csv").mkdir(parents=True)
-    for name, words in {"link": "found a link to nothing", "file": "found a file", "out": "found a folder"}.items():
+    for name, words in {"link": "found a broken link", "file": "found a file", "out": "found a folder"}.items():
         with pytest.raises(OSError, match=words):
             write_files(tmp_path / name, SET)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "link", "out"]
     result = CliRunner().invoke(main, ["schema", "--out", str(tmp_path / "link")])
     assert result.exit_code == 2
-    assert result.stderr == f"{tmp_path / 'link'}: found a link to nothing, expected a folder or none\n"
+    assert result.stderr == f"{tmp_path / 'link'}: found a broken link, expected a folder or an unused name\n"
 
 
 def test_a_folder_that_cannot_take_its_name_is_no_crowd(tmp_path, monkeypatch):

@@ -75,7 +75,7 @@ MASS = ct.PointMass(mass=1.0, x=1.0)
         ),
         (
             [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", x=0.5), ct.Wall()],
-            r"between body 2 \(wall at x = 0\) and body 1 \(rod at x = 0\.5\): both ends are fixed",
+            r"between body 2 \(wall at x = 0\) and body 1 \(rod at x = 0\.5\)",
         ),
     ],
 )

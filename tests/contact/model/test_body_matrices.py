@@ -60,7 +60,7 @@ def test_masses_without_support_may_outnumber_those_that_something_does():
     body = ct.ModalBody.from_matrices(np.eye(3), np.diag([0.0, 0.0, 4.0]), **three)
     assert body.omega.tolist() == pytest.approx([0.0, 0.0, 2.0], rel=1e-9)
     np.testing.assert_allclose(np.sort(np.abs(body.rows), axis=1)[:, -1], [1.0, 1.0], rtol=1e-9)
-    with pytest.raises(ct.InputError, match="K: found no stiffness on its diagonal where there is mass"):
+    with pytest.raises(ct.InputError, match="K: found no stiffness on its diagonal"):
         ct.ModalBody.from_matrices(np.diag([1.0, 1.0, 0.0]), np.diag([0.0, 0.0, 4.0]), **three)
 
 
@@ -181,7 +181,7 @@ def test_a_free_craig_bampton_set_has_its_whole_mass():
     assert facts.mass == pytest.approx((0.78, 0.0, 0.0), rel=1e-9)
     assert facts.rigid == 1
     assert facts.inertia is None
-    assert "inertia: not known" in str(facts)
+    assert "inertia: unknown" in str(facts)
     assert body.omega[0] == 0.0
 
 
@@ -197,7 +197,7 @@ I2 = np.eye(2)
         (I2, [[1.0, np.nan], [0.0, 1.0]], {}, "K: found entries that are NaN"),
         (I2, [[1.0, 2.0], [2.0, 1.0]], {}, "without negative modes"),
         (np.diag([1.0, -1.0]), I2, {}, "M: found"),
-        (np.zeros((2, 2)), I2, {}, "M: found zeros alone"),
+        (np.zeros((2, 2)), I2, {}, "M: found only zeros"),
         (1.0 - I2, I2, {}, "M: found no mass on its diagonal"),
         (I2, (1.0 + 0.02j) * I2, {}, "K: found complex numbers, expected real ones"),
         (np.diag([1.0, 0.0]), np.diag([1.0, 0.0]), {}, "neither mass nor stiffness at 2.x, the first of 1 such dofs"),
@@ -206,12 +206,12 @@ I2 = np.eye(2)
         (I2, I2, {"G": np.eye(3)}, r"G: found shape \(3, 3\), expected \(2, 2\)"),
         (I2, I2, {"dofs": [(1, "x"), (1, "w")]}, "direction 'w' at node 1"),
         (I2, I2, {"contact": [3]}, "contact: found node 3"),
-        (I2, I2, {"contact": [(1, "y")]}, "contact: found 1.y, which is no dof"),
+        (I2, I2, {"contact": [(1, "y")]}, "contact: found 1.y, which is not a dof"),
         (I2, I2, {"contact": []}, "contact: found"),
         (I2, I2, {"contact": {"tip": [1.0]}}, "contact: found rows of 1 entries, expected 2"),
         (I2, I2, {"units": "mm-t"}, "units: found 'mm-t', expected length"),
         (I2, I2, {"units": "mm-stone-s"}, "units: found 'mm-stone-s'"),
-        (I2, I2, {"modes": 3}, "modes: found 3, expected 1 to the 2"),
+        (I2, I2, {"modes": 3}, "modes: found 3, expected 1 to 2,"),
         (I2, I2, {"points": {1: (0.0, 0.0)}}, "points: found .* for node 1"),
     ],
 )
@@ -452,7 +452,7 @@ def test_round_off_of_the_precision_of_a_free_beam_is_no_negative_mode(stored, l
 def test_a_stiffness_that_is_negative_beyond_its_precision_is_refused(stored):
     M, K, dofs, points = beam(37)
     K[1, 1] -= 1e4  # a ground spring of -10 N/mm at the first node: omega^2 about -4 k / m = -1.3e4
-    with pytest.raises(ct.InputError, match="without negative modes; round-off of K explains"):
+    with pytest.raises(ct.InputError, match="without negative modes; rounding errors of K explain"):
         ct.bodies.body_of(ct.bodies.Matrices.of(stored(M), stored(K), dofs=dofs, points=points), [0], modes=10)
 
 

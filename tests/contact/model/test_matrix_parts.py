@@ -48,8 +48,8 @@ def test_unit_forces_on_nodes_dofs_and_channels_of_ones_own():
     names, P = made().loads({"tip": [1.0, 0.0, 0.0, 2.0], "mean": [0.5, 0.5, 0.0, 0.0]})
     assert (names, P.T.tolist()) == (("tip", "mean"), [[1.0, 0.0, 0.0, 2.0], [0.5, 0.5, 0.0, 0.0]])
     for contact, words in (
-        ([2], "found node 2"), ([(2, "x")], "found 2.x, which is no dof"), ([], r"found \[\], expected"),
-        ([(1, "x"), 1], "each once"), ({"tip": [1.0]}, "rows of 1 entries, expected 4, one a dof"),
+        ([2], "found node 2"), ([(2, "x")], "found 2.x, which is not a dof"), ([], r"found \[\], expected"),
+        ([(1, "x"), 1], "each once"), ({"tip": [1.0]}, "rows of 1 entries, expected 4, one for each dof"),
     ):  # fmt: skip
         with pytest.raises(ct.InputError, match=f"contact: .*{words}"):
             made().loads(contact)
@@ -101,19 +101,21 @@ def test_the_lines_that_are_reported_of_matrices():
     assert text[1] == "mass [kg]: 10 10 10 along x, y, z"
     assert text[2] == "centre [m]: 0.2 0.6 2"
     assert text[3].startswith("inertia about it [kg m^2]: ")
-    assert text[4] == "asymmetry of M and K: 1.0e-07, 2.0e-06 of the entries in the same rows"
+    assert text[4] == "asymmetry of M and K: 1.0e-07, 2.0e-06 of the other entries of their rows"
     assert text[5].startswith("lowest elastic frequencies [Hz]: 0.159155 0.225079 ")
     assert len(text[5].split()) == 4 + 6
-    assert text[6] == "damping between modes: up to 0.25 of their own, kept in the basis"
-    assert text[7] == "gyroscopic matrix: kept between the modes, by the speed"
-    assert text[8].startswith("nonsymmetric stiffness: its skew part is kept between the modes, not in the residual")
-    assert text[9].startswith("structural damping: g from 0.01 to 0.02, ")
-    assert text[10] == "structural damping between modes: up to 0.5 of their own, left out"
+    assert text[6] == "damping between modes: up to 0.25 of the damping of these modes, kept in the basis"
+    assert text[7] == "gyroscopic matrix: kept in the basis, for each rad/s of the speed"
+    assert text[8].startswith("nonsymmetric stiffness: its skew part couples the modes")
+    assert text[9].startswith("structural damping: loss factors g from 0.01 to 0.02, ")
+    assert text[10] == "structural damping between modes: up to 0.5 of the damping of these modes, neglected"
     assert text[11].startswith("residual compliance: none")
     plain = str(replace(facts, centre=None, residual=0.125)).splitlines()
-    assert plain[2] == "inertia: not known without the positions of the nodes, or with masses that differ"
-    assert plain[-1].startswith("residual compliance: present, 12.5 % of the static compliance at the contact; without")
-    assert "the 9 modes" in plain[-1]
+    assert plain[2] == "inertia: unknown, since positions of nodes are missing or the masses along x, y and z differ"
+    assert plain[-1].startswith(
+        "residual compliance: included, 12.5 % of the static compliance at the contact; without"
+    )
+    assert "9 modes" in plain[-1]
     assert not any("damping" in line for line in plain)
 
 

@@ -78,7 +78,10 @@ def test_empty_recovery_counts_as_none(tmp_path):
         ({"zeta": np.full(10, 2.0)}, "zeta: found 2 .. 2, expected 0 <= zeta < 1"),
         ({"S": np.triu(np.ones((26, 26)))}, "S: found asymmetry"),
         ({"recovery": np.ones((3, 4))}, r"recovery: found shape \(3, 4\), expected \(3, 10\)"),
-        ({"K_omega": np.eye(10)}, "found K_omega, which this version does not know: reduce the structure again"),
+        (
+            {"K_omega": np.eye(10)},
+            "found unknown keys K_omega, expected those of this version: reduce the structure again",
+        ),
         ({"kind": "disk"}, "kind: found 'disk', expected 'rim' or 'point'"),
         ({"n_max": 5}, "expected the 22 channels of a rim with n_max = 5"),
     ],
@@ -179,7 +182,7 @@ def test_roundness_and_radius_are_those_of_the_line_asked_for():
     assert body.roundness(1) == [{"p": 2, "cos": 4e-5, "sin": 5e-5}]
     assert [body.line_radius(k) for k in (0, 1)] == [0.41, 0.43]
     assert two_lines().line_radius(1) == 0.4
-    with pytest.raises(ct.InputError, match="out_of_roundness: found a basis without it"):
+    with pytest.raises(ct.InputError, match="out_of_roundness: found none in the basis"):
         two_lines().roundness()
 
 

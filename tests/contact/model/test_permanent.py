@@ -16,7 +16,7 @@ def test_diameters_of_a_pair_are_none_or_more():
 
 
 def test_bodies_that_are_rigid_beside_their_modes_have_no_closed_contact():
-    with pytest.raises(ct.InputError, match="S: found smallest compliance 0 m/N, expected > 0"):
+    with pytest.raises(ct.InputError, match="S: found 0 m/N"):
         ct.gaps.rim_contact(ct.RotatingRim(ring(S=0.0), blade(S=0.0), clearance=0.0, speed_hz=5.0))
 
 

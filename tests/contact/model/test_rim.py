@@ -144,9 +144,9 @@ def test_rim_limits():
     with pytest.raises(ct.InputError, match="blade: found a basis of kind 'rim', expected 'point'"):
         ct.RotatingRim(ring(), ring(), clearance=0.0, speed_hz=1.0)
     other = ct.ModalBody(omega=[9.0], zeta=[0.0], channels=("6.x", "6.y"), rows=[[1.0], [1.0]], S=np.eye(2))
-    with pytest.raises(ct.InputError, match=r"blade: found the channels 6.x, 6.y, expected span and flap: name other"):
+    with pytest.raises(ct.InputError, match=r"blade: found the channels 6.x, 6.y, expected span and flap"):
         ct.RotatingRim(ring(), other, clearance=0.0, speed_hz=1.0)
-    with pytest.raises(ct.InputError, match="'energy' on a turning rim"):
+    with pytest.raises(ct.InputError, match="'energy' on a rotating rim"):
         ct.run(rim(), t_end=0.1, dt=1e-5, scheme=ct.ExactModal(law="energy"))
     with pytest.raises(ct.InputError, match="out_of_roundness"):
         rim(waves=[{"p": 2, "cosine": 1.0}])
@@ -241,5 +241,7 @@ def test_recovered_surfaces_touch_where_the_contact_is_closed(mu):
     with pytest.raises(ct.InputError, match=r"expected one of casing, blade \("):
         result.state_of("ring")
     bare = ct.run(scene, law=law(mu), t_end=1e-4, dt=5e-6, record=ct.Record(every=2))
-    with pytest.raises(ct.InputError, match="state: found none stored, expected a record with state_every or at"):
+    with pytest.raises(
+        ct.InputError, match="state: found none in the result, expected a record with state_every or at"
+    ):
         ct.recovery.rub_forces(scene, bare, "blade")

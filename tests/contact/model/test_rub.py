@@ -386,7 +386,7 @@ def test_bad_rubs_are_refused():
         ({"tips": [ct.ContactPoint(blade=1)]}, r"tips\[0\].blade: found 1"),
         ({"tips": [ct.ContactPoint(blade=0.5)]}, r"tips\[0\].blade: found 0.5, expected 0 .. 0"),
         ({"tips": [ct.ContactPoint(line=0.5)]}, r"tips\[0\].line: found 0.5, expected 0 .. 1"),
-        ({"tips": [*tips(1), *tips(1, axial=False)]}, "expected all or none"),
+        ({"tips": [*tips(1), *tips(1, axial=False)]}, "axial: found"),
         ({"casing": ring(), "tips": tips(1)}, "without axial channels"),
         ({"clearance": 0.05}, "at most a tenth"),
         (
@@ -421,13 +421,11 @@ def test_bad_rubs_are_refused():
     taken = rub(blades=[nodes(2)] * 2, blade_starts=[ct.gaps.Start()] * 2, stiffening=every)
     assert [stiff.blade for stiff in taken.stiffening] == [0, 1]
     assert len(rub(blades=[nodes(2)] * 2).blade_starts) == 2
-    with pytest.raises(
-        ct.InputError, match=r"found 2 rim lines in 3 directions, expected one .*\(Rub takes them all\)"
-    ):
+    with pytest.raises(ct.InputError, match=r"found 2 rim lines in 3 directions, expected one .*line"):
         ct.RotatingRim(rim3(), blade(), clearance=0.0, speed_hz=1.0)
     with pytest.raises(ct.InputError, match="found 1 after 2, expected ascending"):
         ct.Speed(time=[0.0, 2.0, 1.0], hz=[1.0, 1.0, 1.0])
-    with pytest.raises(ct.InputError, match="expected three or more within one turn"):
+    with pytest.raises(ct.InputError, match="expected three or more within less than 2 pi rad"):
         ct.gaps.RimProfile(theta=[0.0, 3.0, 6.3], depth=[0.0, 1.0, 0.0])
     with pytest.raises(ct.LimitError, match=r"n_max Omega dt = 0.3142 rad with n_max = 5"):
         ct.run(rub(speed=ct.Speed([0.0, 1.0], [0.0, 1000.0])), t_end=0.1, dt=1e-5)

@@ -164,7 +164,7 @@ def test_forces_that_make_no_sense_are_refused():
         )
     idle = ct.Rub(casing(), [blade(), blade()], [ct.ContactPoint()], forces=[ct.gaps.BodyForce.gravity()])
     with pytest.raises(
-        ct.InputError, match="forces: found no tip of blade 2, expected at least one, which gives the blade's angle"
+        ct.InputError, match="forces: found no tip of blade 2, expected at least one to give the blade's angle"
     ):
         ct.gaps.settled(idle)
     pulled = ct.Rub(

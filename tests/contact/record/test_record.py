@@ -141,9 +141,9 @@ def test_buffers_stay_small_however_wide_the_state():
         ({"at": []}, "at: found"),
         ({"at": [-0.1]}, "at: found"),
         ({"at": [np.nan]}, "at: found"),
-        ({"at": [0.1], "every": 2}, "beside every"),
+        ({"at": [0.1], "every": 2}, "with every"),
         ({"at": [0.1], "channels": [[np.inf]]}, "finite rows"),
-        ({"channels": [[1.0]]}, "expected state_every or at"),
+        ({"channels": [[1.0]]}, "found neither state_every nor at"),
     ],
 )
 def test_records_that_cannot_be_are_refused(given, words):
@@ -196,7 +196,7 @@ def test_scene_files_have_both(tmp_path):
     [
         ("at = []", "record.at: "),
         (f"every = {10**25}", "record: every: found over 1e18, expected at most 10000000"),
-        ("at = [0.1]\nevery = 3", "record: at: found beside every"),
+        ("at = [0.1]\nevery = 3", "record: at: found with every"),
         ("channels = [[1.0]]", "record: channels found without state_every or at"),
         ("at = [0.1]\nchannels = [[1.0], [1.0, 2.0]]", "record: channels of different lengths"),
         ('at = [0.1]\nchannels = "none.csv"', "record: channels: "),

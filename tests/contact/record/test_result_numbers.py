@@ -121,7 +121,7 @@ def test_what_is_printed_is_the_table():
     }  # fmt: skip
     assert (said["damping"], said["numerical"]) == (-43.0, 80.0)
     assert said["unaccounted"] == pytest.approx(-63.0 / 53.0, rel=0.05)
-    assert "friction [J]: 3.5 turned to heat, 5 drawn from what turns the rim" in text
+    assert "friction [J]: 3.5 dissipated, 5 supplied by the drive of the rim" in text
 
 
 def test_the_row_of_a_sweep():

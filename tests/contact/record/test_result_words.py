@@ -22,7 +22,7 @@ CALM = ct.Result(
 def test_a_calm_result_states_no_more_than_its_table():
     lines = repr(CALM).splitlines()
     assert len(lines) == 6
-    assert lines[4] == "nothing touched: the least gap was 0.125 m, of contact 2, at 0.25 s"
+    assert lines[4] == "no contact closed: the smallest gap was 0.125 m, at contact 2 and 0.25 s"
     assert lines[5].startswith("energy [J]: start 2, end 2")
     assert len(repr(replace(CALM, intervals=((), ((0.0, 0.25),)))).splitlines()) == 5
     assert (

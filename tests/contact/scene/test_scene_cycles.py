@@ -71,7 +71,7 @@ def test_the_shipped_rod_goes_round_two_folds():
     ("old", "new", "words"),
     [
         ("to_hz = 0.2\n", "", "drive: amplitude, from_hz found, expected amplitude, from_hz and to_hz, or freq_hz"),
-        ("to_hz = 0.2\n", "to_hz = 0.15\n", "drive: a range without length found"),
+        ("to_hz = 0.2\n", "to_hz = 0.15\n", "drive: two equal ends of the range found"),
         ('channel = "x"\n', 'channel = "y"\n', "channel: found 'y', expected one of x, stop"),
         ("stiffness = 100.0", "stiffness = -1.0", r"contact\[1\].stiffness: found -1.0"),
         ("amplitude = 0.02", "amplitude = 0.02\nforce = 3.0", "drive.force: unknown key"),
@@ -89,7 +89,7 @@ def test_broken_scenes_name_file_and_key(tmp_path, old, new, words):
 
 def test_a_scene_of_a_run_is_refused_with_what_to_change():
     file = SCENES.parent / "bladed_disk.toml"
-    with pytest.raises(ct.scene.SceneError, match=r"found a scene of a run.* state speed\.from_hz and"):
+    with pytest.raises(ct.scene.SceneError, match=r"found a scene of a time simulation.* give speed\.from_hz and"):
         ct.scene.load_cycles(file)
 
 

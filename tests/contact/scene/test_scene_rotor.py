@@ -93,7 +93,7 @@ def test_a_beam_shaft_and_its_basis_are_the_same_rotor(tmp_path):
         ("hz = 80.0", "hz = 80.0\nrpm = 4800.0", "hz and rpm both found, expected one"),
         ("hz = 80.0", "hz = [80.0, 90.0]", "2 hz and 0 time found"),
         ("zeta = 0.02", 'basis = "a.npz"', "expected one of rotor.mass with rotor.stiffness, rotor.basis"),
-        ("zeta = 0.02", "modes = 3", "rotor.modes found beside rotor.mass"),
+        ("zeta = 0.02", "modes = 3", "rotor.modes found with rotor.mass"),
         ("[unbalance]", "[unbalance]\nat = 0.1", "unbalance.at found without"),
         (ROTOR, "", "no rotor found"),
         (ROTOR, SHAFT.replace("at = 0.5", "at = 0.7"), "found 0.7 m, expected 0 to the end of the shaft"),
@@ -152,7 +152,7 @@ def test_a_rotor_in_a_casing_is_the_rub_that_python_makes(tmp_path):
         ("count = 12", "count = 1\nangle_deg = 900.0", "angle_deg"),
         ("inertia = 0.3", "inertia = 0.0", "spin.inertia"),
         ("hz = 80.0", "hz = [80.0, 90.0]\ntime = [0.0, 1.0]", "spin: found a speed over time beside it"),
-        ("zeta = 0.02", "zeta = 0.02\nzeta_internal = 0.01", "found internal damping beside a speed that varies"),
+        ("zeta = 0.02", "zeta = 0.02\nzeta_internal = 0.01", "found internal damping and a speed that varies"),
     ],
 )
 def test_rotors_in_casings_that_do_not_fit_are_refused_by_their_keys(tmp_path, old, new, message):

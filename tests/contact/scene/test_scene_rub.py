@@ -130,7 +130,7 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
         turned = ct.load_scene(write(text.replace('turning = "blades"', 'turning = "casing"'))).what
     assert turned.forces[1].per_rev == -1.0
     with pytest.warns(
-        ct.scene.SceneWarning, match=r"speed\.turning: left out in a scene with gravity or whirl, taken as 'blades'"
+        ct.scene.SceneWarning, match=r"speed\.turning: missing in a scene with gravity or whirl, 'blades' is assumed"
     ):
         rub = ct.load_scene(write(text.replace('turning = "blades"', ""))).what
     assert (rub.turning, rub.forces[1].per_rev) == ("blades", 0.0)
@@ -208,16 +208,16 @@ def test_nodes_of_a_wheel_are_those_of_one_sector(write, tmp_path):
         ('span = "node1.span"', 'span = "node7.span"', "blade.node: found 'node7.span'"),
         ("line = 1", "line = 4", "tips[4].line: found 4, expected 0 .. 1"),
         ("hz = [3.0, 5.0]", "hz = 3.0", "one hz and 2 time found"),
-        ("time_constant = 0.01", "time = [0.0]", "expected a number as by with time_constant"),
-        ("time_constant = 0.01", "", "expected a number as by with time_constant"),
-        ("time_constant = 0.01", "time_constant = 0.01\ntime = [0.0]", "expected a number as by with time_constant"),
-        ("by = 1e-5", "by = [0.0, 1e-5]", "expected a number as by with time_constant"),
-        ("by = 1e-5", "by = [0.0, 1e-5]\ntime = [0.0, 0.1]", "expected a number as by with time_constant"),
-        ("by = 1e-5\ntime_constant = 0.01", "by = [0.0, 1e-5]", "expected a number as by with time_constant"),
+        ("time_constant = 0.01", "time = [0.0]", "expected one number by with time_constant"),
+        ("time_constant = 0.01", "", "expected one number by with time_constant"),
+        ("time_constant = 0.01", "time_constant = 0.01\ntime = [0.0]", "expected one number by with time_constant"),
+        ("by = 1e-5", "by = [0.0, 1e-5]", "expected one number by with time_constant"),
+        ("by = 1e-5", "by = [0.0, 1e-5]\ntime = [0.0, 0.1]", "expected one number by with time_constant"),
+        ("by = 1e-5\ntime_constant = 0.01", "by = [0.0, 1e-5]", "expected one number by with time_constant"),
         ("time = [0.0, 0.1]\n", "", "2 hz and 0 time found"),
         ("hz = [3.0, 5.0]", "hz = [3.0, 5.0, 6.0]", "3 hz and 2 time found"),
         ("time = [0.0, 0.1]", "time = [0.1, 0.1]", "speed: found 0.1 after 0.1, expected ascending values"),
-        ('axial = "node1.chord"', "", "expected all or none"),
+        ('axial = "node1.chord"', "", "axial: found"),
         ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "found a basis without stiffness_by_speed"),
         ('basis = "casing.npz"', 'basis = "none.npz"', "found no such file"),
         ("amplitude = 1e-6", 'amplitude = 1e-6\nshakes = "casing"', "casing: found a basis without participation"),
@@ -269,7 +269,7 @@ def test_a_basis_without_the_channels_of_its_places_is_named_with_what_helps(wri
         ("theta_deg,depth_m\n0,0\n90,0\n45,1e-5\n", "line 4: found 45 deg after 90, expected ascending"),
         ("theta_deg,depth_m\n0,0\n90,nan\n", "line 3: found '90,nan', expected two finite numbers"),
         ("theta_deg,depth_m\n", "found no line below the header"),
-        ("theta_deg,depth_m\n0,0\n180,0\n360,0\n", "within one turn"),
+        ("theta_deg,depth_m\n0,0\n180,0\n360,0\n", "within less than 2 pi rad"),
     ],
 )
 def test_broken_profiles(write, table, words):
@@ -317,7 +317,7 @@ tip = 6e-3
         ("tip = 6e-3", "tip = 6e-3\nmachined = 2e-3", "coating: machined: found 0.002 m, expected at most"),
         ("tip = 6e-3", "tip = 6e-3\nmu = 0.2", "coating.mu: unknown key"),
         ("line = 1", "line = 1\ntrack = -1", "blade[2].node[1].track: found -1, expected greater than or equal to 0"),
-        ("line = 1", "track = 0", "tips[4].track: found 0.0314 m to tips[0] on one track 0, expected at least"),
+        ("line = 1", "track = 0", "tips[4].track: found 0.0314 m to tips[0] on the same track 0, expected at least"),
     ],
 )  # fmt: skip
 def test_broken_coatings(write, old, new, words):

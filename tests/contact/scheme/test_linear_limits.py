@@ -56,9 +56,9 @@ def frame(amplitude=lambda t: 0.0 * t):
 def test_a_failed_step_is_explained_by_the_motion_or_the_contacts():
     run = ct.scheme.Newmark().prepare(frame(), ct.Unilateral(), dt=0.1, courant=None)
     assert run.why() == (
-        "the contacts have no common answer: their forces cycle, or a gap is not a number [unconverged]"
+        "no contact forces satisfy all contacts: the search cycles, or a gap is not finite. Reduce dt [unconverged]"
     )
     for part in (run.state.u, run.state.v):
         part[1] = np.nan
-        assert run.why() == "the motion is not a finite number [motion-overflow]"
+        assert run.why() == "the motion is not finite [motion-overflow]"
         part[1] = 0.0

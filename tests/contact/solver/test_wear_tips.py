@@ -114,7 +114,7 @@ def test_a_disk_wears_one_track_with_all_its_tips():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ([{}, {"track": 0, "angle_deg": 10.5}], r"tips\[1\].track: found 0.00349 m to tips\[0\] on one track 0"),
+        ([{}, {"track": 0, "angle_deg": 10.5}], r"tips\[1\].track: found 0.00349 m to tips\[0\] on the same track 0"),
         ([{"angle_deg": 359.9}, {"track": 0, "angle_deg": 0.1}], r"expected at least the tip's length of 0.006 m"),
     ],
 )  # fmt: skip

@@ -84,5 +84,5 @@ def test_nothing_grows_where_no_condition_is_met():
 
 def test_speeds_ascend_from_above_zero():
     for speeds in ([0.0, 1.0], [2.0, 1.0], [1.0]):
-        with pytest.raises(ct.InputError, match="speed_hz: found speeds that do not ascend"):
+        with pytest.raises(ct.InputError, match="expected two or more ascending speeds above 0 Hz"):
             ct.stability.peaks(PAIR, speeds)

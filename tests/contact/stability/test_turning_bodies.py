@@ -151,7 +151,7 @@ def test_growth_of_a_casing_that_turns_and_is_split_by_a_millionth_is_that_of_th
 def test_stiffening_of_blades_that_do_not_turn_is_refused():
     stiff = ct.gaps.Stiffening(blade=0, stiffness_by_speed=np.eye(2))
     given = {"clearance": 1e-5, "speed": ct.Speed.constant(5.0), "stiffening": [stiff]}
-    with pytest.raises(ct.InputError, match=r"blade\.stiffening: found blades that the speed stiffens beside turning"):
+    with pytest.raises(ct.InputError, match=r"blade\.stiffening: found stiffening by the speed with turning"):
         ct.Rub(ring(), (blade(),), turning="casing", **given)
     assert ct.Rub(ring(), (blade(),), turning="blades", **given).stiffening == (stiff,)
 

@@ -380,19 +380,19 @@ values = [2.0, 4.0]
     ("[sweep]\n", "sweep.vary: missing"),
     ('[sweep]\nvary = [{key = "speed.hz"}]', "found neither values nor both from and to"),
     ('[sweep]\nvary = [{key = "speed.hz", from = 1, to = 2}]', "steps missing"),
-    ('[sweep]\nvary = [{key = "speed.hz", values = [1], log = true}]', "values found beside"),
-    ('[sweep]\nvary = [{key = "speed.hz", values = [1], from = 1}]', "values found beside"),
-    ('[sweep]\nvary = [{key = "speed.hz", values = [1], to = 2}]', "values found beside"),
-    ('[sweep]\nvary = [{key = "speed.hz", values = [1], steps = 3}]', "values found beside"),
+    ('[sweep]\nvary = [{key = "speed.hz", values = [1], log = true}]', "values found with"),
+    ('[sweep]\nvary = [{key = "speed.hz", values = [1], from = 1}]', "values found with"),
+    ('[sweep]\nvary = [{key = "speed.hz", values = [1], to = 2}]', "values found with"),
+    ('[sweep]\nvary = [{key = "speed.hz", values = [1], steps = 3}]', "values found with"),
     ('[sweep]\nvary = [{key = "speed.hz", from = 0, to = 2, steps = 3, log = true}]', "log found with from or to <= 0"),
-    ('[sweep]\nkind = "random"\nvary = [{key = "speed.hz", from = 1, to = 2}]', "draws and seed belong to"),
-    ('[sweep]\nvary = [{key = "motor.hz", values = [1]}]', "the scene has no 'motor' there"),
+    ('[sweep]\nkind = "random"\nvary = [{key = "speed.hz", from = 1, to = 2}]', "draws or seed found or missing"),
+    ('[sweep]\nvary = [{key = "motor.hz", values = [1]}]', "the scene has no table 'motor'"),
     ('[sweep]\nvary = [{key = "speed.rpm", values = [1]}]', "speed: hz and rpm both found, expected one"),
     ('[sweep]\nvary = [{key = "blade.lean_deg", values = [80]}]', "sweep.vary[1].values: blade.lean_deg: found 80"),
     ('[sweep]\nvary = [{key = "speed.hz", values = [1]}, {key = "contact.clearance", from = 0.5, to = 1, steps = 2}]',
      "sweep.vary[2].from: contact.clearance: found 0.5 m"),
-    ('[sweep]\nvary = [{key = "contact.out_of_roundness[2].cos", values = [1]}]', "no 'out_of_roundness[2]' there"),
-    ('[sweep]\nvary = [{key = "speed", values = [1]}]', "expected table.key of the scene"),
+    ('[sweep]\nvary = [{key = "contact.out_of_roundness[2].cos", values = [1]}]', "no table 'out_of_roundness[2]'"),
+    ('[sweep]\nvary = [{key = "speed", values = [1]}]', "expected a key of the scene, such as speed.hz"),
     ('[sweep]\nkind = "list"\nvary = [{key = "speed.hz", values = [1]}, {key = "blade.lean_deg", values = [1, 2]}]',
      "lists of [1, 2] values"),
     ('[sweep]\nvary = [{key = "speed.hz", values = [1]}, {key = "speed.hz", values = [1]}]', "found a key twice"),
@@ -501,7 +501,7 @@ def test_wear_and_flags_of_a_row():
 def test_without_a_scheduler_and_without_the_package(scene, monkeypatch):
     plan = load_sweep(scene(GRID))
     monkeypatch.setattr(sweep_dask, "PATIENCE", "1s")
-    with pytest.raises(ct.InputError, match="found nobody at"):
+    with pytest.raises(ct.InputError, match="found no scheduler at"):
         list(sweep.run_sweep(plan, scheduler="tcp://127.0.0.1:1").rows)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ct.InputError, match="pip install distributed"):
@@ -544,7 +544,7 @@ def test_a_task_whose_workers_on_a_cluster_die_goes_to_others_a_few_times(monkey
     rows = sweep_dask.on_cluster([2, 0, 1], lambda task: {"died": task}, "tcp://host:8786", 3)
     assert list(rows) == [{"died": 0}, {"died": 1}, {"died": 2}]
     assert (cluster.begun, met) == ([2, 0, 1, 2, 1, 2], [("tcp://host:8786", "20s")])
-    with pytest.raises(ct.InputError, match=r"^scheduler: the workers of a task died 3 times over$"):
+    with pytest.raises(ct.InputError, match=r"^scheduler: found a task whose worker died 3 times"):
         list(sweep_dask.on_cluster([3], lambda task: {}, "tcp://host:8786", 3))
     assert cluster.begun.count(3) == 3
 
@@ -606,7 +606,11 @@ def test_a_task_that_kills_its_workers_time_and_again_is_reported(tmp_path, monk
     assert list(spread.in_processes([(tmp_path / "once", 1)], dies, 1)) == [[1]]
     rows = spread.in_processes([(tmp_path / "never", 0), (tmp_path / "many", 9)], dies, 1)
     assert next(rows) == [0]
-    with pytest.raises(ct.InputError, match=r"^workers: 1 tasks ended with their worker killed, 2 times over$"):
+    with pytest.raises(
+        ct.InputError,
+        match=r"^workers: found 1 unfinished tasks after their process was killed 2 "
+        r"times",
+    ):
         next(rows)
     assert [len((tmp_path / name).read_text()) for name in ("once", "never", "many")] == [2, 1, 3]
 
@@ -643,7 +647,9 @@ def test_a_worker_that_dies_while_tasks_are_given_out_loses_none_of_them(later, 
         assert len(opened) == 10
         return
     assert [next(found) for _ in range(6)]
-    with pytest.raises(ct.InputError, match="workers: 24 tasks ended with their worker killed, 5 times over"):
+    with pytest.raises(
+        ct.InputError, match="workers: found 24 unfinished tasks after their process was killed 5 times"
+    ):
         next(found)
     assert len(opened) == 7
 
