@@ -18,7 +18,7 @@ from contact.stability.closed_contact import FLOOR
 from contact.stability.varied import Cases, growth_of_cases
 
 Lot = dict[str, FloatArray]
-RESULTS = ("largest split", "worst growth where something touches")
+RESULTS = ("largest split", "worst growth where the rim touches")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

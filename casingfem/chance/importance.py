@@ -64,7 +64,9 @@ def importance(
     [('a', 0.8, 0.8), ('b', 0.2, 0.2)]
     """
     if not groups or size < 2 or size & (size - 1):
-        raise InputError(f"importance: found size {size} and {len(groups)} groups, expected a power of 2 and a group")
+        raise InputError(
+            f"importance: found size {size} and {len(groups)} groups, expected a power of 2 and at least one group"
+        )
     parts = [results(own) for own in mixed_designs(groups, dimension, seed=seed, size=size)]
     return [indices(tuple(groups), [part[:, k] for part in parts], seed) for k in range(parts[0].shape[1])]
 

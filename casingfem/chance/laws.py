@@ -26,7 +26,7 @@ class Law:
 
     deviation: Annotated[float, Key("standard deviation [of the number]", "not negative")]
     law: Annotated[Kind, Key("normal (cut at 4 standard deviations), uniform, or lognormal")] = "normal"
-    mean: Annotated[float | None, Key("mean [of the number]; that of the scene if left out")] = None
+    mean: Annotated[float | None, Key("mean [of the number]; the value of the scene if left out")] = None
 
     def centre(self, mean: float) -> float:
         """Mean of the distribution: its own, else the one given."""

@@ -97,7 +97,7 @@ def load_chance(path: str | Path) -> ChanceScene:
     if head is not None and table is not None:
         problems.extend(faults_of_laws(file, head, table))
     if scene is not None and isinstance(scene.what, Rub) and len(scene.what.tips) > 1:
-        problems.append(f"{file}: blade: found {len(scene.what.tips)} places that touch, expected one")
+        problems.append(f"{file}: blade: found {len(scene.what.tips)} contact points, expected one")
     if scene is not None and study is not None:
         problems.extend(faults_of_both(file, scene, study))
     problems.check()
@@ -145,12 +145,12 @@ def faults_of_study(file: Path, table: ChanceTable, study: Study) -> list[str]:
     elif study.file.reduce.method != "free":
         found.append(f"{key}: reduce.method: found {study.file.reduce.method!r}, expected 'free'")
     if not any(is_random(field) for field in shell.defects.values()):
-        found.append(f"{key}: imperfection: found none that is random, expected [[imperfection]] with random and seed")
+        found.append(f"{key}: imperfection: found no random one, expected [[imperfection]] with random and seed")
     elif not is_family(shell):
         expected = (
             "a casing of revolution, Fourier series around that are even along the axis, free, clamped or elastic"
         )
-        found.append(f"{key}: found a casing whose draws need a full solution each, expected {expected} edges")
+        found.append(f"{key}: found a casing that needs a full solution for each draw, expected {expected} edges")
     around = shell.mesh.order * shell.mesh.around
     for number, field in enumerate(shell.defects.items(), 1):
         name, own = field
@@ -159,10 +159,10 @@ def faults_of_study(file: Path, table: ChanceTable, study: Study) -> list[str]:
             most = around // ROOM
             found.append(
                 f"{key}: imperfection[{number}]: found harmonic {p} of the {name}, expected at most {most} on the "
-                f"{around} points around of its mesh: lower p_max, or raise mesh.around"
+                f"{around} points around of its mesh: reduce p_max, or increase mesh.around"
             )
     if not found and table.importance and RandomSeries.of(shell).dimension == 0:
-        found.append(f"{key}: imperfection: found nothing to draw")
+        found.append(f"{key}: imperfection: found no random quantity, expected at least one")
     return found
 
 
@@ -180,7 +180,7 @@ def faults_of_laws(file: Path, head: Any, table: ChanceTable) -> list[str]:
         elif name == "blade" and not lowest > 0.0:
             found.append(f"{file}: chance.{name}: found {words}, which reaches {lowest:.3g}, expected ratios above 0")
         elif name != "blade" and lowest < 0.0 <= centre:
-            expected = 'values from 0: lower the deviation, or take law = "lognormal"'
+            expected = 'values >= 0: reduce the deviation, or use law = "lognormal"'
             found.append(f"{file}: chance.{name}: found {words}, which reaches {lowest:.3g}, expected {expected}")
     return found
 

@@ -41,7 +41,7 @@ def points(seed: int, draws: range, dimension: int) -> FloatArray:
     if not 1 <= dimension <= MOST:
         raise InputError(f"dimension: found {dimension} random numbers for each draw, expected 1 to {MOST}")
     if draws.start % REPLICATES or draws.step != 1:
-        raise InputError(f"draws: found {draws}, expected numbers in steps of one from a multiple of {REPLICATES}")
+        raise InputError(f"draws: found {draws}, expected consecutive numbers that begin at a multiple of {REPLICATES}")
     rounds = -(-len(draws) // REPLICATES)
     found = np.empty((rounds, REPLICATES, dimension))
     for own, sequence in enumerate(sequences(seed, dimension)):

@@ -112,7 +112,7 @@ def subset_simulation(
         u, y, chains = next_level(response, u[kept], y[kept], level, size, rng)
         runs += size - starts
     found = f"y = {thresholds[-1]:g} after {LEVELS} levels"
-    raise NumericsError(f"subset_simulation: found {found}, expected {threshold:g}: the event cannot be reached")
+    raise NumericsError(f"subset_simulation: found {found}, expected {threshold:g}: the event may be impossible")
 
 
 def sharpened(

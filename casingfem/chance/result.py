@@ -39,13 +39,13 @@ PAIRS = (
            format=".2f"),
     *level_columns("split", "split", "Relative split of the pair", 100.0, "%", ".4f"),
     *level_columns("shift", "shift", "Relative shift of the pair's mean frequency", 100.0, "%", ".3f"),
-    Column("mixed", "Share of the casings in which the pair is mixed with another, so that its split has no meaning.",
+    Column("mixed", "Share of the casings in which the pair is mixed with another, so that its split is undefined.",
            lambda found: np.mean(found.drawn.lot["share"] < PURE, axis=0), unit="%", format=".1f", scale=100.0),
 )  # fmt: skip
 SPEEDS = (
     Column("speed_hz", "Speed of rotation.", lambda found: found.drawn.given.speed_hz, head="speed", unit="Hz",
            format=".4g"),
-    Column("probability", "Probability that the rim touches and closed contact grows.",
+    Column("probability", "Probability that the rim touches and that the motion grows with the contact closed.",
            lambda found: [one.value for one in found.by_speed], unit="%", format=".3g", scale=100.0),
     Column("low", "Lower end of its 95 % interval.", lambda found: [one.low for one in found.by_speed], unit="%",
            format=".3g", scale=100.0),
@@ -133,7 +133,8 @@ class Chance(Reported):
             f"{size:,} casings at {len(speeds)} speeds from {speeds[0]:.4g} to {speeds[-1]:.4g} Hz "
             f"({60 * speeds[0]:,.0f} to {60 * speeds[-1]:,.0f} rpm).",
             f"The rim touches in {per_cent(touches)} of the casings.",
-            f"Some speed is dangerous in {per_cent(self.any_speed)}: the rim touches, and closed contact grows.",
+            f"Some speed is dangerous in {per_cent(self.any_speed)}: the rim touches, and the motion grows with the "
+            "contact closed.",
         ]
         if self.any_speed.value > 0.0:
             k = int(np.argmax([one.value for one in self.by_speed]))
@@ -143,7 +144,9 @@ class Chance(Reported):
         for name, rows in drawn.importance.items():
             if rows:
                 most = max(rows, key=lambda row: row.total)
-                lines.append(f"{name.capitalize()}: {most.group} matters most (total Sobol index {most.total:.2f}).")
+                lines.append(
+                    f"{name.capitalize()}: {most.group} has the largest effect (total Sobol index {most.total:.2f})."
+                )
         return "\n".join(lines)
 
     @property

@@ -144,7 +144,7 @@ def open_store(given: ChanceScene, folder: Path) -> Path:
     mark = folder / "chance.json"
     if mark.exists() and read_bytes(mark) != key.encode("utf-8"):
         found = f"found draws of another scene, study or version in {folder}"
-        raise SceneError([f"{given.path}: {found}, expected none: give another --out DIR"])
+        raise SceneError([f"{given.path}: {found}, expected none: give another folder with --out"])
     write_atomic(mark, key)
     return folder
 
@@ -190,8 +190,8 @@ def drawing_of(path: str, source: str) -> Drawing:
     """The scene with its perfect casing, which is solved once in each process."""
     given = load_chance(path)
     if json_text(given.source) != source:
-        found = "found another scene, study or version in a worker process than in the command"
-        raise InputError(f"{path}: {found}, expected no change: restore the files, and install the same versions")
+        found = "found a scene, study or version in a worker process that differs from that of the command"
+        raise InputError(f"{path}: {found}, expected the same: restore the files, and install the same versions")
     return Drawing.of(given)
 
 

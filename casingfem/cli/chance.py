@@ -17,7 +17,12 @@ if TYPE_CHECKING:
 
 @click.command()
 @SCENE
-@click.option("--processes", type=click.IntRange(1, 256), default=None, help="Worker processes; one a core.")
+@click.option(
+    "--processes",
+    type=click.IntRange(1, 256),
+    default=None,
+    help="Number of worker processes; one for each core if left out.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://host:port, instead of processes.")
 @options
 def chance(file: Path, processes: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:

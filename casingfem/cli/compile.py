@@ -15,10 +15,14 @@ from casingfem.io.side_by_side import usable_cores
 @click.command(name="compile")
 @click.option(
     "--into", "into", type=click.Path(file_okay=False, path_type=Path), metavar="DIR",
-    help="Directory for the machine code; left out, the one that runs write to.",
+    help="Directory for the machine code; the one that runs write to if left out.",
 )  # fmt: skip
-@click.option("--kind", "kinds", multiple=True, metavar="KIND", help="Only this kind of run (rub, ...), repeatable.")
-@click.option("--workers", type=click.IntRange(min=1), help="Processes; left out, one for each usable core.")
+@click.option(
+    "--kind", "kinds", multiple=True, metavar="KIND", help="Compile only this kind of run (rub, ...); repeatable."
+)
+@click.option(
+    "--workers", type=click.IntRange(min=1), help="Number of processes; one for each usable core if left out."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
 @with_exit_codes
 def compile_loops(into: Path | None, kinds: tuple[str, ...], workers: int | None, as_json: bool) -> None:
@@ -36,7 +40,7 @@ def compile_loops(into: Path | None, kinds: tuple[str, ...], workers: int | None
     written = machine_code.writable()
     if written is None or (into is not None and written != into):
         tried = into or ", ".join(map(str, machine_code.directories()))
-        fail(f"{tried}: found nothing that can be written, expected a directory for machine code (--into)", BAD_INPUT)
+        fail(f"{tried}: found no writable directory, expected one for the machine code (--into)", BAD_INPUT)
     began, made = time.perf_counter(), []
     with ProgressMessage("compile") as working:
         for each in compiled_ahead(kinds or tuple(KINDS), workers=workers or usable_cores()):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from contact.scene.cycles import CyclesScene
 
 STABILITY = (
-    "This is a contact that stays closed. `casingfem interactions SCENE` lists the dangerous speeds; those of a rim "
+    "The contact is always closed here. `casingfem interactions SCENE` lists the dangerous speeds; those of a rim "
     "follow from runs of the scene."
 )
 ROTOR = "These are poles and steady motions. `casingfem interactions SCENE` runs the scene at each speed."
@@ -54,7 +54,7 @@ def contact(file: Path, as_json: bool, out: Path | None, history: bool, pictures
 
 @click.command()
 @SCENE
-@click.option("--vtu", is_flag=True, help="Also write the motion of all nodes for ParaView, to DIR/vtu.")
+@click.option("--vtu", is_flag=True, help="Also write the motion of all nodes for ParaView to DIR/vtu.")
 @HISTORY
 @PICTURES
 @options
@@ -67,7 +67,7 @@ def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool, p
     and needs a basis that recovers its nodes: recovery = true in [reduce] of its study.
     """
     if vtu and out is None:
-        raise click.UsageError("found --vtu without --out DIR, expected a folder to write to")
+        raise click.UsageError("found --vtu without --out DIR, expected both")
     if vtu:
         from casingfem.export.series import require_series
 
@@ -105,7 +105,13 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 
 @click.command()
 @SCENE
-@click.option("--runs", type=click.IntRange(2, 100_000), default=60, show_default=True, help="Evenly over the range.")
+@click.option(
+    "--runs",
+    type=click.IntRange(2, 100_000),
+    default=60,
+    show_default=True,
+    help="Number of runs, evenly spaced over the range.",
+)
 @options
 def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
     """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub, a disk or a rotor.
@@ -219,7 +225,7 @@ def run_scene(
 ) -> None:  # fmt: skip
     """Load and run a scene and write its results; for a failed or diverged run, those up to that step."""
     if pictures and out is None:
-        raise click.UsageError("found --pictures without --out DIR, expected a folder to write to")
+        raise click.UsageError("found --pictures without --out DIR, expected both")
     from contact import RotatingRim, Rub, load_scene
     from contact.model.rotor import Rotor
     from contact.scene.load import read_scene
@@ -256,15 +262,15 @@ def say_left_out(names: object, command: str, as_json: bool, out: Path | None) -
     """Name on stderr the histories that are left out of the JSON document, and where they are."""
     if isinstance(names, dict) and names and (as_json or out is not None):
         counted = ", ".join(f"{name} ({count:,} numbers)" for name, count in names.items())
-        there = "" if out is None else f"; {out / command}.npz has them"
-        click.echo(f"{command}: the JSON document is without {counted}; --history writes them{there}", err=True)
+        there = "" if out is None else f"; {out / command}.npz contains them"
+        click.echo(f"{command}: the JSON document omits {counted}; --history adds them{there}", err=True)
 
 
 def require_solved(command: str, result: "Result", broken: "NumericsError | None") -> None:
     """End with exit code 3 if a run failed, or has a flag of failure."""
     failures = [str(flag) for flag in result.flags if flag.failed]
     if broken is not None or failures:
-        fail(f"{command}: the numerics failed: {broken or failures[0]}", NUMERICS_FAILED)
+        fail(f"{command}: the computation failed: {broken or failures[0]}", NUMERICS_FAILED)
 
 
 def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) -> "tuple[Result, NumericsError | None]":

@@ -60,7 +60,7 @@ def result_files(result: "Correlation", document: dict[str, object]) -> dict[str
 
     return {
         "correlation.json": json_text(document, indent=1),
-        "correlation.csv": csv_text(result.records(), "measured shapes and the computed modes they pair with"),
+        "correlation.csv": csv_text(result.records(), "measured shapes and the computed modes that pair with them"),
         "mac.png": png(figure_mac(result)),
         "comac.png": png(figure_comac(result)),
     }
@@ -70,13 +70,13 @@ def result_files(result: "Correlation", document: dict[str, object]) -> dict[str
 @STUDY
 @click.argument("table", metavar="TABLE", type=click.Path(path_type=Path))
 @click.option("--baseline", type=click.Path(path_type=Path), metavar="CSV",
-              help="The same casing measured before anything was loosened or added.")  # fmt: skip
+              help="Table of the same casing, measured before a bolt was loosened or a mass was added.")  # fmt: skip
 @click.option("--among", type=click.Choice(("bolts", "mass")), default="bolts", show_default=True,
               help="What to search for.")  # fmt: skip
-@click.option("--edge", default=None, help="Where; the bolted edge, or the top for masses.")
+@click.option("--edge", default=None, help="Edge to search; the bolted edge, or the top for masses, if left out.")
 @click.option("--most", type=click.IntRange(1, 12), default=4, show_default=True, help="Largest number of places.")
 @click.option("--model-error", type=click.FloatRange(0.0, 0.5), default=0.0, show_default=True,
-              help="What the model may be off by, relative; without a baseline the size of its splits.")  # fmt: skip
+              help="Relative error of the model; without a baseline, that of its splits.")  # fmt: skip
 @click.option("--shapes", type=click.Path(path_type=Path), metavar="FILE",
               help="Mode shapes measured with TABLE, as correlate takes them; distinguish opposite bolts.")  # fmt: skip
 @options
@@ -106,7 +106,7 @@ def locate(
     before = None if baseline is None else FrequencyTable.from_csv(baseline)
     seen = None if shapes is None else read_shapes(shapes)
     if seen is not None and among != "bolts":
-        raise click.UsageError("--shapes judges loose bolts, not masses")
+        raise click.UsageError("--shapes found with a search for masses, expected it only with loose bolts")
     with ProgressMessage(f"search among {among} of {file.name}") as working:
         model = search_model(study.shell, now, among=among, edge=edge)
         found = find(
@@ -119,7 +119,9 @@ def locate(
         "source": study.source,
     }  # fmt: skip
     lines = [f"bolts {one['places']}: the shapes differ by {one['unlike']:.2g}" for one in order]
-    text = "\n".join([repr(found), *(["by the measured shapes, the likeliest first:"] if lines else []), *lines])
+    text = "\n".join(
+        [repr(found), *(["places ranked by the measured shapes, the most likely first:"] if lines else []), *lines]
+    )
     files: dict[str, Content] = {}
     if out is not None:
         files = {

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 @click.argument("files", metavar="RECORDS...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--channels", "channels_file", type=click.Path(path_type=Path), metavar="CSV", default=None,
-    help="What each channel is: channel,kind,point,direction,unit,factor. Sound files need it.",
+    help="Table of the channels: channel,kind,point,direction,unit,factor. Sound files need it.",
 )  # fmt: skip
 @click.option(
     "--test", "test", type=click.Choice(("hammer", "shaker")), default=None,
-    help="By the peak of the force over its rms if left out.",
+    help="Kind of test; decided by the peak of the force over its rms if left out.",
 )  # fmt: skip
 @click.option(
     "--estimator", type=click.Choice(("H1", "H2", "Hv")), default="H1", show_default=True,
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--exponential", type=float, metavar="TAU", default=None,
-    help="Time constant [s] of an exponential window. `identify` takes its damping off.",
+    help="Time constant [s] of an exponential window. `identify` subtracts its damping.",
 )  # fmt: skip
-@click.option("--seconds", type=float, default=None, help="Length of a block [s]; by the records if left out.")
+@click.option("--seconds", type=float, default=None, help="Length of a block [s]; chosen from the records if left out.")
 @click.option("--before", type=float, default=None, help="Pre-trigger [s] of hits in a long record.")
 @click.option(
     "--window", type=click.Choice(("hann", "rectangular")), default="hann", show_default=True,
-    help="Of a shaker's blocks; rectangular for bursts that die out within the block.",
+    help="Window of the blocks of a shaker test; rectangular for bursts that decay within the block.",
 )  # fmt: skip
-@click.option("--overlap", type=float, default=0.5, show_default=True, help="Of a shaker's blocks.")
+@click.option("--overlap", type=float, default=0.5, show_default=True, help="Overlap of the blocks of a shaker test.")
 @click.option("--band", type=(float, float), metavar="FROM TO", default=None, help="Lines kept [Hz]; to fs/2.56.")
 @options
 def frf(

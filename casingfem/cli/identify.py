@@ -35,7 +35,7 @@ NO_ANGLES = (
 )  # fmt: skip
 @click.option(
     "--form", type=click.Choice(("receptance", "mobility", "accelerance")), default=None,
-    help="What the responses are; from their unit if left out.",
+    help="Kind of responses; decided by their unit if left out.",
 )  # fmt: skip
 @click.option(
     "--array", "named_arrays", multiple=True, metavar="MEANING=NAME",
@@ -59,12 +59,12 @@ NO_ANGLES = (
 )
 @click.option(
     "--exponential", type=float, metavar="TAU", default=None,
-    help="Time constant [s] of an exponential window exp(-t/TAU), whose damping is taken off; from the card's"
+    help="Time constant [s] of an exponential window exp(-t/TAU), whose damping is subtracted; from the card's"
     " exponential_window_s if left out.",
 )  # fmt: skip
 @click.option(
     "--coherence", "coherence_file", type=click.Path(path_type=Path), metavar="FILE", default=None,
-    help="Coherence of the responses, .uff or as `casingfem rig` writes it (.npz): where it is low, lines weigh less."
+    help="Coherence of the responses, .uff or as `casingfem rig` writes it (.npz). Lines with low coherence weigh less."
     " From the universal file itself if left out.",
 )  # fmt: skip
 @click.option(
@@ -73,9 +73,11 @@ NO_ANGLES = (
 )  # fmt: skip
 @click.option(
     "--channels", "channels_file", type=click.Path(path_type=Path), metavar="CSV", default=None,
-    help="Of --output-only, what each channel is: channel,kind,point,direction,unit,factor.",
+    help="With --output-only: table of the channels, channel,kind,point,direction,unit,factor.",
 )  # fmt: skip
-@click.option("--seconds", type=float, default=None, help="Of --output-only, the longest lag of the correlations [s].")
+@click.option(
+    "--seconds", type=float, default=None, help="With --output-only: the longest lag of the correlations [s]."
+)
 @options
 def identify(
     file: Path,
@@ -108,7 +110,9 @@ def identify(
     from casingfem.experiment.frf.sensor_grid import angles_of
 
     if open_part and angles_file is not None:
-        raise click.UsageError("--open is for parts without a circle of sensors: leave out --angles")
+        raise click.UsageError(
+            "--open found with --angles, expected one of them: --open is for parts without a circle of sensors"
+        )
     unnamed = [word for word in named_arrays if not all(word.partition("="))]
     if unnamed:
         raise click.UsageError(f"--array {unnamed[0]}: expected MEANING=NAME, such as frf=Hf_chan_2")

@@ -28,17 +28,23 @@ def node_list(context: click.Context, option: click.Parameter, value: str | None
     "--nodes",
     type=TABLE,
     metavar="CSV",
-    help="Table node,x,y,z, maybe xx,xy,xz,yx,yy,yz (own x and y axes); contact is at these nodes if left out.",
+    help="Table node,x,y,z, optionally xx,xy,xz,yx,yy,yz (axes of the node); contact nodes without --contact.",
 )
-@click.option("--dofs", type=TABLE, metavar="CSV", help="Table node,direction, a line for each row of the matrices.")
-@click.option("--contact", callback=node_list, metavar="6,79", help="Nodes that contact sees: channels 6.x 6.y 6.z ...")
-@click.option("--units", default="m-kg-s", show_default=True, help="Length, mass, time of the files, such as mm-t-s.")
+@click.option(
+    "--dofs", type=TABLE, metavar="CSV", help="Table node,direction with one line for each row of the matrices."
+)
+@click.option(
+    "--contact", callback=node_list, metavar="6,79", help="Nodes with contact, such as 6: channels 6.x 6.y 6.z ..."
+)
+@click.option(
+    "--units", default="m-kg-s", show_default=True, help="Units of length, mass and time in the files, such as mm-t-s."
+)
 @click.option("--modes", "count", type=click.IntRange(1), default=20, show_default=True, help="Modes kept.")
 @click.option(
     "--zeta",
     type=click.FloatRange(0.0, 1.0, max_open=True),
     default=0.0,
-    help="Damping ratio where there is no C, no K4.",
+    help="Damping ratio if there is neither C nor K4.",
 )
 @click.option("--nonsymmetric", is_flag=True, help="K and C may be nonsymmetric, as with cross-coupled bearings.")
 @click.option("--out", type=TABLE, metavar="NPZ", help="Write the basis there.", callback=free_way)
@@ -76,7 +82,7 @@ def import_matrices(
         read = read_matrices(files, nodes=nodes, dofs=dofs)
         seen = contact if contact is not None else list(read.boundary if nodes is None else read_nodes(nodes))
         if not seen:
-            raise InputError(str(files[0]), found="no nodes that contact sees", expected="--contact, --nodes, or EXTRN")
+            raise InputError(str(files[0]), found="no nodes with contact", expected="--contact, --nodes, or EXTRN")
         labels = [(node, DIRECTIONS[direction]) for node, direction in read.dofs.tolist()]
         matrices = Matrices.of(
             read.M, read.K, read.C, K4=read.K4, G=read.G, nonsymmetric=nonsymmetric, dofs=labels, units=units,

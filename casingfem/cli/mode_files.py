@@ -38,7 +38,7 @@ def shape_files(
 def indices(found: "ModeSet", shown: tuple[int, ...] | None) -> list[int] | None:
     """Indices of the chosen modes, from 0, which must be among the computed ones."""
     if shown is not None and max(shown) > len(found):
-        raise click.UsageError(f"--modes: found {max(shown)}, expected numbers up to the {len(found)} modes computed")
+        raise click.UsageError(f"--modes: found {max(shown)}, expected numbers from 1 to {len(found)}")
     return None if shown is None else [number - 1 for number in shown]
 
 
@@ -49,7 +49,7 @@ def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma:
     source = study.source
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
     card = [
-        f"COMPUTED, SYNTHETIC where a test is expected: modes of {source['study']} (sha256 {source['sha256']})",
+        f"COMPUTED, SYNTHETIC in place of a test: modes of {source['study']} (sha256 {source['sha256']})",
         f"by {versions}",
         f"sigma_hz: {sigma:g} of the frequency, as stated by --sigma",
     ]
@@ -108,7 +108,7 @@ def print_wheel(
             mistuned = mistuned_modes(wheel.sector, wheel.deviations, count, blade=wheel.blade)
     if found.rigid.any() and asked.elastic_only:
         what = f"true, and {int(found.rigid.sum())} rigid modes"
-        raise study.error("modes.elastic_only", what, "a structure whose supports leave no rigid motion")
+        raise study.error("modes.elastic_only", what, "a structure that its supports fix")
     parts = [part for part in (found, whirl, mistuned) if part is not None]
     document = {
         "modes": found.records(),

@@ -37,7 +37,7 @@ def example(name: str | None, as_json: bool, out: Path | None) -> None:
         return
     if name not in known:
         near = hint(name, known, most=3) or hint(name, [other for other in known if name in other], most=3, cutoff=0.0)
-        raise click.UsageError(f"found {name!r}, expected a name that casingfem example lists{near}")
+        raise click.UsageError(f"found {name!r}, expected a name from the list of casingfem example{near}")
     folder = Path("data") if out is None else out
     written = [str(path) for path in write(known[name], folder)]
     following = known[name].commands(folder)
@@ -48,7 +48,7 @@ def listed(known: Mapping[str, examples.AnyExample]) -> str:
     """One line for each example, and how to get one."""
     width = max(map(len, known)) + 2
     lines = [f"{e.name:<{width}}{shorten(e.about, WIDTH, placeholder=' ...')}" for e in known.values()]
-    return "\n".join([*lines, "casingfem example NAME writes one, with what it needs"])
+    return "\n".join([*lines, "casingfem example NAME writes an example with the files that it needs"])
 
 
 def write(wanted: examples.AnyExample, folder: Path) -> list[Path]:
@@ -58,7 +58,10 @@ def write(wanted: examples.AnyExample, folder: Path) -> list[Path]:
     same = {name for name in there if (folder / name).is_file() and read_bytes(folder / name) == contents[name]}
     for name in contents:
         if name in there and (name == wanted.file.as_posix() or name not in same):
-            fail(f"{folder / name}: found such a file, expected none: it stays; give another --out DIR", BAD_INPUT)
+            fail(
+                f"{folder / name}: found an existing file, which is not overwritten: give another folder with --out",
+                BAD_INPUT,
+            )
     return write_files(folder, {name: content for name, content in contents.items() if name not in there})
 
 
@@ -72,7 +75,7 @@ def new(name: Path, as_json: bool, out: Path | None) -> None:
     """
     folder = name if out is None else out / name
     if folder.exists():
-        fail(f"{folder}: found such a file or folder, expected none: it stays; give another NAME", BAD_INPUT)
+        fail(f"{folder}: found an existing file or folder, which is not overwritten: give another NAME", BAD_INPUT)
     written = [str(path) for path in write_files(folder, examples.first_files())]
     following = [f"cd {folder}", *(f"casingfem {step}" for step in examples.STEPS)]
     shown({"files": written, "next": following}, as_json)
@@ -87,7 +90,7 @@ def shown(document: dict[str, Any], as_json: bool) -> None:
 @click.command(context_settings={"ignore_unknown_options": True})
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("arguments", metavar="[OPTIONS]", nargs=-1, type=click.UNPROCESSED)
-@click.option("--run", "verb", metavar="COMMAND", help="What to run; by what is in FILE if left out.")
+@click.option("--run", "verb", metavar="COMMAND", help="Command to run; decided by the content of FILE if left out.")
 @with_exit_codes
 def watch(file: Path, arguments: tuple[str, ...], verb: str | None) -> NoReturn:
     """Run a command on FILE, and again whenever FILE or a file that it names is saved; end with Ctrl-C.
@@ -104,7 +107,7 @@ def watch(file: Path, arguments: tuple[str, ...], verb: str | None) -> NoReturn:
             click.echo(f"waiting for {file} to be saved; Ctrl-C ends", err=True)
     except KeyboardInterrupt:
         fail("stopped watching", INTERRUPTED)
-    raise AssertionError("watching has no end")
+    raise AssertionError("watching ended without Ctrl-C")
 
 
 def changes(file: Path, sleep: Callable[[float], None] | None = None) -> Iterator[None]:

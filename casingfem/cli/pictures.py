@@ -218,8 +218,8 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     rub: Rub = rub_of(what)
     drawn = {name: body for name, body in zip(rub.names, rub.bodies, strict=True) if body.recovery_cells is not None}
     if not drawn:
-        expected = "recovery = true in [reduce] of the study that makes it"
-        raise InputError(f"basis: found none with data for the motion of its nodes, expected {expected}")
+        expected = "a basis from a study with reduce.recovery = true"
+        raise InputError(f"basis: found no data for the motion of its nodes, expected {expected}")
     shown = frames(len(result.state_time))
     time = result.state_time[shown]
     files: dict[str, Content] = {}

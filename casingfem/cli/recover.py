@@ -37,17 +37,17 @@ def recover(folder: Path, as_json: bool) -> None:
 def words(folder: Path, found: Recovery, former: bool) -> str:
     """A line that lists which files were recovered and which were not."""
     lines = {
-        "finished": [f"{folder}: finished a set of {len(found.files)} files: {listed(found.files)}"],
+        "finished": [f"{folder}: completed a set of {len(found.files)} files: {listed(found.files)}"],
         "put back": [
-            f"{folder}: put back the files before a set of {len(found.files)}: {listed(found.files)}",
-            f"damaged or missing in the set: {listed(found.damaged)}; run the command that wrote it again",
+            f"{folder}: restored the former files of a set of {len(found.files)}: {listed(found.files)}",
+            f"damaged or missing files of the set: {listed(found.damaged)}; run the command that wrote it again",
         ],
         "nothing": [] if found.removed else [f"{folder}: every set is complete"],
     }[found.action]
     if found.removed:
-        lines.append(f"{folder}: removed what {len(found.removed)} killed writers left: {listed(found.removed)}")
+        lines.append(f"{folder}: removed {len(found.removed)} files of killed programs: {listed(found.removed)}")
     if former:
-        lines.append(f"{folder / FORMER}: left as it is: no manifest names its files; move them yourself")
+        lines.append(f"{folder / FORMER}: not changed, since no manifest names its files: move them by hand")
     return "\n".join(lines)
 
 

@@ -29,7 +29,7 @@ def rotor_campbell(file: Path, as_json: bool, out: Path | None, to_hz: float | N
         raise InputError(f"{file}: scene.kind: found another kind, expected a study or a scene of kind 'rotor'{more}")
     top = to_hz if to_hz is not None else 1.5 * rotor.speed.fastest / (2.0 * np.pi)
     if not top > 0.0:
-        raise click.UsageError("--to-hz: the rotor is at rest: give the highest speed")
+        raise click.UsageError("--to-hz: missing, and the speed of the rotor is 0: give the highest speed")
     with ProgressMessage(f"campbell of {file.name}"):
         found = campbell(rotor, np.linspace(0.0, top, steps))
         critical = [one for one in critical_speeds(rotor) if one["speed_hz"] <= top]

@@ -63,7 +63,7 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
                 raise
             if isinstance(error, RuntimeError) or singular(error):
                 where = click.get_current_context().info_name
-                fail(f"{where} {', '.join(read)}: the numerics failed: {error}", NUMERICS_FAILED)
+                fail(f"{where} {', '.join(read)}: the computation failed: {error}", NUMERICS_FAILED)
             text, paths = str(error), [*read, *(str(value) for value in kwargs.values() if isinstance(value, Path))]
             fail(text if any(path in text for path in paths) else f"{', '.join(read)}: {text}", BAD_INPUT)
         except OSError as error:
@@ -78,10 +78,12 @@ def what_is_safe(command: str | None, out: object) -> str:
     """One sentence after Ctrl-C: which results are stored, and how to continue."""
     store = STORES.get(command or "")
     if isinstance(out, Path) and store:
-        return f"stopped: what is finished is safe in {out / store}; the same command goes on from there"
+        return f"stopped: finished results are stored in {out / store}; the same command continues from them"
     if isinstance(out, Path):
         return f"stopped: no file in {out} is half written; run the same command again"
-    return "stopped: nothing was kept; run the same command again" + (", with --out DIR it goes on" if store else "")
+    return "stopped: no results were stored; run the same command again" + (
+        "; with --out DIR a stopped command can continue" if store else ""
+    )
 
 
 def is_own_error(error: Exception) -> bool:

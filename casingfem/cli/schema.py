@@ -87,7 +87,7 @@ def explained(key: str) -> list[dict[str, Any]]:
     if len(ends) < 2:
         return [explanation(key, end, names) for end, names in ends.items()]
     lines = [f"  {', '.join(f'{n}.{key}' for n in names)}: {headline_of(end)}" for end, names in ends.items()]
-    return [{"key": key, "text": "\n".join([f"{key} differs by the kind of file; ask for one of", *lines])}]
+    return [{"key": key, "text": "\n".join([f"{key} differs between kinds of file; give one of", *lines])}]
 
 
 def walked(root: "Model", path: Sequence[str]) -> tuple[Any, ...]:

@@ -32,13 +32,17 @@ def numbers(context: click.Context, option: click.Parameter, value: str | None) 
 
 @click.command()
 @STUDY
-@click.option("--vtu", is_flag=True, help="Also write the shapes for ParaView, to DIR/vtu.")
-@click.option("--uff", is_flag=True, help="Also write the shapes for test software, to DIR/modes.uff.")
+@click.option("--vtu", is_flag=True, help="Also write the shapes for ParaView to DIR/vtu.")
+@click.option("--uff", is_flag=True, help="Also write the shapes for test software to DIR/modes.uff.")
 @click.option(
-    "--modes", "shown", callback=numbers, metavar="1,2,5", help="The modes that --vtu and --uff write; all if left out."
+    "--modes",
+    "shown",
+    callback=numbers,
+    metavar="1,2,5",
+    help="Numbers of the modes that --vtu and --uff write; all if left out.",
 )
 @click.option("--sigma", type=click.FloatRange(0.0, 0.1, min_open=True), default=1e-4, show_default=True,
-              help="Relative uncertainty that modes.csv states: of the mesh, of another test.")  # fmt: skip
+              help="Relative uncertainty of the frequencies in modes.csv.")  # fmt: skip
 @options
 def modes(
     file: Path, as_json: bool, out: Path | None, vtu: bool, uff: bool, shown: tuple[int, ...] | None, sigma: float
@@ -52,9 +56,9 @@ def modes(
     from casingfem.study import MeshStudy
 
     if shown is not None and not (vtu or uff):
-        raise click.UsageError("--modes chooses what --vtu or --uff writes: give --vtu too")
+        raise click.UsageError("--modes found without --vtu or --uff, expected one of them")
     if (vtu or uff) and out is None:
-        raise click.UsageError("--vtu or --uff needs --out DIR")
+        raise click.UsageError("--vtu or --uff found without --out DIR, expected both")
     study = any_study(file, wheel=True)
     if isinstance(study, MeshStudy) and study.wheel is not None:
         print_wheel(study, study.wheel, as_json=as_json, out=out, sigma=sigma, shown=shown, vtu=vtu, uff=uff)
@@ -63,7 +67,7 @@ def modes(
         found = compute(study.structure, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
         what = f"true, and {found.rigid} rigid modes"
-        raise study.error("modes.elastic_only", what, "a structure whose supports leave no rigid motion")
+        raise study.error("modes.elastic_only", what, "a structure that its supports fix")
     document = {
         "modes": found.records(),
         "dofs": found.dofs,
@@ -84,9 +88,11 @@ def modes(
 @click.command()
 @STUDY
 @click.option("--to-hz", type=click.FloatRange(0.0, min_open=True), default=None,
-              help="Highest speed [turns/s]; one and a half times that of STUDY if left out.")  # fmt: skip
-@click.option("--steps", type=click.IntRange(2, 500), default=16, show_default=True, help="Speeds from 0 on.")
-@click.option("--count", type=click.IntRange(1, 100), default=6, show_default=True, help="Modes, the lowest at rest.")
+              help="Highest speed [Hz] (1 Hz = 60 rpm); 1.5 times the speed of STUDY if left out.")  # fmt: skip
+@click.option("--steps", type=click.IntRange(2, 500), default=16, show_default=True, help="Number of speeds from 0.")
+@click.option(
+    "--count", type=click.IntRange(1, 100), default=6, show_default=True, help="Number of modes, the lowest at rest."
+)
 @click.option("--orders", type=click.IntRange(1, 100), default=8, show_default=True, help="Engine orders.")
 @options
 def campbell(
@@ -111,7 +117,7 @@ def campbell(
         raise study.error("rotation", "none", "a [rotation], which a Campbell diagram needs")
     top = to_hz if to_hz is not None else 1.5 * abs(rotation.omega) / (2.0 * np.pi)
     if top == 0.0:
-        raise click.UsageError("--to-hz: STUDY is at rest: give the highest speed")
+        raise click.UsageError("--to-hz: missing, and the speed of STUDY is 0: give the highest speed")
     with ProgressMessage(f"campbell of {file.name}"):
         found = compute(study.structure, 2.0 * np.pi * np.linspace(0.0, top, steps), count)
     document = {**found.to_json(orders), "source": study.source}
@@ -125,11 +131,11 @@ def campbell(
 
 @click.command()
 @STUDY
-@click.option("--leave-one-out", "left_out", is_flag=True, help="Predict each row by an update that has not seen it.")
+@click.option("--leave-one-out", "left_out", is_flag=True, help="Predict each row by an update without this row.")
 @click.option(
     "--posterior",
     type=click.Choice(["laplace", "emcee"]),
-    help="How sure beyond J^T J; emcee samples (extra sampling).",
+    help="Method for the uncertainty in addition to J^T J; emcee needs the extra sampling.",
 )
 @options
 def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterior: str | None) -> None:
@@ -160,7 +166,7 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
         from casingfem.plot.pages.study import update_page
 
         files["update.csv"] = csv_text(fit.records(), f"COMPUTED: parameters fitted to {fit.table.path}")
-        files["update_pairs.csv"] = csv_text(fit.pairs(), f"rows of {fit.table.path} and the modes they pair with")
+        files["update_pairs.csv"] = csv_text(fit.pairs(), f"rows of {fit.table.path} and the modes that pair with them")
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
         files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
         files["update.html"] = update_page(study, fit, getattr(further.get("posterior"), "samples", None))

@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 
 @click.command()
 @SCENE
-@click.option("--jobs", type=click.IntRange(1, 1024), help="Worker processes; one a core, one for a scheduler.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1, 1024),
+    help="Number of worker processes; one for each core, or one with a scheduler, if left out.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://host:port, instead of processes.")
 @options
 def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
@@ -73,14 +77,14 @@ def words(found: "SweepResult", seconds: float) -> str:
         lines.append(f"{counted(found.resumed)} {'was' if found.resumed == 1 else 'were'} there already")
     lines += motion_words(plan.keys, rows, [run.values for run in plan.runs])
     if any(key.startswith("speed.") for key in plan.keys):
-        lines.append("`casingfem interactions` lists the dangerous speeds, and the motion that grows at each")
+        lines.append("`casingfem interactions` lists the dangerous speeds and the growing motion at each")
     for status in ("refused", "failed", "diverged"):
         reasons = [row["why"] for row in rows if row["status"] == status]
         if reasons:
             lines.append(f"{len(reasons)} of {counted(len(rows))} {status}, the first: {reasons[0]}")
     flagged = sum(bool(row["flags"]) for row in rows)
     if flagged:
-        lines.append(f"{counted(flagged)} {'has' if flagged == 1 else 'have'} flags: read their column")
+        lines.append(f"{counted(flagged)} {'has' if flagged == 1 else 'have'} flags: see the column flags")
     return "\n".join(lines)
 
 
@@ -132,7 +136,12 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
 @click.command()
 @STUDY
 @click.option("--draws", type=click.IntRange(1, 1_000_000), default=200, show_default=True, help="How many.")
-@click.option("--processes", type=click.IntRange(1, 256), default=None, help="Worker processes; one a core.")
+@click.option(
+    "--processes",
+    type=click.IntRange(1, 256),
+    default=None,
+    help="Number of worker processes; one for each core if left out.",
+)
 @options
 def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: Path | None) -> None:
     """Splits and orientations of the pairs of STUDY over draws of its random imperfections.
@@ -174,9 +183,9 @@ def words_of_draws(run: "MistuneRun") -> str:
         differ = f"frequencies differ by {freq:.1e} at most, splits by {split:.1e} of the draw's largest"
         lines.append(f"{len(run.checked)} of them also solved in full: {differ}")
     if run.in_full:
-        lines.append(f"{len(run.in_full)} draws solved in full, each complete by a Sturm count")
+        lines.append(f"{len(run.in_full)} draws solved in full, each checked by a Sturm count")
     if run.resumed:
-        lines.append(f"{run.resumed} draws were there already")
+        lines.append(f"{run.resumed} draws were read from earlier results")
     return "\n".join(lines)
 
 

@@ -24,7 +24,7 @@ from contact.io.reported import Reported
 
 TABLE_COLUMNS = (
     Column("mode", "Mode number of the test.", lambda table: table.mode, format="d"),
-    Column("n", "Nodal diameters, where the test has them.", lambda table: known(table.n), format="d"),
+    Column("n", "Nodal diameters, if known from the test.", lambda table: known(table.n), format="d"),
     Column("freq_hz", "Measured frequency.", lambda table: table.freq_hz, head="freq", unit="Hz", format=".4f"),
     Column("sigma_hz", "Standard uncertainty of the frequency.", lambda table: table.sigma_hz, head="sigma",
            unit="Hz", format=".4f"),
@@ -270,7 +270,7 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
             raise csv.refuse_header(column=name, found="no such column", expected=meaning)
     if extra:
         names = ", ".join(csv.written.get(name, name) for name in extra)
-        warn("table-columns", f"{csv.path}: found columns that are kept and not used: {names}", stacklevel=4)
+        warn("table-columns", f"{csv.path}: found columns that are stored but not used: {names}", stacklevel=4)
     return extra
 
 

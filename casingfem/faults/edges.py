@@ -3,13 +3,14 @@
 EDGES = {
     "bolt-count": ("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
     "bolt-mesh": (
-        "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
-        "leave mesh.around out, or make it a multiple of the number of bolts",
+        "the number of elements around does not fit the bolts, so that bolts differ in stiffness and split perfect "
+        "pairs",
+        "remove mesh.around, or set it to a multiple of the number of bolts",
     ),
     "bolt-number": ("a loose bolt is named that does not exist", "number the bolts from 1 to their count"),
     "bolt-off-edge": (
         "a bolt, with the patch it acts on, does not lie on the edge",
-        "change first_angle, spacing or width, or take fewer bolts",
+        "change first_angle, spacing or width, or use fewer bolts",
     ),
     "bolt-overlap": (
         "neighbouring bolts act on the same part of the edge",
@@ -23,7 +24,7 @@ EDGES = {
     "load-none": ("a static solution without loads is zero", "give at least one load"),
     "load-idle": (
         "a force acts on a node without stiffness and mass in that direction",
-        "put a spring or a mass there, or leave the direction out",
+        "add a spring or a mass there, or remove the force in this direction",
     ),
     "load-place": (
         "a point load lies off the surface",
@@ -67,11 +68,11 @@ EDGES = {
     "rotation-none": ("the structure does not rotate", "give it a Rotation: replace(structure, rotation=...)"),
     "rotation-speed": ("the speed of rotation is not finite", "give it in rad/s, 2 pi times turns a second"),
     "rotation-unstable": (
-        "spin softening exceeds the stiffness: at this speed the shell leaves its shape",
-        "lower the speed, stiffen the support, or see that the hub radius and the axis are meant",
+        "spin softening exceeds the stiffness: at this speed the shell is unstable",
+        "reduce the speed, stiffen the support, or check the hub radius and the axis",
     ),
     "rotation-update": (
-        "tests of rotating parts are not fitted: the derivatives leave the centrifugal stiffening out",
+        "tests of rotating parts cannot be fitted: the derivatives neglect the centrifugal stiffening",
         "fit the part at rest, then give it its rotation",
     ),
     "springs-negative": (
@@ -88,10 +89,10 @@ EDGES = {
     ),
     "support-incomplete": (
         "the supports leave motions of the whole body free",
-        "fix or spring the missing directions, unless the motion is meant",
+        "fix the free directions or add springs, unless the motion is intended",
     ),
     "support-kind": (
-        "this is no support of a shell's edge",
+        "the object is not a support of a shell's edge",
         "use Clamped(), ShearDiaphragm(), ElasticEdge(...), Bolts(...)",
     ),
     "support-no-springs": (

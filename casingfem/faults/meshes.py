@@ -31,14 +31,14 @@ MESHES = {
     ),
     "mesh-aspect": (
         "cells are much longer than wide",
-        "refine along their long side, or see that no node is misplaced",
+        "refine along their long side, or check the positions of the nodes",
     ),
     "mesh-attachment": (
         "a mass, spring or connection of a mesh cannot be put on its nodes, or not in this analysis",
         "change it in the model and export again; docs/structures.md lists what each can be",
     ),
     "mesh-branch": (
-        "walls of a shell meet at an angle, and this analysis takes one wall only",
+        "walls of a shell meet at an angle, and this analysis is limited to one wall",
         "compute the whole part without [cyclic], mesh the sector as a solid, or round the fold off with small cells",
     ),
     "mesh-coarse": (
@@ -58,14 +58,14 @@ MESHES = {
         "export it again whole, in one file, without what the message names",
     ),
     "mesh-floating-spring": (
-        "a node without mass hangs on springs and on nothing else: they do nothing",
+        "a node without mass is connected to springs only, so that these springs have no effect",
         "give a support on it, such as the file's own SPC or set; leave it where a load or a contact pushes it",
     ),
     "mesh-include": (
         "a mesh file includes another one that is not there, or that includes itself",
         "put the included file beside the one that names it",
     ),
-    "mesh-flat-cell": ("a cell has no volume or area", "delete it, or see whether its nodes were merged by mistake"),
+    "mesh-flat-cell": ("a cell has no volume or area", "delete it, or check whether its nodes were merged by mistake"),
     "mesh-flipped-shell": (
         "neighbouring shell cells are numbered in opposite senses",
         "orient the normals alike in the mesher",
@@ -101,11 +101,12 @@ MESHES = {
     ),
     "mesh-kink": (
         "neighbouring cells of a shell meet at an angle",
-        "refine there if the surface is smooth: the angle falls with the cells; a corner that is meant may stay",
+        "refine there if the surface is smooth: the angle decreases with the cell size; an intended corner needs no "
+        "change",
     ),
     "mesh-last-line": (
         "the last line of a file has no end: its last number may be a part of one",
-        "see whether the file is whole, and end it with a line break",
+        "check whether the file is complete, and end it with a line break",
     ),
     "mesh-left-out": (
         "items of a mesh file with stiffness, mass or constraints are not taken over",
@@ -124,11 +125,11 @@ MESHES = {
         "give each cell one material: the groups must not overlap",
     ),
     "mesh-mechanism": (
-        "parts of the body move against each other without strain: they hang together by an edge or a node only",
+        "parts of the body move against each other without strain: they share only an edge or a node",
         "join the parts over facets, or support each of them",
     ),
     "mesh-mixed-cells": (
-        "a mesh has cells that do not go together: bricks of 27 nodes, or squares of nine, beside others",
+        "a mesh mixes cells that do not fit: bricks of 27 nodes, or squares of nine, with other kinds",
         "mesh with linear kinds, or with quadratic ones of one node on an edge",
     ),
     "mesh-no-cells": (
@@ -153,7 +154,7 @@ MESHES = {
         "the order of the elements is not a whole number within reach",
         "give an order of 2 to 20, or leave mesh.order out",
     ),
-    "mesh-orphan-nodes": ("nodes belong to no cell", "they are left out; see that no cell is missing"),
+    "mesh-orphan-nodes": ("nodes belong to no cell", "the nodes are ignored; check that no cell is missing"),
     "mesh-overlap": (
         "cells lie over each other: they have the same nodes, fold back beside a common edge, or share a solid's facet",
         "delete the cells that were meshed twice",
@@ -196,7 +197,7 @@ MESHES = {
     ),
     "mesh-too-large": (
         "the mesh has more unknowns than a factorisation in memory can take",
-        "take fewer elements; 1e5 unknowns are plenty for a shell",
+        "use fewer elements; 1e5 unknowns are enough for a shell",
     ),
     "mesh-turned-shell": (
         "cells of a shell have their normals against a neighbour's, and were turned round",
@@ -211,7 +212,7 @@ MESHES = {
         "use tetrahedra, bricks, wedges and pyramids for solids; quadrilaterals and triangles for shells",
     ),
     "structure-unknown": (
-        "what was given is no structure, or not one of the kind that this needs",
+        "the object is not a structure, or not of the kind that this function needs",
         "give a cf.Shell, cf.Solid or cf.MeshShell, or a value with the members of cf.imported.MeshStructure; "
         "one with a rotation needs those of cf.imported.TurningStructure",
     ),

@@ -22,11 +22,11 @@ RESULTS = {
         "give an axis beside the tip of an imported part; on a chart leave axis out, and give lean_deg in the scene",
     ),
     "interface-circle": (
-        "contact sees a rim by harmonics about z, and this edge or line is no plane circle about z",
+        "contact describes a rim by harmonics about z, but this edge or line is not a plane circle about z",
         "name an edge that runs around z, by the angle that the chart's second parameter is",
     ),
     "interface-edge": (
-        "the interface is not an edge that contact can see",
+        "the interface is not an edge for contact",
         "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip); of an imported part a "
         "group of facets that closes around the axis (Rim) or ends the blade (Tip)",
     ),
@@ -49,7 +49,7 @@ RESULTS = {
     ),
     "locate-among": ("there are two kinds of places to search", "search among bolts or mass"),
     "locate-baseline": (
-        "the table measured before has nothing to set against the model",
+        "the baseline table has no row that can be compared with the model",
         "give the table of the same casing, with n, or leave the baseline out",
     ),
     "locate-bolts": (
@@ -65,11 +65,11 @@ RESULTS = {
         "give n for the rows of the table, and angle_deg where it was measured",
     ),
     "modes-band": (
-        "a band of frequencies is no band, or a count is beside it",
+        "the band of frequencies is invalid, or both a band and a count are given",
         "give band = (from, to) in Hz, 0 <= from < to, or a count, not both",
     ),
     "modes-count": (
-        "no such number of modes can be computed",
+        "the number of modes cannot be computed",
         "ask for at least 1 and far fewer than the mesh has unknowns",
     ),
     "modes-lobpcg": (
@@ -127,20 +127,20 @@ RESULTS = {
     ),
     "study-file": ("the file cannot be read", "give the path of a text file in UTF-8"),
     "study-implausible": (
-        "a number is not that of any structure or material: its unit is probably another one",
-        'give the number in SI units; if it is meant, name its check: [checks] allow = ["E"]',
+        "a number is not plausible for a structure or material: its unit is probably wrong",
+        'give the number in SI units; if it is intended, name its check: [checks] allow = ["E"]',
     ),
     "study-key": ("a key is unknown, or is beside one that excludes it", "`casingfem schema` lists all keys"),
     "study-missing": ("a key or table that the study needs is not there", "add it; `casingfem schema` lists all keys"),
     "study-toml": ("the file is not TOML", "correct the line named; write text in quotes and each table once"),
     "study-value": ("a value has the wrong type or lies out of range", "give what is expected there, in SI units"),
     "table-columns": (
-        "a frequency table has columns that nobody uses",
-        "nothing, if they are remarks; else name them mode, n, freq_hz, sigma_hz, angle_deg or zeta",
+        "a frequency table has columns that are not used",
+        "ignore this if they are remarks; otherwise name them mode, n, freq_hz, sigma_hz, angle_deg or zeta",
     ),
     "uff-bytes": (
         "the first line of a binary function states another number of bytes than its data have",
-        "no action is needed: the data end where their own header states, and are complete",
+        "no action is needed: the data end at the size that their header states, and are complete",
     ),
     "uff-empty": (
         "a set of a universal file is empty: two marks -1 follow each other where a set should begin",
@@ -164,10 +164,10 @@ RESULTS = {
     ),
     "uff-unknown": (
         "the file has a set of a number that this reader does not know; it is skipped",
-        "check whether the number is the one meant",
+        "check the number",
     ),
     "update-angles": (
         "the angles of pairs are not fitted on an imported part: its frequencies, means and splits are",
-        "nothing needs doing; model the part as a cf.Shell to fit its angles too",
+        "no action is needed; model the part as a cf.Shell to fit its angles too",
     ),
 }

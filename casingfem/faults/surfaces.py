@@ -71,7 +71,7 @@ SURFACES = {
         "give p = 0, 1, 2, ... each once; the mean (p = 0) has no sine",
     ),
     "field-large": (
-        "an imperfection is larger than any wall has: it changes the design",
+        "an imperfection is larger than real walls have: it changes the design",
         "give fields relative to the nominal value (0.4 % as 0.004); put the design itself into the chart",
     ),
     "field-mesh": (
@@ -108,7 +108,7 @@ SURFACES = {
     ),
     "material-density": ("the density is not a positive finite number", "give rho in kg/m^3 (steel 7800)"),
     "material-density-units": (
-        "no solid is as light or as heavy",
+        "the density is not that of a solid",
         "give rho in kg/m^3 (steel 7800, not 7.8 or 7.8e-9)",
     ),
     "material-modulus": ("Young's modulus is not a positive finite number", "give E in Pa (steel 210e9)"),
@@ -150,12 +150,12 @@ SURFACES = {
         'give moduli and thicknesses above 0, wall = "linear", strips or groups without a material of their own',
     ),
     "shell-wall": (
-        "no such theory of the wall",
+        "the theory of the wall is unknown",
         "give curved (the metric through the wall), or linear (published shell theory)",
     ),
     "shell-free": (
         "the structure has no support: its first modes are rigid motions",
-        "give [support.EDGE], unless a free body is meant",
+        "give [support.EDGE], unless the body is free",
     ),
     "shell-thick": (
         "the wall is thick for its curvature or size: shell theory is off by several per cent",

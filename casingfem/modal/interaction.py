@@ -118,7 +118,7 @@ class Interactions(Reported):
         low, high = self.speed_hz
         if self.turning == "casing":
             lines.append(
-                "f_c by ring theory; the blade overtakes no wave of a casing that turns: f_c + f_b = n f is not met"
+                "f_c by ring theory; with a turning casing the blade overtakes no wave, so f_c + f_b = n f is never met"
             )
         lines.append(f"{len(self.meetings)} coincidences from {low:g} to {high:g} Hz, the {self.turning} turns")
         if self.turning == "blade" and self.pairs and all(n * high < freq for n, _, freq in self.pairs):

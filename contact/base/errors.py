@@ -27,7 +27,7 @@ class LimitError(InputError):
     ...     ct.run([ct.Wall(), rod], scheme=ct.CentralDifference(), t_end=1.0, dt=0.5)
     ... except ct.LimitError as error:
     ...     print(error)
-    dt: found 0.5 s, dt * omega_max = 10, expected <= 2 (stability of CentralDifference): take dt <= 0.099999 s
+    dt: found 0.5 s, dt * omega_max = 10, expected <= 2 (stability of CentralDifference): use dt <= 0.099999 s
     """
 
 

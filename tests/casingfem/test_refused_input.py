@@ -122,7 +122,7 @@ REFUSED = {
     "a shape of zeros": (lambda: shapes(np.zeros((1, 1))), "zero everywhere"),
     "a window": (lambda: cf.rig.estimate(recorded(), window="flat"), "window: found 'flat', expected"),
     "an estimator": (lambda: cf.rig.estimate(recorded(), estimator="H3"), "estimator: found 'H3', expected"),
-    "an empty band": (lambda: cf.rig.estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz with no line in it"),
+    "an empty band": (lambda: cf.rig.estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz without a line"),
     "bits": (lambda: cf.rig.Converter(bits=1, full_scale=1.0), "bits: found 1, expected"),
     "a quantity": (
         lambda: ONE.frfs([10.0], sensors=[0], drives=[0], quantity="velocity"),
@@ -154,7 +154,7 @@ def test_input_is_refused(name):
 
 
 def test_nothing_to_write_is_no_universal_file(tmp_path):
-    with pytest.raises(ValueError, match="nothing to write"):
+    with pytest.raises(ValueError, match="found no data"):
         cf.uff.write_uff(tmp_path / "empty.uff")
 
 

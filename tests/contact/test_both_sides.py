@@ -200,7 +200,7 @@ BOUNDS = {
     ),
     "slow": (
         lambda k: gap(lambda: ct.ExactModal(law="forward"), (1.25, 1.2501)[k], t_end=3.0),
-        r"dt = 2.5002, .*take dt <= 1.249 s",
+        r"dt = 2.5002, .*use dt <= 1.249 s",
     ),
     "linear": (
         lambda k: gap((ct.ExactModal, ct.MoreauJean)[k], 0.01),
@@ -245,7 +245,7 @@ BOUNDS = {
     "beam.both": (lambda k: beam_step(beam(), (None, 1e-6)[k], 0.5), "dt: found both or neither of dt and courant"),
     "beam.dt": (
         lambda k: beam_step(beam(), STABLE * (1.0 + (0.9e-9, 1.1e-9)[k]), None),
-        r"dt \* omega_max = 2\.0000000022, expected <= 2 .*: take dt <= 1\.3905\d+e-05",
+        r"dt \* omega_max = 2\.0000000022, expected <= 2 .*: use dt <= 1\.3905\d+e-05",
     ),
     "beam.courant": (lambda k: beam_step(beam(), None, (1.0, 1.01)[k]), r"dt \* omega_max = 2\.02, expected <= 2"),
     "beam.friction": (

@@ -57,12 +57,16 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
     """
     turns = abs(rate) * seconds
     if turns < TURNS:
-        need = f"{TURNS / abs(rate):.3g} s, or a faster mirror or casing" if rate else "a mirror or a casing that turns"
+        need = (
+            f"{TURNS / abs(rate):.3g} s, or a higher speed of mirror or casing"
+            if rate
+            else "a turning mirror or casing"
+        )
         raise InputError(f"the record is too short: found {turns:.2f} turns of the spot, expected {TURNS} ({need})")
     freq = line_frequencies(tones, n, rate, runout)
     if freq.max() >= 0.5 * fs:
         found, most = f"found a line at {freq.max():.2f} Hz", f"fs/2 = {0.5 * fs:g} Hz"
-        raise InputError(f"{found}, expected all below {most}: lower orders")
+        raise InputError(f"{found}, expected all below {most}: fit lower orders")
     low, high, gap = closest(freq)
     if gap * seconds >= RESOLVED:
         return

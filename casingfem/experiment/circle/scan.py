@@ -139,7 +139,7 @@ class CircleScan(Reported):
                 )
         rows.append(f"{len(rows) - 1} waves above {SEEN:g} sigma of {len(self.waves())}, {self.rate:.4g} turns/s")
         if self.left > LEFT and np.median(self.floor) > NOISE * np.abs(self.V).max():
-            rows.append(f"what is left is {self.left:.2g} times the noise: orders or tones that were not fitted")
+            rows.append(f"the residual is {self.left:.2g} times the noise: orders or tones that were not fitted")
         return "\n".join(rows)
 
 

@@ -48,7 +48,7 @@ COLUMNS = (
     Column("nco", "Normalised cross-orthogonality of the two shapes.",
            lambda found: found.of_pairs(lambda row, mode, n, plane: float(found.nco[row, mode])), head="NCO",
            format=".3f"),
-    Column("left_out_error", "Rms error of a sensor predicted by the others, over the shape.",
+    Column("left_out_error", "Rms error of predicting each sensor from the others, over the rms of the shape.",
            lambda found: np.sqrt(np.nanmean(found.expansion.left_out**2, axis=0)), head="left out", format=".3f"),
     Column("collinearity", "Share of the measured shape that is in phase.",
            lambda found: found.measured.collinearity, where="files"),

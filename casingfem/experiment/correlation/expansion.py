@@ -63,7 +63,8 @@ class Expansion:
     def __repr__(self) -> str:
         return (
             f"Expansion({self.smoothed.shape[1]} shapes on {len(self.modes)} modes, condition {self.condition:.3g}, "
-            f"left outside {self.outside.max():.2g}, left-out sensors to {np.sqrt(np.mean(self.left_out**2)):.2g} rms)"
+            f"left outside {self.outside.max():.2g}, predicted sensors within "
+            f"{np.sqrt(np.mean(self.left_out**2)):.2g} rms)"
         )
 
 

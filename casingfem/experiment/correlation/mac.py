@@ -41,7 +41,7 @@ def mac(A: ArrayLike, B: ArrayLike, M: Any = None) -> FloatArray:
     a_norm = np.einsum("di,di->i", a.conj(), a if M is None else M @ a).real
     b_norm = np.einsum("di,di->i", b.conj(), weighted).real
     if min(a_norm.min(initial=1.0), b_norm.min(initial=1.0)) <= 0.0:
-        raise ValueError("mac: a shape has no norm; leave out modes that the sensors do not see")
+        raise ValueError("mac: found a shape that is zero at all sensors, expected others: remove this mode")
     return np.asarray(np.minimum(np.abs(a.conj().T @ weighted) ** 2 / np.outer(a_norm, b_norm), 1.0))
 
 

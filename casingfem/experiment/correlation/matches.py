@@ -44,13 +44,13 @@ class Match:
 COLUMNS = (
     Column("row", "Row of the frequency table, from 1.", lambda pairs: [pair[0] + 1 for pair in pairs], format="d"),
     Column("mode", "Computed mode, from 1.", lambda pairs: [pair[1] + 1 for pair in pairs], format="d"),
-    Column("n", "Nodal diameters, where table or model has them.", lambda pairs: known(pair[2] for pair in pairs),
+    Column("n", "Nodal diameters, if known from table or model.", lambda pairs: known(pair[2] for pair in pairs),
            format="d"),
     Column("measured_hz", "Measured frequency.", lambda pairs: [pair[3] for pair in pairs], head="measured",
            unit="Hz", format=".3f"),
     Column("computed_hz", "Computed frequency.", lambda pairs: [pair[4] for pair in pairs], head="computed",
            unit="Hz", format=".3f"),
-    Column("error_rel", "Computed over measured frequency, less 1.",
+    Column("error_rel", "Computed over measured frequency, minus 1.",
            lambda pairs: [pair[4] / pair[3] - 1.0 for pair in pairs], head="error", unit="%", format=".2f",
            scale=100.0),
     Column("confidence", "Confidence of the pairing, from 0 to 1.", lambda pairs: [pair[5] for pair in pairs],
@@ -118,7 +118,7 @@ def modes_of(table: FrequencyTable, rows: Iterable[int]) -> tuple[int, ...]:
 
 def unpaired_words(modes: Sequence[int], of: str = "table") -> list[str]:
     """The line that names rows without a mode, by their mode numbers; empty if all pair."""
-    return [f"no mode pairs with {of} modes {listed(modes)}: they took no part"] if modes else []
+    return [f"no mode pairs with {of} modes {listed(modes)}: they were not used"] if modes else []
 
 
 def other_unit(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> str:

@@ -91,7 +91,7 @@ class MeasuredShapes:
         seen = np.any(self.values, axis=0)
         if not seen.all():
             mode = int(np.argmin(seen))
-            raise self.error(f"mode {mode + 1} zero everywhere", "shapes that the sensors see")
+            raise self.error(f"mode {mode + 1} zero everywhere", "shapes with motion at the sensors")
 
     def error(self, found: str, expected: str) -> InputError:
         """An error that names this file, ready to be raised."""
@@ -116,7 +116,7 @@ class MeasuredShapes:
         order = np.argsort(freq, kind="stable")
         lengths = np.linalg.norm(towards, axis=-1, keepdims=True)
         if np.any(lengths == 0.0):
-            raise InputError(path, found="a direction of no length", expected="directions that point somewhere")
+            raise InputError(path, found="a direction of no length", expected="directions of nonzero length")
         if shapes.ndim != 2 or shapes.shape[1] != len(freq):
             raise InputError(path, found=f"values {shapes.shape}", expected=f"(channels, {len(freq)} modes)")
         each = {"sigma": np.asarray(sigma, float), "n": np.asarray(n, np.int64)}

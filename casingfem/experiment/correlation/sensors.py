@@ -168,7 +168,7 @@ def refuse_far(where: FloatArray, numbers: IntArray, distance: FloatArray, allow
         worst = int(distance.argmax())
         place = where[worst].round(4).tolist()
         message = f"sensor {numbers[worst]} at {place} m is {distance[worst]:.4g} m from {what}"
-        raise ModelError("sensor-far", f"{message}, {allowed:.4g} m are allowed")
+        raise ModelError("sensor-far", f"{message}, {allowed:.4g} m is allowed")
 
 
 def surface_samples(shell: Shell) -> tuple[FloatArray, FloatArray, FloatArray]:

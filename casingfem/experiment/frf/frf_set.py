@@ -25,7 +25,7 @@ Kind = Literal["frf", "time", "spectrum"]
 PLACES = ("response_point", "response_direction", "reference_point", "reference_direction")
 TIME, FREQUENCY = 17, 18  # what an abscissa shows, in universal files
 _KINDS: dict[Kind, tuple[int, ...]] = {"frf": (4,), "time": (1,), "spectrum": (2, 3, 9, 10, 12)}
-_HOW = ": divide the cross spectrum of force and response by the force's own (scipy.signal.csd, welch)"
+_HOW = ": divide the cross spectrum of force and response by the spectrum of the force (scipy.signal.csd, welch)"
 _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
 
 
@@ -171,7 +171,9 @@ class FrfSet:
         for k, function in enumerate(functions):
             _check_abscissa(function, kind, k, path)
             if not np.array_equal(function.x, first.x):
-                raise InputError(path, found=f"function {k + 1} over other abscissas", expected="those of the first")
+                raise InputError(
+                    path, found=f"function {k + 1} over other abscissas", expected="the abscissas of the first function"
+                )
             if units[k] != units[0]:
                 raise InputError(path, found=f"function {k + 1} in {units[k]!r}", expected=f"{units[0]!r} as the first")
             if forms[k] != forms[0]:

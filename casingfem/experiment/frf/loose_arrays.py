@@ -177,7 +177,7 @@ def _lines_last(values: Array, lines: int, path: str) -> Array:
     ends = [axis for axis in {0, values.ndim - 1} if values.ndim and values.shape[axis] == lines]
     if values.ndim not in (1, 2, 3) or len(ends) != 1:
         found = f"frf {values.shape} for {lines} frequencies"
-        square = "; lines that number as the other axis: leave one line out" if len(ends) > 1 else ""
+        square = "; the number of lines equals another size: remove one line" if len(ends) > 1 else ""
         raise InputError(path, found=found, expected=f"{EXPECTED}{square}")
     moved = np.moveaxis(values, ends[0], -1)
     return moved.reshape(moved.shape[0] if moved.ndim > 1 else 1, moved.shape[1] if moved.ndim > 2 else 1, lines)

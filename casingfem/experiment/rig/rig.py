@@ -238,7 +238,9 @@ class Converter:
         if not BITS[0] <= self.bits <= BITS[1]:
             raise InputError(f"bits: found {self.bits!r}, expected {BITS[0]} to {BITS[1]}")
         if not (np.isfinite(self.full_scale) and self.full_scale > 0.0):
-            raise InputError(f"full_scale: found {self.full_scale!r}, expected the largest value of the converter")
+            raise InputError(
+                f"full_scale: found {self.full_scale!r}, expected the largest value of the converter, a number above 0"
+            )
 
     @property
     def lsb(self) -> float:

@@ -69,7 +69,9 @@ class Turning:
     def __post_init__(self) -> None:
         values = (self.mirror, self.casing, self.first_angle, self.wander, self.speckle)
         if not np.isfinite(values).all() or self.spot == 0.0:
-            raise InputError(f"turning: mirror {self.mirror!r}, casing {self.casing!r}: expected a spot that moves")
+            raise InputError(
+                f"turning: mirror {self.mirror!r}, casing {self.casing!r}: expected at least one of them to turn"
+            )
         if self.wander < 0.0 or self.wander > 0.1 or self.speckle < 0.0 or (self.wander and self.casing):
             raise InputError(f"wander {self.wander!r}, speckle {self.speckle!r}: expected wander 0 to .1 (0 where the "
                            "casing turns), speckle 0 or more")  # fmt: skip
@@ -186,7 +188,7 @@ def scan(
     notes = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
     if turn.casing:
         split = 1.6 * abs(turn.casing)
-        notes.append(f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {split:.3g} Hz")
+        notes.append(f"neglected: Coriolis forces, which split a thin ring's pair n = 2 by {split:.3g} Hz")
     if snr_db is not None:
         velocity = velocity + noise(velocity[None], snr_db, rng)[0]
         notes.append(f"noise: {snr_db:g} dB below the rms")

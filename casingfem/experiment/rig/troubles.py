@@ -104,7 +104,7 @@ class Troubles:
             raise InputError("cut_off", found="cut_off and leakage", expected=expected)
         for name in ("dead", "noisy", "swapped", "flipped", "fixture", "exponential", "pre_trigger", "setups"):
             if not getattr(self, name) >= (1 if name == "setups" else 0):
-                raise InputError(f"{name}: found {getattr(self, name)!r}, expected none, or how much")
+                raise InputError(f"{name}: found {getattr(self, name)!r}, expected none, or a number")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

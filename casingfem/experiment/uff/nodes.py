@@ -157,7 +157,7 @@ def read_trace_line(raw: RawSet) -> TraceLine:
         raise raw.error(1 + lines, f"nodes beyond the {count} of the header", "blanks or zeros there")
     if np.any(nodes < 0):
         index = int(np.argmax(nodes < 0))
-        raise raw.error(2 + index // 8, f"node {nodes[index]}", "nodes from 1, or 0 to lift the pen")
+        raise raw.error(2 + index // 8, f"node {nodes[index]}", "nodes from 1, or 0 for a gap in the line")
     return TraceLine(number=number, name=raw.lines[1].strip(), color=color, nodes=nodes[:count])
 
 
@@ -205,4 +205,4 @@ def _check_labels(raw: RawSet, labels: IntArray, rows: range | list[int]) -> Non
     if bad.any():
         index = int(np.argmax(bad))
         found = f"{labels[index]}" + (" again" if labels[index] >= 1 else "")
-        raise raw.error(rows[index], f"label {found}", "labels from 1, each once")
+        raise raw.error(rows[index], f"label {found}", "labels from 1, each used once")

@@ -47,7 +47,7 @@ def integers(raw: RawSet, rows: Sequence[int], columns: Columns, *, last: bool =
             return np.asarray(_texts(block).astype(np.int64))
         except (ValueError, OverflowError):
             pass
-    raise _first_bad(raw, rows, columns, INTEGER, f"a whole number, flush right in {columns.width} columns")
+    raise _first_bad(raw, rows, columns, INTEGER, f"a whole number, right-aligned in {columns.width} columns")
 
 
 def reals(raw: RawSet, rows: Sequence[int], columns: Columns, *, last: bool = True) -> FloatArray:
@@ -88,7 +88,7 @@ def series(raw: RawSet, start: int, count: int, columns: Columns, kind: Callable
         end = columns.start + columns.width * rest
         text = raw.lines[rows[-1]]
         if len(text.rstrip()) > end:
-            raise raw.error(rows[-1], repr(text[end:].strip()), f"{rest} numbers on the last line of {meaning}")
+            raise raw.error(rows[-1], repr(text[end:].strip()), f"only {rest} numbers on the last line of {meaning}")
         whole = text[:end].ljust(end) + raw.lines[start].ljust(columns.end)[end : columns.end]
         raw = replace(raw, lines=(*raw.lines[: rows[-1]], whole, *raw.lines[rows[-1] + 1 :]))
     elif rest < columns.fields:
@@ -115,7 +115,7 @@ def _characters(raw: RawSet, rows: Sequence[int], columns: Columns, *, last: boo
     for row in rows:
         text = raw.lines[row]
         if last and len(text.rstrip()) > columns.end:
-            raise raw.error(row, repr(text[columns.end :].strip()), f"nothing beyond column {columns.end}")
+            raise raw.error(row, repr(text[columns.end :].strip()), f"no text beyond column {columns.end}")
         texts.append(text[columns.start : columns.end].ljust(columns.end - columns.start))
     data = "".join(texts).encode("ascii", "replace")
     return np.frombuffer(data, np.uint8).reshape(len(rows), columns.fields, columns.width)
@@ -161,7 +161,9 @@ def _check_columns(raw: RawSet, rows: Sequence[int], columns: Columns, block: Ar
     if odd.any():
         row, field = np.argwhere(odd)[0]
         found = repr(cells(raw.lines[rows[row]], columns)[field])
-        raise raw.error(rows[row], found, "numbers that end in one column of their fields, with as many digits each")
+        raise raw.error(
+            rows[row], found, "numbers that end in the same column of their fields, with equal numbers of digits"
+        )
 
 
 def _first_bad(

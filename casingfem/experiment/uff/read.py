@@ -76,7 +76,7 @@ class UniversalFile:
             parts += [f"{len(items)} {what}"] if items else []
         for (number, kind), often in Counter((each.number, each.kind) for each in self.skipped).items():
             parts.append(f"{often} set{'s'[: often > 1]} {number} ({kind}) skipped")
-        return ", ".join(parts) or "nothing that is read"
+        return ", ".join(parts) or "no set of a kind that this reader supports"
 
 
 def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> UniversalFile:
@@ -194,7 +194,7 @@ def _read_set(raw: RawSet, found: _Found, strict: bool) -> None:
         case "58" | "58b":
             found.functions.append(read_function(raw))
         case _ if strict:
-            raise raw.error(-1, "a set that is not read", "one of 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412")
+            raise raw.error(-1, "a set of another kind", "one of 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412")
         case _:
             if raw.number not in KINDS:
                 warn("uff-unknown", f"{raw.path}, line {raw.first - 1}: set {raw.number}", stacklevel=5)
@@ -229,7 +229,7 @@ def _merged_elements(parts: Sequence[tuple[RawSet, Elements]]) -> Elements | Non
     for raw, elements in parts:
         repeated = seen & set(elements.labels.tolist())
         if repeated:
-            raise raw.error(0, f"element {min(repeated)} again", "labels that no set before has")
+            raise raw.error(0, f"element {min(repeated)} again", "labels that differ from those of the sets before")
         seen |= set(elements.labels.tolist())
     arrays: dict[str, Any] = {
         name: np.concatenate([getattr(elements, name) for _, elements in parts])
@@ -259,7 +259,7 @@ def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | No
     for what, labels in (("nodes", nodes), ("elements", elements)):
         gaps = few_gaps(labels.labels) if labels is not None else np.empty(0)
         if gaps.size:
-            message = f"{path}: {what} {', '.join(map(str, gaps[:5].tolist()))} left out"
+            message = f"{path}: {what} {', '.join(map(str, gaps[:5].tolist()))} skipped"
             warn("uff-gap", message + f" and {gaps.size - 5} more" * (gaps.size > 5), stacklevel=5)
     if nodes is not None and nodes.systems.any() and any(number in _SYSTEMS for number, _, _ in found.skipped):
         message = f"{path}: {np.count_nonzero(nodes.systems)} nodes in coordinate systems of the file"
@@ -267,7 +267,11 @@ def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | No
     lists = {tuple(np.sort(shape.nodes).tolist()): shape.nodes.size for _, shape in found.shapes}
     if len(lists) > 1:
         counts = sorted(lists.values())
-        warn("uff-shapes", f"{path}: shapes at {counts[0]} to {counts[-1]} nodes, not the same", stacklevel=5)
+        warn(
+            "uff-shapes",
+            f"{path}: shapes at {counts[0]} to {counts[-1]} nodes, expected the same nodes for all",
+            stacklevel=5,
+        )
 
 
 def _warn_of_bytes(path: str, sets: Iterable[RawSet]) -> None:

@@ -67,7 +67,7 @@ def write_uff(
     parts += [_text_set("55", _shape(shape)) for shape in shapes]
     parts += [_function_set(function, binary=binary) for function in functions]
     if not parts:
-        raise ValueError(f"{path}: nothing to write")
+        raise ValueError(f"{path}: found no data, expected at least one set")
     return write_atomic(Path(path), b"".join(parts))
 
 

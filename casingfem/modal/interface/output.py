@@ -158,7 +158,7 @@ class NodeMean:
         """Row over the nodal fields, (nodes, dofs)."""
         place, solid = node_place(system, self.name, self.node), system.structure
         if not isinstance(solid, Solid):
-            found = f"a {type(solid).__name__}, expected a Solid: strains at nodes are those of solids"
+            found = f"a {type(solid).__name__}, expected a Solid, since strains at nodes are computed for solids only"
             raise ModelError("output-place", f"output {self.name!r}: found {found}")
         if self.component not in COMPONENTS:
             raise ModelError("output-direction", f"output {self.name!r}: found component {self.component!r}")
@@ -200,11 +200,13 @@ class NodeStress(NodeMean):
 def node_place(system: MeshSystem, name: str, node: int) -> int:
     """Index of an output's node; ModelError on a chart, or if no cell has it."""
     if not isinstance(system, MeshSystem):
-        raise ModelError("output-place", f"output {name!r}: found node {node} of a chart, whose nodes have no numbers")
+        raise ModelError(
+            "output-place", f"output {name!r}: found node {node} on a chart, expected a place by its parameters"
+        )
     try:
         return int(node_places(system, (node,))[0])
     except ModelError as error:
-        raise ModelError("output-place", f"output {name!r}: found node {node}, which no cell has") from error
+        raise ModelError("output-place", f"output {name!r}: found node {node}, expected a node of a cell") from error
 
 
 def strains_at(points: FloatArray, kind: str, nodes: IntArray, local: IntArray, D: FloatArray | None) -> FloatArray:

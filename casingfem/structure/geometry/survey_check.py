@@ -44,8 +44,11 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     s = np.linspace(0.0, float(np.real(chart.profile.length)), STATIONS)
     at, radial = chart.profile.at(s), points.quantity == "radius"
     if not (radial or np.all(np.real(at.z1) > 0.0) or np.all(np.real(at.z1) < 0.0)):
-        found = f"{Path(points.path).name}: found thicknesses by height on a meridian that is not steep everywhere"
-        raise ModelError("survey-other", f"{found}, expected one whose heights show where they were measured")
+        found = (
+            f"{Path(points.path).name}: found thicknesses by height on a meridian with flat parts, where the height "
+            "does not determine the point"
+        )
+        raise ModelError("survey-other", f"{found}, expected a meridian that is steep everywhere")
     weight = np.array([ASIDE if radial else 0.0, 1.0])
     line, slope = weight * np.real([at.r, at.z]).T, weight * np.real([at.r1, at.z1]).T
     place = weight * np.column_stack([points.value, points.z])
@@ -57,7 +60,7 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
         first = points.at(flat)
         where = f"theta {np.degrees(first.theta[0]):.4g} deg, z {first.z[0]:.4g} m"
         found = f"{Path(points.path).name}: found {len(first)} points where the meridian is flat, the first at {where}"
-        raise ModelError("survey-other", f"{found}, expected radii of its steep parts alone")
+        raise ModelError("survey-other", f"{found}, expected points on its steep parts only")
     radii = np.real(chart.profile.at(np.clip(along, s[0], s[-1])).r)
     return replace(points, z=along, value=points.value * mean_radius(chart) / radii)
 

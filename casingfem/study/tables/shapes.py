@@ -182,7 +182,7 @@ class SolidTable(ImportTable):
         other = {"scale", "join", "units", "tie"} if self.sections is not None else {"cells"}
         if wrong := sorted(other & self.model_fields_set):
             beside = "sections, whose columns name their units" if self.sections is not None else "mesh"
-            raise ValueError(f"found {', '.join(wrong)} beside {beside}, expected no such key there")
+            raise ValueError(f"found {', '.join(wrong)} with {beside}, expected no such key")
         return self
 
 
@@ -218,11 +218,13 @@ class ShellTable(ImportTable):
     def _plies(self) -> "ShellTable":
         total = sum(ply.thickness for ply in self.plies)
         if self.plies and abs(total - self.thickness) > 1e-6 * self.thickness:
-            raise ValueError(f"found plies of {total:g} m in a wall of {self.thickness:g} m, expected them to fill it")
+            raise ValueError(
+                f"found plies of {total:g} m in a wall of {self.thickness:g} m, expected equal thicknesses"
+            )
         for ply in self.plies:
             if ply.lamina is not None and ply.lamina not in self.lamina:
                 known = ", ".join(self.lamina) or "none"
-                raise ValueError(f"found a ply of lamina {ply.lamina!r}, expected one of those given: {known}")
+                raise ValueError(f"found a ply of lamina {ply.lamina!r}, expected one of: {known}")
         return self
 
     @model_validator(mode="after")
@@ -282,5 +284,5 @@ class RotationTable(Table):
     @model_validator(mode="after")
     def _one_point(self) -> "RotationTable":
         if self.centre is not None and self.point is not None:
-            raise ValueError("found centre and point, expected one of them: they are the same")
+            raise ValueError("found centre and point, expected one of them, since both give the same point")
         return self

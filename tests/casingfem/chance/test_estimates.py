@@ -102,7 +102,7 @@ def test_sobol_indices_of_ishigami_are_those_of_its_formula():
         (lambda: cf.chance.quantile(np.zeros(0), 0.5), "0 values"),
         (lambda: cf.chance.points(1, range(0, 16), 0), "0 random numbers"),
         (lambda: cf.chance.points(1, range(5, 16), 2), "multiple of 16"),
-        (lambda: cf.chance.importance(np.sin, {}, 1, seed=1), "a power of 2 and a group"),
+        (lambda: cf.chance.importance(np.sin, {}, 1, seed=1), "a power of 2 and at least one group"),
         (lambda: cf.chance.subset_simulation(np.sin, 1, 1.0, seed=1, size=10), "100 evaluations"),
     ],
 )

@@ -72,7 +72,7 @@ def test_campbell_of_a_blade_that_is_asks_for_a_speed(tmp_path):
     study.write_text(text.replace("speed_hz = 100.0", "speed_hz = 0.0"), encoding="utf-8")
     refused = call("campbell", study)
     assert refused.exit_code == 2
-    assert "--to-hz: STUDY is at rest: give the highest speed" in refused.stderr
+    assert "--to-hz: missing, and the speed of STUDY is 0" in refused.stderr
     given = call("campbell", study, "--count", 1, "--steps", 2, "--to-hz", 10.0, "--json")
     assert given.exit_code == 0, given.stderr
     assert json.loads(given.stdout)["speed_hz"] == [0.0, pytest.approx(10.0)]

@@ -17,10 +17,10 @@ from casingfem.cli import main
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("modes", "a.toml", "--modes", "1"), "--modes chooses what --vtu or --uff writes: give --vtu too"),
-        (("modes", "a.toml", "--vtu"), "--vtu or --uff needs --out DIR"),
-        (("modes", "a.toml", "--uff", "--modes", "1"), "--vtu or --uff needs --out DIR"),
-        (("rub", "a.toml", "--vtu"), "found --vtu without --out DIR, expected a folder to write to"),
+        (("modes", "a.toml", "--modes", "1"), "--modes found without --vtu or --uff"),
+        (("modes", "a.toml", "--vtu"), "--vtu or --uff found without --out DIR"),
+        (("modes", "a.toml", "--uff", "--modes", "1"), "--vtu or --uff found without --out DIR"),
+        (("rub", "a.toml", "--vtu"), "found --vtu without --out DIR, expected both"),
         (("identify", "a.uff", "--open", "--angles", "b.csv"), "--open is for parts without a circle of sensors"),
         (("import", "a.mtx", "--out", "a.npy"), "--out: found 'a.npy', expected a file name ending in .npz"),
         (("explain", "mesh-coarze"), "found 'mesh-coarze', expected a code such as shell-thickness"),

@@ -160,7 +160,7 @@ def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     os.killpg(process.pid, signal.SIGINT)
     said = process.communicate(timeout=20.0)[1]  # returns when the last worker has closed it
     assert process.returncode == 130
-    assert said == f"stopped: what is finished is safe in {out}/store; the same command goes on from there\n"
+    assert said == f"stopped: finished results are stored in {out}/store; the same command continues from them\n"
     again = CliRunner().invoke(main, ["sweep", str(file), "--jobs", "1", "--out", str(out), "--json"])
     assert 1 <= json.loads(again.stdout)["resumed"] < 24  # its workers did not go on to the end
 

@@ -48,7 +48,7 @@ def test_nothing_that_is_there_is_touched(here):
     (here / "mine").mkdir()
     again = invoke("new", "mine")
     assert again.exit_code == 2
-    assert "mine: found such a file or folder, expected none" in again.stderr
+    assert "mine: found an existing file or folder" in again.stderr
     assert list((here / "mine").iterdir()) == []
     assert invoke("new", "mine", "--out", "elsewhere").exit_code == 0
     assert (here / "elsewhere" / "mine" / "rub.toml").is_file()

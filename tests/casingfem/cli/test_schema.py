@@ -28,7 +28,7 @@ def asked(*args):
                 "whole number >= 1 <= 10000; 6 if left out",
             ],
         ),
-        ("contact", ["differs by the kind of file", "rub.contact: clearance [m]"]),
+        ("contact", ["differs between kinds of file", "rub.contact: clearance [m]"]),
         ("material.E", ["Young's modulus [Pa]"]),
         ("sweep.vary", ["log     whether steps", "false if left out"]),
         ("scene", ["rods: A scene of rods", "patch: A modal body"]),

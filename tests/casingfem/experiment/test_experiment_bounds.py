@@ -186,7 +186,7 @@ BOUNDS = {
     "H2": (lambda k: estimated(1 + k, estimator="H2"), "estimator: found H2 with 2 drives, expected H1, or one drive"),
     "estimator": (lambda k: estimated(estimator=("H1", "H3")[k]), "estimator: found 'H3', expected H1 or H2"),
     "window.name": (lambda k: estimated(window=("hann", "han")[k]), "window: found 'han', expected "),
-    "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "90.1 to 90.2 Hz with no line in it"),
+    "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "90.1 to 90.2 Hz without a line"),
     "scan.wander": (
         lambda k: cf.rig.Turning(mirror=2.0, wander=(0.1, 0.101)[k]),
         r"wander 0\.101, speckle 0\.0: expected",
@@ -204,12 +204,12 @@ BOUNDS = {
         "double_hit: found 1.0, expected 0 to 0.99",
     ),
     "unkind.phase": (lambda k: cf.rig.Troubles(phase_deg=(0.0, -1.0)[k]), "phase_deg: found -1.0, expected 0 to 90"),
-    "unkind.setups": (lambda k: cf.rig.Troubles(setups=(1, 0)[k]), "setups: found 0, expected none, or how much"),
-    "unkind.dead": (lambda k: cf.rig.Troubles(dead=(0, -1)[k]), "dead: found -1, expected none, or how much"),
-    "unkind.fixture": (lambda k: cf.rig.Troubles(fixture=(0, -1)[k]), "fixture: found -1, expected none, or how much"),
+    "unkind.setups": (lambda k: cf.rig.Troubles(setups=(1, 0)[k]), "setups: found 0, expected none, or a number"),
+    "unkind.dead": (lambda k: cf.rig.Troubles(dead=(0, -1)[k]), "dead: found -1, expected none, or a number"),
+    "unkind.fixture": (lambda k: cf.rig.Troubles(fixture=(0, -1)[k]), "fixture: found -1, expected none, or a number"),
     "unkind.window": (
         lambda k: cf.rig.Troubles(exponential=(0.0, -0.1)[k]),
-        "exponential: found -0.1, expected none, or how",
+        "exponential: found -0.1, expected none, or a number",
     ),
 }
 

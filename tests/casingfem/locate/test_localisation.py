@@ -286,7 +286,7 @@ def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, m
     table, plain = noisy
     found = cf.locate(casing, with_far_rows(table), most=1, model=model)
     assert (found.unpaired, plain.unpaired) == ((1, 2), ())
-    assert "no mode pairs with table modes 1, 2: they took no part" in repr(found).splitlines()
+    assert "no mode pairs with table modes 1, 2: they were not used" in repr(found).splitlines()
     told, expected = found.to_json(), plain.to_json()
     assert (told.pop("unpaired"), expected.pop("unpaired")) == ([1, 2], [])
     assert told == expected
@@ -407,7 +407,7 @@ def test_what_cannot_be_seen_is_reported(one_bolt, among, smallest, line):
 def test_twelve_rows_that_pair_with_nothing_are_named(one_bolt, count, more):
     bolt = (3, 60.0, 0.254, 0.0123)
     line = repr(localised(one_bolt, "bolts", ((bolt,), 0.0), unpaired=tuple(range(1, count + 1)))).splitlines()[4]
-    assert line == f"no mode pairs with table modes 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12{more}: they took no part"
+    assert line == f"no mode pairs with table modes 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12{more}: they were not used"
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ def test_waves_change_sides_with_what_turns():
     assert (c.branch, c.wave) == ("backward", "backward")
     assert c.speed_hz == pytest.approx(75600.0 / (2.0 * (8.0 - 16.0 / 65.0) * 120.0), rel=1e-5)
     assert c.casing_hz - 8.0 * c.speed_hz == pytest.approx(120.0, rel=1e-5)
-    assert "f_c + f_b = n f is not met" in repr(casing)
+    assert "f_c + f_b = n f is never met" in repr(casing)
 
 
 def test_the_table_states_when_the_sum_is_out_of_reach():

@@ -34,7 +34,7 @@ WRONG = [
     ("= 3e-3", "= 3.0", "thickness", "shell.thickness: found 3 m", "3 mm are 0.003 m"),
     ("= 3e-3", "= 0.3", "thickness", "shell.thickness: found 0.3 m, expected at most 0.5 of chart.radius", "in mm?"),
     ("= 0.002", "= 0.5", "zeta", "reduce.zeta: found 0.5, expected 0 to 0.2", "0.5 percent are 0.005"),
-    ("= 80.0", "= 4800.0", "speed", "rotation.speed_hz: found 4800 Hz = 288,000 rpm", "4800 rpm are 80 turns/s"),
+    ("= 80.0", "= 4800.0", "speed", "rotation.speed_hz: found 4800 Hz = 288,000 rpm", "4800 rpm are 80 Hz"),
 ]
 
 

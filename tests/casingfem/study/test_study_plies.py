@@ -52,7 +52,7 @@ def test_plies_of_a_study_are_those_of_python(tmp_path):
     ("old", "new", "told"),
     [
         ("thickness = 4e-3", "thickness = 3e-3", r"plies of 0.005 m in a wall of 0.006 m"),
-        ('lamina = "aramid"', 'lamina = "carbon"', "lamina 'carbon', expected one of those given: aramid"),
+        ('lamina = "aramid"', 'lamina = "carbon"', "lamina 'carbon', expected one of: aramid"),
         ('wall = "linear"\n', "", "expected \"linear\""),
         ("nu12 = 0.34", "nu12 = 4.0", "nu12"),
         ("E1 = 76e9", "E1 = -76e9", "E1"),

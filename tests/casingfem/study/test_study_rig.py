@@ -220,7 +220,7 @@ blocks = 2
         (CASING + EXACT + "[rig.test.troubles]\ndead = -1\n", "rig.test.troubles.dead"),
         (CASING + EXACT + "keep_records = true\n", "found keep_records with exact responses"),
         (CASING + SCAN + "drive = 3\n", "rig.scan.drive: found 3, expected 1 to 1"),
-        (CASING + SCAN.replace("mirror_hz = 2.3", ""), "a spot that moves"),
+        (CASING + SCAN.replace("mirror_hz = 2.3", ""), "at least one of them to turn"),
         (CASING + SCAN.replace("384.3", "372.4"), "cannot be separated"),
         (CASING + SCAN.replace("6.0", "0.3"), "too short"),
         (CASING.replace("height = 0.25\nangle_deg", "height = 0.35\nangle_deg") + EXACT, "outside the surface"),

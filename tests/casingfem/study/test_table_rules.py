@@ -86,7 +86,7 @@ BOLTS = {"kind": "bolts", "count": 4}
         (ShellTable, {"thickness": 2e-3, "plies": [PLY]}, "found plies of 0.001 m in a wall of 0.002 m"),
         (ShellTable, {"thickness": 2e-3, "plies": [PLY, {"thickness": 1.000003e-3}]}, "found plies of"),
         (ShellTable, {"thickness": 2e-3, "plies": [PLY, {"thickness": 0.999997e-3}]}, "found plies of"),
-        (ShellTable, {"thickness": 1e-3, "plies": [PLY | {"lamina": "tin"}]}, "expected one of those given: none"),
+        (ShellTable, {"thickness": 1e-3, "plies": [PLY | {"lamina": "tin"}]}, "expected one of: none"),
         (ShellTable, {"thickness": 1e-3, "join": 0.0}, "expected them with a mesh only"),
         (ShellTable, {"thickness": 1e-3, "thicknesses": {}}, "expected them with a mesh only"),
         (ModesTable, {"count": 40, "band_hz": [1.0, 2.0]}, "found count and band_hz"),

@@ -121,8 +121,8 @@ def test_a_damaged_set_is_taken_back(stopped):
     result = CliRunner().invoke(main, ["recover", str(stopped)])
     assert result.exit_code == 0
     assert result.stdout == (
-        f"{stopped}: put back the files before a set of 3: a.csv, sub/b.csv, added.csv\n"
-        "damaged or missing in the set: added.csv; run the command that wrote it again\n"
+        f"{stopped}: restored the former files of a set of 3: a.csv, sub/b.csv, added.csv\n"
+        "damaged or missing files of the set: added.csv; run the command that wrote it again\n"
     )
     assert found(stopped)[0] == OLD
 

@@ -42,7 +42,7 @@ courant = 0.5
 x = -0.01
 """
 WRONG = [
-    ("hz = 80.0", "hz = 4800.0", "speed", ["speed.hz: found 4800 Hz = 288,000 rpm", "4800 rpm are 80 turns/s"]),
+    ("hz = 80.0", "hz = 4800.0", "speed", ["speed.hz: found 4800 Hz = 288,000 rpm", "4800 rpm are 80 Hz"]),
     ("hz = 80.0", "hz = 80.0\nscan = {from_hz = 1.0, to_hz = 4800.0}", "speed", ["speed.scan.to_hz", "is this rpm?"]),
     ("= 1e-4", "= 0.5", "clearance", ["contact.clearance: found 0.5 m", "in mm? 0.5 mm are 0.0005 m"]),
     (

@@ -84,7 +84,7 @@ def test_a_rim_is_checked_over_its_scan_or_up_to_twice_its_speed(tmp_path):
         assert load(file).speed_hz.tolist() == [1.0, 2.0, 3.0, 4.0]
     assert ct.scene.load_stability(file).mu == 0.0
     file.write_text(RIM.replace("hz = 5.0", "hz = -5.0"))
-    with pytest.raises(ct.scene.SceneError, match=r"speed.hz: found -5 turns/s, expected no speed below 0"):
+    with pytest.raises(ct.scene.SceneError, match=r"speed.hz: found -5 Hz, expected a speed of 0 or above"):
         ct.scene.load_interactions(file)
 
 
@@ -174,7 +174,7 @@ def test_a_turning_rim_is_followed_over_its_speed_or_what_varies(turning):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ("[vary]\nfriction = [0.0, 0.3]\n", "expected a range of speeds, or .vary. with speed.hz"),
+        ("[vary]\nfriction = [0.0, 0.3]\n", "expected speed.from_hz and speed.to_hz, or speed.hz with .vary."),
         ("[continuation]\nchannels = ['span']\n", "continuation.channels found with a rim"),
         (COATING + "machined = 1e-4\n", "coating.machined found, expected 0"),
     ],
@@ -182,6 +182,6 @@ def test_a_turning_rim_is_followed_over_its_speed_or_what_varies(turning):
 def test_turning_rims_that_cannot_be_followed_are_refused(turning, more, words):
     with pytest.raises(ct.scene.SceneError, match=words):
         turning(TURNING + more)
-    with pytest.raises(ct.scene.SceneError, match=r"expected a range of speeds, or .vary. with speed.hz"):
+    with pytest.raises(ct.scene.SceneError, match=r"expected speed.from_hz and speed.to_hz, or speed.hz with .vary."):
         turning(TURNING.replace("from_hz = 3.0\nto_hz = 5.0", "hz = 4.0"))
     assert turning(TURNING + COATING + "machined = 0.0\n").between == (3.0, 5.0)

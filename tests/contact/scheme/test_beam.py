@@ -185,7 +185,7 @@ def test_a_beam_that_turns_away_or_not_at_all_has_no_time_of_contact(motion, wor
 
 
 def test_a_step_just_beyond_the_limit_is_refused_and_the_one_advised_is_taken():
-    with pytest.raises(ct.LimitError, match=r"omega_max = 2\.0000000?2, expected <= 2 .*take dt <=") as caught:
+    with pytest.raises(ct.LimitError, match=r"omega_max = 2\.0000000?2, expected <= 2 .*use dt <=") as caught:
         ct.run(CIRCLE, t_end=1e-4, courant=1.00000001)
     advised = float(str(caught.value).rpartition("<= ")[2].removesuffix(" s"))
     assert ct.run(CIRCLE, t_end=1e-4, dt=advised).dt == advised

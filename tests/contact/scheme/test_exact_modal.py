@@ -202,7 +202,7 @@ def test_static_push_is_exact():
 
 def test_limits_are_refused_with_their_numbers():
     bar = [ct.Rod(**BAR), ct.Wall(x=0.0)]
-    with pytest.raises(ct.LimitError, match=r"omega_max dt = 2.7, expected <= 2.5 .*take dt <="):
+    with pytest.raises(ct.LimitError, match=r"omega_max dt = 2.7, expected <= 2.5 .*use dt <="):
         ct.run(bar, t_end=1.0, dt=2.7 / omega_max(50), scheme=ct.ExactModal())
     with pytest.raises(ct.LimitError, match=r"rho = H_d/S = 2\.\d+ .*expected <= 1"):
         ct.run(bar, t_end=1.0, dt=1.5 / omega_max(50), scheme=ct.ExactModal(law="averaged"))

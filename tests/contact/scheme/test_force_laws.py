@@ -230,7 +230,7 @@ def test_a_step_that_is_long_for_the_stiffest_moment_is_flagged_with_one_that_fi
     result = impact(laws.Hertz(k=1e9), dt=time / 3.0, t_end=3.0 * time)
     (flag,) = (flag for flag in result.flags if flag.code == "step-too-long")
     assert "of the contact at its largest stiffness" in flag
-    assert "take dt <=" in flag
+    assert "use dt <=" in flag
 
 
 @pytest.mark.parametrize(

@@ -117,7 +117,7 @@ def test_penalty_error_does_not_fall_with_the_mesh():
 
 
 def test_steps_beyond_the_limit_are_refused_with_numbers():
-    with pytest.raises(ct.LimitError, match=r"dt \* omega_max = 2.2, expected <= 2 .*take dt <="):
+    with pytest.raises(ct.LimitError, match=r"dt \* omega_max = 2.2, expected <= 2 .*use dt <="):
         carpenter(20, 1.1)
     with pytest.raises(ct.LimitError, match="stability"):
         carpenter(20, 0.9, law=ct.Penalty(stiffness=2e11))

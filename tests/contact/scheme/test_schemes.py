@@ -347,7 +347,7 @@ def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
     ids=str,
 )  # fmt: skip
 def test_limits_are_refused_with_numbers(scheme, dt, limit):
-    with pytest.raises(ct.LimitError, match=rf"dt \* omega_max = .*, expected <= {limit} .*take dt <=") as caught:
+    with pytest.raises(ct.LimitError, match=rf"dt \* omega_max = .*, expected <= {limit} .*use dt <=") as caught:
         ct.run(frame(forcing=()), scheme=scheme, t_end=5.0, dt=dt)
     ct.run(frame(forcing=()), scheme=scheme, t_end=1.0, dt=advised(caught.value), on_limit="flag")
 

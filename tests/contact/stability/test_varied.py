@@ -43,7 +43,7 @@ def test_growth_of_a_case_is_that_of_its_own_bodies(turning):
         ({}, [0.0, 5.0], {}, "above 0"),
         ({}, [5.0], {"casing": np.ones((2, 3))}, "3 modes, expected 10"),
         ({}, [5.0], {"mu": np.array([0.1, -0.1])}, "friction < 0"),
-        ({}, [5.0], {"blade": np.array([1.0, 0.0])}, "not above 0"),
+        ({}, [5.0], {"blade": np.array([1.0, 0.0])}, "ratios <= 0"),
         ({}, [5.0], {"mu": np.zeros(3)}, "expected \\(cases, modes\\)"),
     ],
 )

@@ -116,5 +116,5 @@ class Estimate(Reported):
         used = f", {len(self.kept)} of {len(self.hits)} hits" if self.hits else ""
         averages = f"{self.averages} average{'s' * (self.averages > 1)}"
         lines = [f"Estimate({self.frfs!r}, {averages}{used})"]
-        lines += [f"hit {k + 1} is left out: {hit.fault}" for k, hit in enumerate(self.hits) if hit.fault]
+        lines += [f"hit {k + 1} is not used: {hit.fault}" for k, hit in enumerate(self.hits) if hit.fault]
         return "\n".join([*lines, *self.notes])

@@ -69,7 +69,7 @@ def _samples(used: list[Piece], hits: list[Hit], take: Take) -> int:
     """Number of samples of all blocks: an even number, that of the shortest."""
     if not used:
         words = "; ".join(f"hit {k + 1}: {hit.fault}" for k, hit in enumerate(hits[:MOST_NAMED]))
-        raise InputError(take.name, found=words, expected="at least one hit that can be used")
+        raise InputError(take.name, found=words, expected="at least one usable hit")
     samples = min(piece.samples for piece in used) // 2 * 2
     if samples < LEAST:
         raise InputError(take.name, found=f"{samples} samples a hit", expected=f"{LEAST} or more")
@@ -128,14 +128,14 @@ def _sets(
 
 def _few(count: int) -> Iterator[str]:
     if count < 2:
-        yield "one hit at a point: no coherence can be given; hit three to five times at each point"
+        yield "found one hit at a point, from which no coherence follows: hit three to five times at each point"
 
 
 def _negative(hits: list[Hit]) -> Iterator[str]:
     if np.median([hit.peak for hit in hits if not hit.fault]) < 0.0:
         yield (
-            "the pulses of the force are negative: all responses are turned over unless the hammer pushes against its"
-            " direction; check the sign of the force channel"
+            "the pulses of the force are negative, so that all responses have the wrong sign unless the hammer pushes"
+            " against its direction: check the sign of the force channel"
         )
 
 
@@ -144,12 +144,13 @@ def _ringing(left: float, seconds: float, tau: float | None) -> Iterator[str]:
     if left * (1.0 if tau is None else np.exp(-seconds / tau)) >= ENDED:
         duration, window = longer(left, seconds)
         yield (
-            f"ringing is at {100.0 * left:.0f} % when the record ends: measure {duration:.2g} s, or use an exponential"
+            f"the response has decayed only to {100.0 * left:.0f} % at the end: measure {duration:.2g} s, or use an "
+            "exponential"
             f" window of {window:.2g} s"
         )
     if tau is not None:
         yield (
-            f"the exponential window adds 1/(tau omega) to every damping ratio, tau = {tau:g} s; identify takes it off"
+            f"the exponential window adds 1/(tau omega) to every damping ratio, tau = {tau:g} s; identify subtracts it"
         )
 
 
@@ -174,8 +175,8 @@ def _clipped(used: list[Piece], samples: int) -> Iterator[str]:
             found[place] = found.get(place, 0) + 1
     for (channel, point), times in found.items():
         yield (
-            f"response channel {channel} (point {point}) is clipped in {times} of {len(used)} hits, which have no part"
-            " in its average: lower its sensitivity"
+            f"response channel {channel} (point {point}) is clipped in {times} of {len(used)} hits, which are not"
+            " averaged: reduce its sensitivity"
         )
 
 

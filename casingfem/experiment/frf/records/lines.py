@@ -26,7 +26,7 @@ def kept_lines(freq: FloatArray, fs: float, band: tuple[float, float] | None) ->
     low, high = band or (0.0, fs / BAND)
     kept = (freq > 0.0) & (freq >= low) & (freq <= high)
     if not 0.0 <= low < high or not kept.any():
-        found = f"{low:g} to {high:g} Hz with no line in it" if low < high else f"{low:g} to {high:g} Hz"
+        found = f"{low:g} to {high:g} Hz without a line" if low < high else f"{low:g} to {high:g} Hz"
         expected = f"from below to, with lines, which are {freq[1] - freq[0]:g} Hz apart up to {freq[-1]:g} Hz"
         raise InputError("band", found=found, expected=expected)
     return kept
@@ -64,7 +64,7 @@ def _turned_over(frfs: FrfSet) -> Iterator[str]:
         if float(sign * row.sum()) < TURNED * float(np.abs(row).sum()):
             yield (
                 f"channel {k + 1}: the mobility at the drive point {frfs.response_point[k]} is negative: force or"
-                " response is turned over; check the signs of both channels"
+                " response has the wrong sign; check the signs of both channels"
             )
 
 
@@ -72,6 +72,6 @@ def notes_of(frfs: FrfSet, force_unit: str) -> Iterator[str]:
     """Notes on drive points with a wrong sign, and on responses or forces without a unit."""
     yield from _turned_over(frfs)
     if frfs.unit and not force_unit:
-        yield "the force has no unit and is taken for N: state it in the file, as `force 1 x [N]`, or by --channels"
+        yield "the force has no unit, so N is assumed: give the unit in the file, as `force 1 x [N]`, or by --channels"
     if not frfs.unit:
-        yield "the responses have no unit: state it with --channels, or what they are with --form of identify"
+        yield "the responses have no unit: give it with --channels, or give their kind with --form of identify"

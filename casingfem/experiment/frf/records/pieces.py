@@ -87,10 +87,10 @@ def fault_of(piece: Piece) -> str:
     take, start, samples, found = piece
     fs, pulse = take.fs, found[0]
     if pulse.start - start < 1 or start < 0:
-        return "wrong trigger: the record begins after the pulse has begun; use a pre-trigger"
+        return "wrong trigger: the record begins after the start of the pulse; use a pre-trigger"
     if start + samples > len(take):
         seconds = (len(take) - pulse.start) / fs
-        return f"the record ends {seconds:.3g} s after the hit; {samples / fs:.3g} s are needed"
+        return f"the record ends {seconds:.3g} s after the hit, expected at least {samples / fs:.3g} s"
     if pulse.start - start > samples // 2:
         return "wrong trigger: the hit is in the second half of the record; set the pre-trigger"
     inside = [other for other in found[1:] if other.start < start + samples]
@@ -98,9 +98,9 @@ def fault_of(piece: Piece) -> str:
         share, delay = abs(inside[0].peak / pulse.peak), (inside[0].start - pulse.start) / fs
         return f"double hit: a second pulse of {100.0 * share:.0f} % comes {1e3 * delay:.3g} ms after the first"
     if len(clipped(take.force.responses[:, start : start + samples])):
-        return f"the force is clipped at {abs(pulse.peak):.3g} N: lower the sensitivity of its channel"
+        return f"the force is clipped at {abs(pulse.peak):.3g} N: reduce the sensitivity of its channel"
     if len(piece.clipped_responses(samples)) == len(take.response):
-        return "every response is clipped: lower the sensitivity, or hit more softly"
+        return "every response is clipped: reduce the sensitivity, or hit with less force"
     return ""
 
 

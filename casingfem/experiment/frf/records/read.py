@@ -93,7 +93,7 @@ def read_responses(path: str | os.PathLike[str], *, channels: str | os.PathLike[
     table = None if channels is None else read_channels(channels)
     blocks, beside = _blocks(path, table)
     if len(blocks) > 1:
-        expected = "one record: join them, or give the longest"
+        expected = "one record: join the records, or give the longest"
         raise InputError(str(path), found=f"{len(blocks)} records", expected=expected)
     responses = responses_of(blocks[0])
     return replace(responses, card=beside.card, path=str(path))

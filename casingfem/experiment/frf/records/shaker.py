@@ -31,14 +31,16 @@ def shaker_frfs(
     block -= block % 2
     if not SHORTEST <= block <= samples:
         found = f"blocks of {block} samples in records of {samples}"
-        raise InputError(takes[0].name, found=found, expected=f"{SHORTEST} samples or more, not more than these")
+        raise InputError(
+            takes[0].name, found=found, expected=f"{SHORTEST} samples or more, at most the length of the records"
+        )
     same_channels(list(takes))
     for take in takes:
         _check_forces(take)
         off = [*clipped(take.force.responses).tolist(), *clipped(take.response.responses).tolist()]
         if off:
             found = f"clipped channels: {len(clipped(take.force.responses))} forces, {_off(take)}"
-            raise InputError(take.name, found=found, expected="channels within their range: lower their sensitivity")
+            raise InputError(take.name, found=found, expected="channels within their range: reduce their sensitivity")
     x, f = (
         np.concatenate([block_spectra(part, block, window, overlap) for part in parts], axis=1)
         for parts in ([take.response.responses for take in takes], [take.force.responses for take in takes])
@@ -64,8 +66,8 @@ def _check_forces(take: Take) -> None:
         raise InputError(take.name, found=found, expected="a force: check the cable and the list of channels")
     alike = away / rms[:, None] @ (away / rms[:, None]).T / away.shape[1]
     if float(np.linalg.eigvalsh(alike).min()) < ONE_SIGNAL:
-        found = f"{len(force)} forces of which one follows from the others"
-        raise InputError(take.name, found=found, expected="forces of independent signals, or one of them")
+        found = f"{len(force)} linearly dependent forces"
+        raise InputError(take.name, found=found, expected="independent forces, or one force")
 
 
 def _off(take: Take) -> str:

@@ -57,7 +57,7 @@ class Take:
         x = self.response.x
         if not np.array_equal(x, self.force.x):
             found = f"{len(x)} samples of the responses, {len(self.force.x)} of the forces, or other instants"
-            raise InputError(self.name, found=found, expected="forces and responses sampled together")
+            raise InputError(self.name, found=found, expected="forces and responses at the same instants")
         if len(x) < LEAST:
             raise InputError(self.name, found=f"{len(x)} samples", expected=f"{LEAST} or more")
         if np.abs(x - np.linspace(x[0], x[-1], len(x))).max() > EVEN * (x[-1] - x[0]) / (len(x) - 1):
@@ -168,12 +168,12 @@ def _units(block: RecordBlock, force: list[bool]) -> None:
     for channel, is_one in zip(block.channels, force, strict=True):
         unit = channel.unit.strip()
         if is_one and unit and unit.lower() not in (*FORCES, UNCALIBRATED):
-            expected = "N, kN, daN, mN, lbf, kgf, or V where the force cell is not calibrated"
+            expected = "N, kN, daN, mN, lbf, kgf, or V if the force cell is not calibrated"
         elif not is_one and not _motion(unit):
             expected = "a unit of a motion, such as m/s^2, g, mm/s, mm"
         else:
             continue
-        advice = "correct it in the file or with --channels; a factor there converts the numbers"
+        advice = "correct it in the file or with --channels, where a factor converts the numbers"
         wrong.append(
             InputError(f"{block.name}, {channel.name}", found=f"the unit {unit!r}", expected=f"{expected}: {advice}")
         )
@@ -203,7 +203,7 @@ def _set(block: RecordBlock, at: list[int]) -> FrfSet:
         raise InputError(block.name, found=f"the unit {long!r}", expected=expected)
     if len(set(units)) > 1:
         found = f"responses in {' and '.join(sorted(set(unit or 'no unit' for unit in units)))}"
-        expected = "one unit: convert them with the column factor of --channels, or estimate each kind by itself"
+        expected = "one unit: convert them with the column factor of --channels, or estimate each kind separately"
         raise InputError(block.name, found=found, expected=expected)
     places: dict[str, Any] = {
         "response_point": np.array([c.point for c in chosen], np.int64),

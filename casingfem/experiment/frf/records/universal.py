@@ -91,7 +91,9 @@ def _by_number(functions: Sequence[Function], path: str) -> list[list[Function]]
     if len(counts) > 1:
         words = (f"{len(own)} of {place[0] or 'channel'} {place[1]}" for place, own in by_place.items())
         found = f"records: {', '.join(words)}"
-        raise InputError(path, found=found, expected="as many of every channel: each hit with its force and responses")
+        raise InputError(
+            path, found=found, expected="equal numbers for all channels: each hit with its force and responses"
+        )
     return [list(group) for group in zip(*by_place.values(), strict=True)]
 
 

@@ -43,7 +43,7 @@ def read_wav(path: str | os.PathLike[str], most: float) -> list[RecordBlock]:
         code = struct.unpack("<H", head[24:26])[0]
     if channels < 1 or fs < 1 or step != channels * bits // 8:
         found = f"{channels} channels, {fs} Hz, {step} bytes a sample of {bits} bits"
-        raise InputError(name, found=found, expected="numbers that belong together")
+        raise InputError(name, found=found, expected="consistent numbers in the header")
     body = chunks[b"data"]
     values = _values(body[: len(body) // step * step], code, bits, name).reshape(-1, channels).T
     names = tuple(RecordChannel(f"channel {k + 1}") for k in range(channels))

@@ -63,7 +63,7 @@ def bush_springs(given: NastranCards, card: Card) -> list[Spring]:
     """CBUSH: number, property, grids A and B, orientation, system, S, system of an offset, offset."""
     of = {given.field(p, 0): p for p in given.cards["PBUSH"]}.get(given.field(card, 1))
     if of is None:
-        raise given.numbers.fault(card, f"found the property {given.field(card, 1)}, which no PBUSH gives")
+        raise given.numbers.fault(card, f"found the property {given.field(card, 1)} without a PBUSH card, expected one")
     named = [text.upper() for text in of.fields]
     start = named.index("K") + 1 if "K" in named else len(named)
     k = np.zeros(6)
@@ -100,13 +100,18 @@ def directions(
         return given.systems.axes(card, given.numbers.integer(card, system), places[0])
     x = places[-1] - places[0]
     if not np.linalg.norm(x) > 0.0:
-        raise given.numbers.fault(card, "found coincident grids, or one, and no system (CID), expected one")
+        raise given.numbers.fault(
+            card, "found coincident grids, or one grid, without a coordinate system (CID), expected a CID"
+        )
     x = x / np.linalg.norm(x)
     if not k[[1, 2, 4, 5]].any():  # along the line alone
         return np.array([x, x, x])
     first, *others = (given.field(card, place) for place in (4, 5, 6))
     if not first:
-        raise given.numbers.fault(card, "found stiffness across the line of its grids and no orientation, expected one")
+        raise given.numbers.fault(
+            card,
+            "found stiffness across the line between its grids without an orientation, expected a vector, G0 or CID",
+        )
     if any(others) or not first.isdecimal():
         v = np.array([given.numbers.real(card, text) for text in (first, *others)])
         if grids[0] in given.turned:

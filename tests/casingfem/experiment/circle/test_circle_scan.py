@@ -454,7 +454,7 @@ def test_what_cannot_be_demodulated_is_refused():
 
     for given, orders, words in (
         (record(seconds=0.5), 8, r"too short: found 1.15 turns.*1.5 \(0.652 s, or a faster"),
-        (record(rate=0.0), 8, "casing that turns"),
+        (record(rate=0.0), 8, "turning mirror or casing"),
         (record(fs=760.0), 8, "expected all below fs/2"),
         (record(), [-1], "orders"),
         (record(), [], "orders"),

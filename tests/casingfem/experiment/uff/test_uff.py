@@ -366,7 +366,7 @@ def test_numbers_that_leave_a_column_free_may_have_exponents_of_three_digits(tmp
     assert row in data
     free = data.replace(row, b" 1.50000E+00 " * 5 + b"1.50000E-100 ")
     assert parse_uff(free, "file.uff").functions[0].values.tolist() == [1.5] * 5 + [1.5e-100]
-    with pytest.raises(cf.errors.InputError, match=r"' 1\.5000E-100 '.*with as many digits each"):
+    with pytest.raises(cf.errors.InputError, match=r"' 1\.5000E-100 '.*with equal numbers of digits"):
         parse_uff(free.replace(b"1.50000E-100", b" 1.5000E-100"), "file.uff")
 
 

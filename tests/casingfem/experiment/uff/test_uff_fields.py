@@ -17,11 +17,11 @@ PARTS = {
 FIRST = "the label of the first"
 CASES = {  # set, its line from 0, first column, width, what is there then, words
     "factor": ("164", 1, 0, 25, "0.0", "factors above 0"),
-    "label 0": ("2411", 0, 0, 10, "0", "found label 0; expected labels from 1, each once"),
-    "label twice": ("2411", 2, 0, 10, FIRST, "again; expected labels from 1, each once"),
+    "label 0": ("2411", 0, 0, 10, "0", "found label 0; expected labels from 1, each used once"),
+    "label twice": ("2411", 2, 0, 10, FIRST, "again; expected labels from 1, each used once"),
     "no nodes of a line": ("82", 0, 10, 10, "0", "found 0 nodes; expected 1 or more"),
     "more nodes than said": ("82", 0, 10, 10, "3", "nodes beyond the 3 of the header"),
-    "a node below 0": ("82", 2, 10, 10, "-2", "found node -2; expected nodes from 1, or 0 to lift the pen"),
+    "a node below 0": ("82", 2, 10, 10, "-2", "found node -2; expected nodes from 1, or 0 for a gap in the line"),
     "no nodes of an element": ("2412", 0, 50, 10, "0", "found 0 nodes; expected"),
     "a label of an element": ("2412", 0, 0, 10, "0", "found label 0; expected labels from 1"),
     "data type": ("55", 5, 40, 10, "3", "found data type 3; expected 2 (real) or 5 (complex)"),

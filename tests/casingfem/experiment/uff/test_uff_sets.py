@@ -218,7 +218,7 @@ def test_numbers_are_left_out_where_they_are_fewer_than_a_quarter_of_those_there
         (f"{1:10d} 3         {3:9d}", "line 3, set 82 (trace lines): found '3' in columns 11 to 20; expected a whole"),
         (f"{1:10d}{1.5:10}{3:10d}", "found '1.5' in columns 11 to 20"),
         (f"{1:10d}{3:10d}", "found nothing in columns 21 to 30"),
-        (f"{1:10d}{3:10d}{3:10d} x", "found 'x'; expected nothing beyond column 30"),
+        (f"{1:10d}{3:10d}{3:10d} x", "found 'x'; expected no text beyond column 30"),
     ],
 )
 def test_whole_numbers_are_flush_right_in_their_columns(line, words):

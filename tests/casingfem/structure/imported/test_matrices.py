@@ -625,7 +625,7 @@ def test_import_needs_nodes_and_an_npz(tmp_path):
     assert "--out: found 'set.json', expected a file name ending in .npz" in ran.stderr
     ran = run("import", tmp_path / "set.pch")
     assert ran.exit_code == 2
-    assert "set.pch: found no nodes that contact sees; expected --contact, --nodes, or EXTRN" in ran.stderr
+    assert "set.pch: found no nodes with contact; expected --contact, --nodes, or EXTRN" in ran.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["set.pch"]
 
 

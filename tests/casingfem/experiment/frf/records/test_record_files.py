@@ -256,4 +256,4 @@ def test_radial_sensors_have_direction_r_and_a_force_without_a_unit_is_taken_for
         [2],
         [9],
     )
-    assert any("taken for N" in note for note in found.notes)
+    assert any("N is assumed" in note for note in found.notes)

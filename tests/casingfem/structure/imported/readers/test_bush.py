@@ -111,7 +111,7 @@ def test_stiffness_is_behind_its_letter(property_card, stiffness, tmp_path):
 
 @pytest.mark.parametrize("c", [1, 2, 4, 5])
 def test_stiffness_across_its_line_needs_an_orientation(c, tmp_path):
-    with pytest.raises(cf.errors.ModelError, match="stiffness across the line of its grids and no orientation"):
+    with pytest.raises(cf.errors.ModelError, match="stiffness across the line between its grids"):
         springs(tmp_path, f"CBUSH,30,3,5,6\nPBUSH,3,K,{',' * c}7.")
 
 
@@ -124,13 +124,13 @@ def test_stiffness_along_its_line_alone_needs_no_orientation(tmp_path):
     ("cards", "told"),
     [
         ("CBUSH,30,3,5,6,7\nPBUSH,3,K,1.,-2.", "line 10: PBUSH: found the stiffness -2, expected one above 0"),
-        ("CBUSH,30,3,5,8,7\nPBUSH,3,K,1.", "line 9: CBUSH: found coincident grids, or one, and no system"),
+        ("CBUSH,30,3,5,8,7\nPBUSH,3,K,1.", "line 9: CBUSH: found coincident grids, or one grid"),
         (
             "CBUSH,30,3,5,6,7,,,,+\n+,,4\nPBUSH,3,K,1.",
             r"line 9: CBUSH: found an offset in system 4 \(OCID\), expected none",
         ),
         ("CBUSH,30,3,5,6,.5,.2,-.1\nPBUSH,3,K,1.,1.", "found an orientation along the line of its grids"),
-        ("CBUSH,30,2,5,6\nPBUSH,3,K,1.", "line 9: CBUSH: found the property 2, which no PBUSH gives"),
+        ("CBUSH,30,2,5,6\nPBUSH,3,K,1.", "line 9: CBUSH: found the property 2 without a PBUSH"),
     ],
 )
 def test_bushes_that_are_not_understood_are_refused(cards, told, tmp_path):
