@@ -99,6 +99,28 @@ def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
     return (*words, f"Safe: {listed(safe)}." if safe else "No speed of the range is safe.")
 
 
+def strip_parts(found: Any) -> list[tuple[float, str]]:
+    """Starts of the parts of the strip in per cent, ascending from 0, and the worst verdict of each.
+
+    Each part is drawn to the end of the strip, and the next one covers it: no gap between two parts shows a colour that
+    neither has. A range is at least LEAST wide.
+    """
+    low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
+    order, spans = list(VERDICTS), list[tuple[float, float, int]]()
+    for row in found.rows:
+        if row.at.verdict in VERDICTS:
+            left, right = (100.0 * (hz - low) / (high - low) for hz in (row.from_hz, row.to_hz))
+            left = min(left, 100.0 - LEAST)
+            spans.append((left, max(right, left + LEAST), order.index(row.at.verdict)))
+    parts = list[tuple[float, str]]()
+    for start in sorted({0.0, *(edge for left, right, _ in spans for edge in (left, right) if edge < 100.0)}):
+        inside = [rank for left, right, rank in spans if left <= start < right]
+        verdict = order[min(inside)] if inside else "safe"
+        if not parts or parts[-1][1] != verdict:
+            parts.append((start, verdict))
+    return parts
+
+
 def speed_strip(found: Any, speed_hz: float = 0.0) -> Markup:
     """The speed range as an HTML strip coloured by verdict, with a mark at `speed_hz` if it is inside.
 
@@ -109,15 +131,9 @@ def speed_strip(found: Any, speed_hz: float = 0.0) -> Markup:
     low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
     if not high > low:
         return Markup("")
-    worst_last = sorted(found.rows, key=lambda row: [*VERDICTS, "safe"].index(row.at.verdict), reverse=True)
     parts = Markup("").join(
-        Markup('<i class="{}" style="left:{:.2f}%;width:{:.2f}%"></i>').format(
-            row.at.verdict.replace(" ", "-"),
-            100.0 * (row.from_hz - low) / (high - low),
-            max(100.0 * (row.to_hz - row.from_hz) / (high - low), LEAST),
-        )
-        for row in worst_last
-        if row.at.verdict in VERDICTS
+        Markup('<i class="{}" style="left:{:.2f}%"></i>').format(verdict.replace(" ", "-"), start)
+        for start, verdict in strip_parts(found)
     )
     place = 100.0 * (speed_hz - low) / (high - low)
     mark = "" if not 0.0 <= place <= 100.0 or not speed_hz else Markup(

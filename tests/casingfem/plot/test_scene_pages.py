@@ -11,7 +11,7 @@ from casingfem.plot.history import Panel, figure_history
 from casingfem.plot.interaction import figure_map
 from casingfem.plot.motion import figure_spectrum
 from casingfem.plot.pages.scene import scene_page, scene_verdict
-from casingfem.plot.pages.speeds import safe_ranges, speed_words
+from casingfem.plot.pages.speeds import safe_ranges, speed_strip, speed_words, strip_parts
 from casingfem.plot.pages.sweep import sweep_verdict
 from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_waves, full_spectrum
 from contact.io.trust import Flag
@@ -185,6 +185,18 @@ def test_safe_speeds_are_those_between_the_dangerous_ones():
     assert speed_words(table()) == ("Safe: 60 to 600 rpm (1 to 10 Hz).",)
     assert speed_words(table(unstable=[(1.0, 10.0)]))[-1] == "No speed of the range is safe."
     assert speed_words(None, "speed: found 0") == ("There is no table of dangerous speeds: speed: found 0",)
+
+
+def test_the_strip_has_the_worst_verdict_of_each_speed_without_a_gap():
+    found = table(
+        unstable=[(2.8, 3.7)], resonance=[(2.8, 5.5), (5.5, 10.0)], not_decided=[(1.0, 1.0)], safe=[(1.5, 2.0)]
+    )
+    parts = [(round(start, 2), verdict) for start, verdict in strip_parts(found)]
+    assert parts == [(0.0, "not decided"), (0.6, "safe"), (20.0, "unstable"), (30.0, "resonance")]
+    html = str(speed_strip(found))
+    assert html.count("<i ") == len(parts) + 4  # and the key
+    assert "left:30.00%" in html
+    assert strip_parts(table(resonance=[(10.0, 10.0)])) == [(0.0, "safe"), (99.4, "resonance")]
 
 
 def test_a_page_has_no_repr_and_every_number_its_unit():
