@@ -11,7 +11,7 @@ from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.rub.deflection import RimWaves
-from contact.loop.rub.free_flight import LEAST, FreeFlight, largest_share, open_steps
+from contact.loop.rub.free_flight import LEAST, FreeFlight, Pairs, largest_share, open_steps
 from contact.record.record import Tally
 
 FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE, N_T, BEFORE, GAP = range(15)
@@ -52,6 +52,7 @@ class BatchFreeFlight(NamedTuple):
     floor: Array
     reach: Array
     taken: Indices
+    pairs: Pairs  # none
     open: Indices  # (8,): steps whose gap is surely open, up to this one
 
 
@@ -256,7 +257,7 @@ def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array
     if flights.open[k] < s.step[k] + min(room, LEAST):
         flight = FreeFlight(
             flights.powers[0], flights.fade[k], flights.cos[k], flights.sin[k], flights.start[k], flights.wave[k],
-            flights.row[k], flights.floor[k], flights.reach, flights.taken[k],
+            flights.row[k], flights.floor[k], flights.reach, flights.taken[k], flights.pairs,
         )  # fmt: skip
         bound = largest_share(flight, s.q[:, k], d[:, k])
         clear: int = open_steps(flight.floor, bound, angle_after(s, k, s.step[k] + 1), -s.speed[k] * s.h[k])

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside, jit_vectors
+from contact.loop.modal.rows import RowBlocks, fill_some, product
 from contact.loop.rub.rows import RubRows
 from contact.loop.rub.state import RubState, Work
 from contact.record.record import Samples, Tally
@@ -19,13 +20,29 @@ from contact.record.record import Samples, Tally
 LEAST = 6  # steps: a shorter skip saves less than the search for it takes
 PAUSE = 16  # steps after a contact before a skip is tried
 WAIT = 512  # steps at most between two tries: amplitudes decay meanwhile
+MANY = 16  # steps: the same of coupled modes, whose skip costs as much as several steps
 FOREVER = 1 << 40
+
+
+class Pairs(NamedTuple):
+    """Coordinates z = x + i y of the free motion of m coupled modes, one for each pair of poles; arrays may be empty.
+
+    Vectors (q, D) and (x, y) have 2 w entries, of w = m in whole blocks of eight.
+    """
+
+    into: RowBlocks  # (2 w, 2 w) from (q, D) to (x, y)
+    back: RowBlocks  # (2 w, 2 w)
+    most: Array  # (m,) that |z| = 1 moves the gap at any angle
+    damping: RowBlocks  # (2 w, 2 w) upper triangle of the energy that damping changes
+    false: RowBlocks  # (2 w, 2 w) of that which the scheme changes; empty if it changes none
+    room: Array  # (3, 2 w) work space
 
 
 class FreeFlight(NamedTuple):
     """Maps over 2^j steps, coefficients of the amplitudes, least clearance by angle.
 
-    `powers` is empty if no step is skipped.
+    `powers` is empty if no step is skipped. Of coupled modes it maps the coordinates of `pairs`, and the fields from
+    `cos` to `row` are empty.
     """
 
     powers: Array  # (bits, 4, m): (q, D) -> (q, D), entries 11, 12, 21, 22
@@ -38,6 +55,7 @@ class FreeFlight(NamedTuple):
     floor: Array  # (cells,) least clearance of each cell of the contact angle
     reach: Array  # (2 (highest harmonic + 1),), work space
     taken: Indices  # (2,): skips taken, steps in them
+    pairs: Pairs
 
 
 @jit
@@ -160,6 +178,51 @@ def skip_ahead(s: RubState, rows: RubRows, flight: FreeFlight, w: Work, angle: f
         return steps
     if loses(s.weight):
         sums.damping[0] += discrete_energy(q, own, be, c) - before
+    s.known[0], s.inside[0] = 0, 0
+    for side in range(2):
+        w.fresh[side, 0] = 0
+    return steps
+
+
+@jit_inside
+def form_of(triangle: RowBlocks, x: Array, y: Array) -> float:
+    """Quadratic form of x with this upper triangle, 0 if it is empty; y is work space."""
+    if triangle.wave.size == 0:
+        return 0.0
+    fill_some(triangle, x, 0, y)
+    result: float = product(x, y)
+    return result
+
+
+@jit
+def skip_coupled(s: RubState, rows: RubRows, flight: FreeFlight, w: Work, angle: float, turn: float, room: int,
+                 sums: Tally) -> int:  # fmt: skip
+    """Like `skip_ahead`, for coupled modes."""
+    if room < MANY:
+        return -(room + 1)
+    m, n, pairs = flight.fade.size, s.q.size, flight.pairs
+    x, z, y = pairs.room[0], pairs.room[1], pairs.room[2]
+    for i in range(n):
+        x[i], x[n + i] = s.q[i], s.d[i]
+    fill_some(pairs.into, x, 0, z)
+    bound = 0.0
+    for k in range(m):
+        bound += pairs.most[k] * math.sqrt(z[k] * z[k] + z[n + k] * z[n + k])
+    clear: int = open_steps(flight.floor, bound, rows.angle[0] - (angle + turn), -turn)
+    if clear < 0:
+        return clear
+    steps: int = min(clear, room, (1 << flight.powers.shape[0]) - 1)
+    if steps < MANY:
+        return -(steps + 1)
+    damped, made = form_of(pairs.damping, x, y), form_of(pairs.false, x, y)
+    propagate(z[:m], z[n : n + m], flight.powers, steps)
+    fill_some(pairs.back, z, 0, x)
+    for i in range(n):
+        s.q[i], s.d[i] = x[i], x[n + i]
+    sums.damping[0] += form_of(pairs.damping, x, y) - damped
+    sums.algorithmic[0] += form_of(pairs.false, x, y) - made
+    flight.taken[0] += 1
+    flight.taken[1] += steps
     s.known[0], s.inside[0] = 0, 0
     for side in range(2):
         w.fresh[side, 0] = 0

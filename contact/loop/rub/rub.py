@@ -23,7 +23,7 @@ from contact.loop.rub.deflection import (
     note_deflection,
     strained,
 )
-from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
+from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, skip_coupled, untouched
 from contact.loop.rub.matrix import enter_cell
 from contact.loop.rub.motion import felt, see
 from contact.loop.rub.predict import find_near, flow, propagate, stand
@@ -284,7 +284,11 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
     while step < end:
         if step >= retry and may_skip(s, sums):
             room = min(end - step, untouched(out, sums, step))
-            skipped = skip_ahead(s, rows, flight, w, angle, omega * h, room, sums) if room > 0 else -1
+            skipped = -1
+            if blocks is None:
+                skipped = skip_ahead(s, rows, flight, w, angle, omega * h, room, sums) if room > 0 else -1
+            else:
+                skipped = skip_coupled(s, rows, flight, w, angle, omega * h, room, sums) if room > 0 else -1
             retry = step - skipped
             if skipped > 0:
                 step += skipped

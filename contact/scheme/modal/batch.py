@@ -19,6 +19,7 @@ from contact.model.gaps.deflection import RimRows, places
 from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.blocks import whole
+from contact.scheme.modal.coupled_flight import no_pairs
 from contact.scheme.modal.rub_stepper import RubStepper
 from contact.scheme.modal.slot import Slot, give_back, slot_of
 
@@ -316,7 +317,7 @@ def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
         powers=shared, floor=np.zeros((WIDTH, max(flight.floor.size for flight in kinds))),
         start=np.zeros((WIDTH, m + 1), dtype=np.int64), wave=np.zeros((WIDTH, size), dtype=np.int64),
         row=np.zeros((WIDTH, size)), reach=np.zeros(max(flight.reach.size for flight in kinds)),
-        taken=np.zeros((WIDTH, 2), dtype=np.int64), open=np.zeros(WIDTH, dtype=np.int64), **arrays,
+        taken=np.zeros((WIDTH, 2), dtype=np.int64), open=np.zeros(WIDTH, dtype=np.int64), pairs=no_pairs(), **arrays,
     )  # fmt: skip
 
 

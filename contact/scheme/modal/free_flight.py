@@ -11,12 +11,12 @@ from contact.base.remembered import remembered
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import RimTable, RubSystem
 from contact.model.trig import Terms, Trig, fourier, terms
+from contact.scheme.modal.coupled_flight import BITS, no_pairs, pairs_of
 from contact.scheme.modal.propagator import Propagator
 
 if TYPE_CHECKING:
     from contact.loop.rub.free_flight import FreeFlight
 
-BITS = 24  # a skip is shorter than 2^BITS steps
 CELLS = 720  # of the contact angle
 POINTS = 8  # where the clearance is examined in each cell
 
@@ -24,10 +24,10 @@ POINTS = 8  # where the clearance is examined in each cell
 def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -> FreeFlight:
     """Data for skipping; without powers if not `skip`, or if the gap does not depend on free modes and one angle alone.
 
-    Skipping needs one tip at constant speed without whirl, closing, gravity, loads and stiffening by speed, and
-    uncoupled modes. A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q, al D - be q).
-    The powers are formed in extended precision from the coefficients that the steps use, so that runs with and without
-    skips differ only by round-off.
+    Skipping needs one tip at constant speed without whirl, closing, gravity, loads and stiffening by speed. Coupled
+    modes are skipped by `coupled_flight`. A skip of single modes over k steps is the k-th power of the modal map
+    (q, D) -> (q + al D - be q, al D - be q). The powers are formed in extended precision from the coefficients that the
+    steps use, so that runs with and without skips differ only by round-off.
     """
     from contact.loop.rub.free_flight import FreeFlight
 
@@ -35,10 +35,16 @@ def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -
     if not (skip and _is_free(rub, system, parts)):
         return no_flight(parts)
     rows = _normal(system.rim, system.blade_rows, system.own, system.line, system.directions, m)
+    floor = _floor(rub, float(system.clearance[0]))
+    if parts.coupled is not None:
+        waves = rows.full(2 * (int(rows.wave.max(initial=0)) // 2 + 1))
+        maps, pairs = pairs_of(parts, waves[:, ::2], waves[:, 1::2])
+        return no_flight(parts)._replace(powers=maps, floor=floor, pairs=pairs)
     return FreeFlight(
         powers=powers(parts.al, parts.be), fade=parts.fade, cos=np.cos(parts.turn), sin=np.sin(parts.turn),
-        start=rows.start, wave=rows.wave, row=rows.value, floor=_floor(rub, float(system.clearance[0])),
+        start=rows.start, wave=rows.wave, row=rows.value, floor=floor,
         reach=np.zeros(2 * (int(rows.wave.max(initial=0)) // 2 + 1)), taken=np.zeros(2, dtype=np.int64),
+        pairs=no_pairs(),
     )  # fmt: skip
 
 
@@ -49,14 +55,14 @@ def no_flight(parts: Propagator) -> FreeFlight:
     none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
     return FreeFlight(
         powers=readonly(np.zeros((0, 4, parts.omega.size))), fade=parts.fade, cos=none, sin=none, start=whole,
-        wave=whole, row=none, floor=readonly(none), reach=none, taken=np.zeros(2, dtype=np.int64),
+        wave=whole, row=none, floor=readonly(none), reach=none, taken=np.zeros(2, dtype=np.int64), pairs=no_pairs(),
     )  # fmt: skip
 
 
 def _is_free(rub: Rub, system: RubSystem, parts: Propagator) -> bool:
     still = len(np.unique(rub.speed.hz)) == len(np.unique(rub.closing.by)) == 1
     return (
-        system.contacts == 1 and still and parts.coupled is None and not system.load.any()
+        system.contacts == 1 and still and not system.load.any()
         and not (rub.whirl or rub.forces or rub.stiffening or rub.rotor)
     )  # fmt: skip
 
