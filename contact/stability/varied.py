@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from contact.loop.poles import Varied
 
 SEEN = 1e-14  # of the largest residue: below, contact does not see a pole
+PART = 1e-6  # of a wave's largest mode: below, a mode is not part of the wave
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -58,7 +59,7 @@ def growth_of_cases(what: RotatingRim | Rub, speed_hz: Array, cases: Cases) -> A
     """Largest growth [1/s] of closed contact of each case at speeds [turns/s] above 0, (cases, speeds).
 
     Raises InputError for a rub with several contacts, a split casing, speeds that are not above 0, or cases with
-    another number of modes.
+    another number of modes or with different ratios of the two modes of a pair.
 
     >>> from contact.model.bodies.modal_body import ModalBody
     >>> from contact.model.gaps.bladed_disk import pair_rim
@@ -98,6 +99,12 @@ def _require(contact: ClosedContact, speeds: Array, cases: Cases) -> None:
     contact.require_known(2.0 * math.pi * speeds)
     if cases.casing.shape[1] != contact.casing:
         raise InputError(f"cases: found {cases.casing.shape[1]} modes, expected {contact.casing}, those of the casing")
+    for shape in np.abs(waves_of(contact).U[: contact.casing]).T:
+        pair = np.flatnonzero(shape > PART * shape.max(initial=0.0))
+        if pair.size > 1 and np.any(np.ptp(cases.casing[:, pair], axis=1) > 0.0):
+            modes = " and ".join(str(mode + 1) for mode in pair)
+            found = f"different frequency ratios of casing modes {modes}"
+            raise InputError(f"cases: found {found}, expected equal ratios: these modes are a pair")
 
 
 def _varied(

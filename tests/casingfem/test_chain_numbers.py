@@ -204,7 +204,7 @@ def test_numbers_of_a_scan(held):
     held(
         1e-5,
         V=made.V,
-        waves=[x for one in waves for x in (one.amplitude, one.travelling)],
+        waves=[x for one in waves for x in (one.amplitude, one.amplitude * one.travelling)],
         velocity=made.record.velocity[::97],
         angle=made.record.angle[::97],
     )

@@ -44,6 +44,7 @@ def test_growth_of_a_case_is_that_of_its_own_bodies(turning):
         ({}, [5.0], {"casing": np.ones((2, 3))}, "3 modes, expected 10"),
         ({}, [5.0], {"mu": np.array([0.1, -0.1])}, "friction < 0"),
         ({}, [5.0], {"blade": np.array([1.0, 0.0])}, "ratios <= 0"),
+        ({}, [5.0], {"casing": np.linspace(1.0, 1.1, 20).reshape(2, 10)}, "different frequency ratios of casing modes"),
         ({}, [5.0], {"mu": np.zeros(3)}, "expected \\(cases, modes\\)"),
     ],
 )
