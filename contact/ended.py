@@ -139,8 +139,9 @@ def with_growth(
         growth = replace(growth, time_to_half_wall=result.steps * result.dt)
     if growth.state == "grows" and ready.marked and marks is not None:
         growth = with_half_step(
-            ready.problem, ready.law, ready.scheme, result.dt, result.steps, marks, growth, ready.count
-        )
+            ready.problem, ready.law, ready.scheme, result.dt, result.steps, marks, growth, ready.count,
+            stopped=limit is not None and limit[0] in ("wall", "radius"),
+        )  # fmt: skip
     return replace(result, growth=growth)
 
 

@@ -14,7 +14,7 @@ from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.limits import RIM, TIP
+from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.gaps.rub import Rub, Start, rub_of
 from contact.model.law import Law
 from contact.record.growth import RunGrowth
@@ -66,7 +66,7 @@ def states(stepper: Stepper, first: int, count: int, share: float = 1.0) -> tupl
 
 def with_half_step(
     problem: Problem, law: Law, scheme: Scheme, dt: float, taken: int, marks: Sequence[Mark], growth: RunGrowth,
-    count: int,
+    count: int, *, stopped: bool,
 ) -> RunGrowth:  # fmt: skip
     """The growth of a run of `count` planned steps, and the growth of its last part repeated at half the step.
 
@@ -76,6 +76,9 @@ def with_half_step(
 
     Where the growth differs, the interval is also repeated at the same step, up to COPIES times, from a state changed
     by a fraction CHANGED. An irregular motion then develops differently.
+
+    Where the growth is still that of the step, a run that was `stopped` at a limit of its motion is repeated whole at
+    half the step, up to its planned end. If it passes a limit there too, it grows at both steps.
     """
     end = taken * dt
     begin = max(growth.since, end - max(LONG * end, FOLDS / growth.rate))
@@ -85,16 +88,25 @@ def with_half_step(
     share = 1.0 - (0 if at is None else at.taken) / taken
     try:
         found = growth.checked(*again(_starting_at(problem, at, dt), dt, 2), 2.0 * share)
-        if found.converged is not False or not before:
-            return found
-        for k in range(1, COPIES + 1):
+        for k in range(1, COPIES + 1 if found.converged is False and before else 1):
             start = _starting_at(problem, at, dt, moved=k * CHANGED * before[-1].q)
             found = replace(found, same_step=again(start, dt, 1)[0], check_share=found.check_share + share)
             if found.irregular:
                 break
+        if found.numerical and stopped:
+            passes, steps = _passes(problem, law, scheme, 0.5 * dt, 2 * count)
+            found = replace(found, passes=passes, check_share=found.check_share + steps / taken)
         return found
     except InputError:
         return growth
+
+
+def _passes(problem: Problem, law: Law, scheme: Scheme, dt: float, count: int) -> tuple[bool, int]:
+    """Whether a run of at most `count` steps passes a limit of its motion, and its number of steps."""
+    stepper = scheme.prepare(problem, law, dt=dt, courant=None)
+    with np.errstate(all="ignore"):
+        time, _ = states(stepper, 0, count)
+    return passed(stepper.limits) is not None, round(float(time[-1]) / dt)
 
 
 class _Start(NamedTuple):

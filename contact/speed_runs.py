@@ -1,7 +1,8 @@
 """Runs of one scene at many constant speeds, and the verdict of each: unstable, resonance, safe or not decided.
 
 The verdict is the growth of the run (`contact.stability.of_run`). A run that is too short to decide is repeated longer.
-The last part of a growing run is repeated with half the step (`contact.half_step`).
+So is a run that grows with contact that opens and has passed no limit: such a growth may end in a bounded motion. The
+last part of a growing run is repeated with half the step (`contact.half_step`).
 """
 
 from __future__ import annotations
@@ -26,12 +27,13 @@ from contact.model.speed import Speed
 from contact.prepared import Scene
 from contact.record.growth import STANDS, Check, Ending, RunGrowth
 from contact.record.record import STATES, Record, prime_stride
+from contact.result import Result
 from contact.run_many import Outcome, run_many
 from contact.stability.of_run import disk_path, of_rotor_run, whirl_sense
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
 CLOSED = 0.99  # of the time: a contact that stays closed
-LONGER = (4.0, 16.0)  # times t_end, one after the other, for runs that are too short to decide
+LONGER = (4.0, 16.0)  # times t_end, one after the other, for runs that do not decide
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
@@ -55,7 +57,7 @@ class SpeedRun:
     motions that do not grow. `state` is the end state of the motion, `steady` the relative variation of the largest
     deflection between windows of the last part; `contact` the fraction of the time in which the contact that touches
     most was closed. `limit_m` is the largest rim deflection that the linear model allows, for a run that passed it and
-    was stopped; nan for others. `allowed_m` is that deflection for every run.
+    was stopped; nan for others. `allowed_m` is that deflection for every run. `may_change` is that of the run's result.
     """
 
     speed_hz: float
@@ -77,6 +79,7 @@ class SpeedRun:
     contact: float = math.nan
     limit_m: float = math.nan
     allowed_m: float = math.nan
+    may_change: bool = False
 
     @property
     def stopped(self) -> bool:
@@ -170,6 +173,19 @@ def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tu
     return tuple(found)
 
 
+def may_change(result: Result) -> bool:
+    """Whether a longer run may change the verdict of a run that no limit of the motion stopped.
+
+    The run is too short to decide, or the motion grows while its contact opens and closes, which may bound it further
+    on. Without contact, or with contact that stays closed, the motion is linear and grows on.
+    """
+    growth = result.growth
+    if result.divergence is not None or growth is None:
+        return result.divergence is None
+    opens = growth.cause is not None and 0.0 < growth.cause.closed < CLOSED
+    return growth.outcome == "undecided" or (growth.outcome == "grows" and opens)
+
+
 def _ran(scene: Scene, speed_hz: Array, poles: Array, what: str = "runs") -> list[SpeedRun]:
     """The scene at each speed; every motion that does not grow counts as a resonance until all runs are known."""
     return _judged([at_speed(scene, hz) for hz in speed_hz.tolist()], speed_hz, poles, what)
@@ -221,10 +237,10 @@ def _of_rotor(what: object, outcome: Outcome) -> Outcome:
 
 
 def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """The runs, with those that are too short repeated, each time longer."""
+    """The runs; those that a longer run may change are repeated, each time longer."""
     found = {run.speed_hz: run for run in runs}
     for times in LONGER:
-        short = [run for run in found.values() if run.why == SHORT]
+        short = [run for run in found.values() if run.may_change]
         if not short or scene.t_end is None:
             break
         speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
@@ -321,7 +337,7 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     if growth is not None and growth.amplitude < STILL * size:
         return replace(run, verdict="safe")
     verdict, why = _of_growth(growth, passed=passed)
-    return replace(run, verdict=verdict, why=why)
+    return replace(run, verdict=verdict, why=why, may_change=may_change(result))
 
 
 def _wave(travel: float) -> str:
@@ -332,14 +348,14 @@ def _wave(travel: float) -> str:
 
 def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
     """Verdict of a run, and the reason if there is none; `passed`: whether the rim moved beyond half its wall."""
-    check = "" if growth is None else growth.check
-    if check == "numerical":
+    outcome = "undecided" if growth is None else growth.outcome
+    if outcome == "numerical":
         return "not decided", NUMERICAL
-    if passed or (growth is not None and growth.state == "grows"):
-        return "unstable", OTHER_RATE.get(check, "")
-    if growth is None or growth.state == "undecided":
+    if passed or outcome == "grows":
+        return "unstable", "" if growth is None else OTHER_RATE.get(growth.check, "")
+    if outcome == "undecided":
         return "not decided", SHORT
-    return ("safe" if growth.state == "at rest" else "resonance"), ""
+    return ("safe" if outcome == "at rest" else "resonance"), ""
 
 
 def _decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:

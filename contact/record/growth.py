@@ -10,9 +10,10 @@ from contact.io.outfiles import finite
 from contact.io.trust import Flag
 
 Ending = Literal["grows", "bounded", "decays", "undecided", "at rest"]
+Outcome = Literal["grows", "numerical", "bounded", "decays", "undecided", "at rest"]
 Check = Literal["", "converged", "numerical", "irregular", "depends on the step"]
 AGREED = 0.1  # of the growth: largest change by half the step
-NUMERICAL = 0.5  # of the growth: if half the step gives less, the step causes it
+NUMERICAL = 0.5  # of the growth: if half the step gives less, the step may cause it
 STEADY = 0.02  # of the largest deflection: windows of a motion that may be periodic differ by less
 STANDS = 0.3  # share of one travelling wave below which the motion is a standing wave
 
@@ -67,6 +68,8 @@ class RunGrowth:
     unknown. `half_step` is the growth [1/s] of the last part at half the step, `half_step_width` half its interval, and
     `check_share` the ratio of its steps to those of the run; nan without this check. `same_step` [1/s]: if the growth
     at half the step differs, that of the last part repeated at the same step from a slightly different start.
+    `passes`: whether the run passed a limit of its motion and a repetition at half the step does too; it is computed
+    if half the step gives less than half of the growth.
     """
 
     rate: float
@@ -82,6 +85,7 @@ class RunGrowth:
     half_step_width: float = math.nan
     check_share: float = math.nan
     same_step: float = math.nan
+    passes: bool = False
 
     def __repr__(self) -> str:
         return self.words
@@ -128,9 +132,23 @@ class RunGrowth:
 
     @property
     def numerical(self) -> bool:
-        """Whether half the step gives less than half of the growth, for a motion that is not irregular."""
+        """Whether half the step gives less than half of the growth, for a motion that is not irregular.
+
+        A motion that passes the same limit at half the step grows there too.
+        """
         less = self.half_step + self.half_step_width < NUMERICAL * self.rate
-        return self.converged is False and less and not self.irregular
+        return self.converged is False and less and not (self.irregular or self.passes)
+
+    @property
+    def outcome(self) -> Outcome:
+        """The verdict that tables and pages show: `state`, but "numerical" if the growth is an effect of the step.
+
+        >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
+        ...                   time_to_half_wall=0.5, cause=None)
+        >>> grows.outcome, grows.checked(2.0, 0.1, 0.3).outcome
+        ('grows', 'numerical')
+        """
+        return "numerical" if self.numerical else self.state
 
     @property
     def check(self) -> Check:

@@ -23,7 +23,7 @@ from contact.record.growth import Cause, Ending, RunGrowth
 from contact.stability.envelope import Envelope, Fit, envelope, growth_of
 
 SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that its whole interval must have
-RISE = 0.4  # e-folds over the last stretch that its interval must exclude where a motion is bounded: a rise by half
+RISE = 0.4  # e-folds that a bounded motion may rise in as much time again as the run took: by half
 GREAT = 1.0  # e-folds that the whole interval must have where the motion was as large before
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
@@ -222,7 +222,7 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
             rate=none, low=none, high=none, state=state, amplitude=amplitude, steady=steady, since=since,
             time_to_half_wall=_stopped(result), cause=cause,
         )  # fmt: skip
-    state = _state(fit, float(result.state_time[-1]) - since, _beyond(total, first))
+    state = _state(fit, float(result.state_time[-1]) - since, float(np.ptp(result.state_time)), _beyond(total, first))
     reaches = _half_wall(seen, result, fit.rate, deflection, late) if state == "grows" else _stopped(result)
     return RunGrowth(
         rate=fit.rate, low=fit.low, high=fit.high, state=state, amplitude=amplitude, steady=steady, since=since,
@@ -230,25 +230,28 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
     )  # fmt: skip
 
 
-def _state(fit: Fit, span: float, beyond: bool) -> Ending:
-    """State of the motion in the last `span` seconds from its mean growth, which is known to within `scatter`.
+def _state(fit: Fit, span: float, whole: float, beyond: bool) -> Ending:
+    """State of the motion in the last `span` of `whole` seconds from its mean growth, which is known to `scatter`.
 
     A motion grows only if the whole interval is above 0, since a strongly curved envelope may be part of a slow beat.
     It must also end `beyond` all earlier levels, or rise by e^GREAT, since the level of an intermittent motion varies.
-    It is bounded if a rise by e^RISE is excluded.
+    It is bounded if the interval excludes a rise by e^RISE in as much time again as the run took: a short last stretch
+    after a long start does not show that.
 
     >>> fits = ((3, 1, 1), (3, -1, 1), (1, 0, 1), (2, 0, 2), (-3, -4, 1))
-    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.19, True) for rate, low, scatter in fits]
+    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.19, 0.19, True) for rate, low, scatter in fits]
     ['grows', 'undecided', 'bounded', 'undecided', 'decays']
-    >>> _state(Fit(3, 1, 5, 1, 0), 0.2, False), _state(Fit(9, 7, 11, 1, 0), 0.2, False)
+    >>> _state(Fit(3, 1, 5, 1, 0), 0.2, 0.2, False), _state(Fit(9, 7, 11, 1, 0), 0.2, 0.2, False)
     ('undecided', 'grows')
+    >>> _state(Fit(1, 0, 2, 1, 0), 0.19, 0.5, True)
+    'undecided'
     """
     folds, scatter = fit.rate * span, fit.scatter * span
     if folds > SLIGHT and folds - scatter > SURE:
         return "grows" if fit.low > 0.0 and (beyond or fit.low * span > GREAT) else "undecided"
     if folds < -SLIGHT and folds + scatter < -SURE:
         return "decays"
-    return "bounded" if folds + scatter < RISE else "undecided"
+    return "bounded" if (fit.rate + fit.scatter) * whole < RISE else "undecided"
 
 
 def _beyond(energy: Array, first: int) -> bool:
