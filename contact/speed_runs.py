@@ -16,6 +16,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
+from contact.io.decision import decision
 from contact.io.progress import as_part, tell
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
@@ -221,7 +222,10 @@ def _allowed(what: object) -> float:
 
 
 def _of_rotor(what: object, outcome: Outcome) -> Outcome:
-    """The outcome of a rotor's run with the growth of the rotor's motion; other outcomes unchanged."""
+    """The outcome of a rotor's run, with the size of the motion that of its disk; other outcomes unchanged.
+
+    The verdict of a rotor in its casing is that of the run; a rotor alone has none before this.
+    """
     rotor = isinstance(what, Rotor) or (isinstance(what, Rub) and what.rotor is not None)
     if not rotor or isinstance(outcome, InputError):
         return outcome
@@ -229,7 +233,10 @@ def _of_rotor(what: object, outcome: Outcome) -> Outcome:
     if result is None:
         return outcome
     with np.errstate(all="ignore"):
-        result = replace(result, growth=of_rotor_run(cast("Rotor | Rub", what), result))
+        growth = of_rotor_run(cast("Rotor | Rub", what), result)
+    if result.growth is not None and growth is not None:
+        growth = replace(result.growth, amplitude=growth.amplitude, steady=growth.steady)
+    result = replace(result, growth=growth)
     if not isinstance(outcome, NumericsError):
         return result
     outcome.result = result
@@ -349,12 +356,11 @@ def _wave(travel: float) -> str:
 def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
     """Verdict of a run, and the reason if there is none; `passed`: whether the rim moved beyond half its wall."""
     outcome = "undecided" if growth is None else growth.outcome
-    if outcome == "numerical":
-        return "not decided", NUMERICAL
-    if passed or outcome == "grows":
+    grows = decision(outcome, passed=passed)
+    if grows is None:
+        return "not decided", NUMERICAL if outcome == "numerical" else SHORT
+    if grows:
         return "unstable", "" if growth is None else OTHER_RATE.get(growth.check, "")
-    if outcome == "undecided":
-        return "not decided", SHORT
     return ("safe" if outcome == "at rest" else "resonance"), ""
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, PURPLE, SKY, new_figure, rpm_above, styled
 from casingfem.plot.ticks import label_decades
+from contact.io.decision import decision
 from contact.io.trust import OF_LIMITS
 
 PANELS = (
@@ -24,7 +25,6 @@ LATER = ("diverged_at_s", "diverged after [s]", 1.0)
 LOGARITHMIC = ("amplitude_m", "diverged_at_s")
 SPAN = 100.0  # times: amplitudes that differ by less are drawn on a linear scale
 ROBUST = 98.0  # per cent of the values span a colour scale: one run far out leaves the others their colours
-UNSAFE = ("grows",)
 WALL = OF_LIMITS["wall"]  # code of the warning of a rim that deflects by more than half of its wall
 SPEED = "speed [Hz]"
 Mask = NDArray[np.bool_]
@@ -105,12 +105,27 @@ def column(rows: Rows, name: str) -> FloatArray:
 
 
 def unsafe(rows: Rows) -> Mask:
-    """Runs whose motion grows, or that diverged.
+    """Runs whose motion grows, or that diverged (`contact.io.decision`).
 
     >>> unsafe([{"status": "done", "motion": "grows"}, {"status": "diverged"}, {"status": "done"}]).tolist()
     [True, True, False]
     """
-    return np.array([row["status"] == "diverged" or row.get("motion") in UNSAFE for row in rows], dtype=bool)
+    return np.array([decided(row) is True for row in rows], dtype=bool)
+
+
+def undecided(rows: Rows) -> Mask:
+    """Runs that do not decide whether the motion grows: too short, or the growth is an effect of the step.
+
+    >>> rows = [{"status": "done", "motion": "undecided"}, {"status": "diverged", "motion": "numerical"}]
+    >>> undecided([*rows, {"status": "refused"}]).tolist()
+    [True, True, False]
+    """
+    return np.array([decided(row) is None for row in rows], dtype=bool)
+
+
+def decided(row: Mapping[str, Any]) -> bool | None:
+    """Whether the motion of a run grows; None if the run does not decide."""
+    return decision(row.get("motion"), passed=row["status"] == "diverged")
 
 
 def beyond(rows: Rows) -> Mask:

@@ -234,7 +234,8 @@ class RunGrowth:
         }  # fmt: skip
         cause = self.cause
         found: dict[str, object] = {
-            "state": self.state, "converged": self.converged, "check": self.check, "words": self.words, **numbers,
+            "state": self.state, "outcome": self.outcome, "converged": self.converged, "check": self.check,
+            "words": self.words, **numbers,
         }  # fmt: skip
         if cause is not None:
             found |= {

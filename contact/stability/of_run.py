@@ -222,7 +222,8 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
             rate=none, low=none, high=none, state=state, amplitude=amplitude, steady=steady, since=since,
             time_to_half_wall=_stopped(result), cause=cause,
         )  # fmt: skip
-    state = _state(fit, float(result.state_time[-1]) - since, float(np.ptp(result.state_time)), _beyond(total, first))
+    span, whole = float(result.state_time[-1]) - since, float(np.ptp(result.state_time))
+    state = _state(fit, span, whole, beyond=_beyond(total, first), risen=_risen(total))
     reaches = _half_wall(seen, result, fit.rate, deflection, late) if state == "grows" else _stopped(result)
     return RunGrowth(
         rate=fit.rate, low=fit.low, high=fit.high, state=state, amplitude=amplitude, steady=steady, since=since,
@@ -230,28 +231,32 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
     )  # fmt: skip
 
 
-def _state(fit: Fit, span: float, whole: float, beyond: bool) -> Ending:
+def _state(fit: Fit, span: float, whole: float, *, beyond: bool, risen: float) -> Ending:
     """State of the motion in the last `span` of `whole` seconds from its mean growth, which is known to `scatter`.
 
     A motion grows only if the whole interval is above 0, since a strongly curved envelope may be part of a slow beat.
     It must also end `beyond` all earlier levels, or rise by e^GREAT, since the level of an intermittent motion varies.
     It is bounded if the interval excludes a rise by e^RISE in as much time again as the run took: a short last stretch
-    after a long start does not show that.
+    after a long start does not show that. Neither has its level `risen` by e^RISE since the first half of the run: a
+    level that jumped may jump again.
 
     >>> fits = ((3, 1, 1), (3, -1, 1), (1, 0, 1), (2, 0, 2), (-3, -4, 1))
-    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.19, 0.19, True) for rate, low, scatter in fits]
+    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.19, 0.19, beyond=True, risen=0.0) for rate, low, scatter in fits]
     ['grows', 'undecided', 'bounded', 'undecided', 'decays']
-    >>> _state(Fit(3, 1, 5, 1, 0), 0.2, 0.2, False), _state(Fit(9, 7, 11, 1, 0), 0.2, 0.2, False)
-    ('undecided', 'grows')
-    >>> _state(Fit(1, 0, 2, 1, 0), 0.19, 0.5, True)
-    'undecided'
+    >>> [_state(Fit(rate, rate - 2, 0.0, 1, 0), 0.2, 0.2, beyond=False, risen=0.0) for rate in (3, 9)]
+    ['undecided', 'grows']
+    >>> [
+    ...     _state(Fit(0, -1, 1, 0.5, 0), 0.2, whole, beyond=True, risen=risen)
+    ...     for whole, risen in ((0.7, 0.1), (0.9, 0.1), (0.7, 0.5))
+    ... ]
+    ['bounded', 'undecided', 'undecided']
     """
     folds, scatter = fit.rate * span, fit.scatter * span
     if folds > SLIGHT and folds - scatter > SURE:
         return "grows" if fit.low > 0.0 and (beyond or fit.low * span > GREAT) else "undecided"
     if folds < -SLIGHT and folds + scatter < -SURE:
         return "decays"
-    return "bounded" if (fit.rate + fit.scatter) * whole < RISE else "undecided"
+    return "bounded" if max((fit.rate + fit.scatter) * whole, risen) < RISE else "undecided"
 
 
 def _beyond(energy: Array, first: int) -> bool:
@@ -262,6 +267,16 @@ def _beyond(energy: Array, first: int) -> bool:
     """
     end = float(energy[-max(1, energy.size // LAST) :].mean())
     return first == 0 or end > float(energy[:first].max())
+
+
+def _risen(energy: Array) -> float:
+    """By how many e-folds the amplitude of the last windows exceeds that of the first half; 0 if nothing moved there.
+
+    >>> round(_risen(np.exp(2.0 * np.array([0.0, 0.0, 0.5, 0.5]))), 3), _risen(np.array([0.0, 0.0, 2.0, 2.0]))
+    (0.5, 0.0)
+    """
+    before, end = (float(part.mean()) for part in (energy[: energy.size // 2], energy[-max(1, energy.size // LAST) :]))
+    return 0.5 * math.log(end / before) if before > 0.0 and end > 0.0 else 0.0
 
 
 def _stopped(result: Ran) -> float:

@@ -114,7 +114,8 @@ def _numbers(what: What | None, rim: RotatingRim | Rub | None, result: Result, r
     grown = result.growth
     if grown is not None:
         found |= {
-            "motion": grown.state, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
+            "motion": grown.outcome, "growth_1_s": grown.rate,
+            "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
             "growth_check": grown.check or None, "half_wall_at_s": grown.time_to_half_wall,
             "body": grown.body or None, "n": grown.nodal_diameters,
             "source": None if grown.cause is None else grown.cause.source or None,

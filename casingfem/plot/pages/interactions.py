@@ -97,7 +97,8 @@ def deflection_words(runs: Sequence[Any]) -> str:
     if stopped:
         ran = "run was" if len(stopped) == 1 else "runs were"
         limit = f"the limit of the linear model, {1e3 * stopped[0].limit_m:.3g} mm"
-        words.insert(0, f"{len(stopped)} {ran} stopped where the rim passed {limit}.")
+        what = "rotor" if stopped[0].body == "rotor" else "rim"
+        words.insert(0, f"{len(stopped)} {ran} stopped where the {what} passed {limit}.")
     return " ".join(words)
 
 

@@ -13,6 +13,7 @@ from casingfem.plot.page import Cell, Page, Picture, Section, Table, Verdict, or
 from casingfem.plot.pages.interactions import speeds_section
 from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
 from contact.io.columns import Columns
+from contact.io.decision import decision
 
 SLIDES = 1.0  # per cent of the time: below it a contact only just touches
 ROUND_OFF = 1e-12, 1e-9  # violation of the law of contact [m] and part of the energy that rounding explains
@@ -114,23 +115,26 @@ def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
 def outcome(ran: Ran) -> tuple[str, str]:
     """The state (good, bad or open), and the first sentence."""
     at = f" at {with_rpm(ran.speed_hz)}" if ran.speed_hz else ""
-    growing = "" if ran.growth is None else ran.growth.state
+    motion = None if ran.growth is None else ran.growth.outcome
+    grows = decision(motion, passed=ran.divergence is not None)
     if any(flag.failed for flag in ran.flags):
         return "bad", f"Not usable{at}: the numbers are no solution of the model."
+    if motion == "numerical":
+        return "open", f"Not decided{at}: the growth of the motion is an effect of the time step."
     if ran.divergence is not None:
         return "bad", f"Unsafe{at}: the motion passed a limit of the model after {ran.divergence.time:.4g} s."
     if ran.rim is not None and ran.rim.largest > ran.rim.allowed:
         return "bad", f"Outside the linear model{at}: the rim deflects by more than half of its wall."
-    if growing == "grows":
+    if grows:
         return "bad", f"Unsafe{at}: the motion grows."
     if not ran.contacts:
         return "", f"The scene has no contact{at}: {rotor_words(ran.rotor)}" if ran.rotor else f"No contact{at}."
     if not ran.closings:
         return "good", f"Nothing touches{at}: the least gap is {1e3 * ran.least_gap:.4g} mm."
-    if growing == "undecided":
+    if grows is None:
         return "open", f"Not decided{at}: the run is too short to decide whether the motion grows."
-    if growing:
-        how = {"decays": " and the motion decays", "at rest": " and nothing moves"}.get(growing, "")
+    if motion is not None:
+        how = {"decays": " and the motion decays", "at rest": " and nothing moves"}.get(motion, "")
         return "good", f"Bounded{at}: {touch_words(ran)}{how}."
     share = 100.0 * ran.closed / ran.span if ran.span else 0.0
     return "", (
@@ -245,11 +249,14 @@ def further_words(ran: Ran) -> str:
     """Recommended next steps."""
     if any(flag.failed for flag in ran.flags):
         return "Correct what the message names, then run the scene again."
-    if ran.divergence is not None or (ran.growth is not None and ran.growth.state == "grows"):
+    motion = None if ran.growth is None else ran.growth.outcome
+    if motion == "numerical":
+        return "Reduce dt, then run the scene again."
+    if decision(motion, passed=ran.divergence is not None):
         return "Leave the unsafe speeds, add damping or reduce friction; then run the scene again."
     if ran.flags:
         return "Read the warnings above: beyond their limits the model does not describe the machine."
-    if ran.growth is not None and ran.growth.state == "undecided":
+    if motion == "undecided":
         return "Lengthen t_end."
     if not ran.contacts:
         return (

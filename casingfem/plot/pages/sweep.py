@@ -11,7 +11,7 @@ from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, 
 from casingfem.plot.pages.scene import ROUND_OFF
 from casingfem.plot.pages.speeds import listed, with_rpm
 from casingfem.plot.style import Drawn
-from casingfem.plot.sweep import beyond, column, named, stretches, unsafe
+from casingfem.plot.sweep import beyond, column, named, stretches, undecided, unsafe
 from contact.io.columns import Columns
 
 Rows = Sequence[Mapping[str, Any]]
@@ -23,7 +23,6 @@ OF_CURVES = (
 OF_MAPS = " Colours span all but the outermost values."
 FOLDED = 20  # runs from which their table is folded
 NAMED = 4  # ranges or codes in a sentence
-UNDECIDED = "undecided"
 
 
 def sweep_page(
@@ -65,22 +64,31 @@ def outcome(rows: Rows) -> tuple[str, str]:
     """The state (good, bad or open), and the first sentence."""
     count = Counter(str(row["status"]) for row in rows)
     bad, broken = int(unsafe(rows).sum()), count["refused"] + count["failed"]
-    undecided, large = sum(row.get("motion") == UNDECIDED for row in rows), int(beyond(rows).sum())
-    too_short = (
-        f"{undecided} of {counted(len(rows), 'run')} {'is' if undecided == 1 else 'are'} too short to show growth."
-    )
+    large, open_ = int(beyond(rows).sum()), open_words(rows)
     if broken == len(rows):
         return "bad", f"No result: all {len(rows)} runs were refused or failed."
     if bad:
         return "bad", f"Unsafe: the motion grows or diverges in {bad} of {counted(len(rows), 'run')}."
     if large:
         words = f"Unsafe: the rim deflects by more than half of its wall in {large} of {counted(len(rows), 'run')}."
-        return "bad", f"{words} {too_short}" if undecided else words
-    if undecided:
-        return "open", f"Not decided: {too_short}"
+        return "bad", f"{words} {open_}".rstrip()
+    if open_:
+        return "open", f"Not decided: {open_}"
     if any(row.get("motion") for row in rows):
         return "good", f"Bounded: the motion grows in none of {counted(len(rows), 'run')}."
     return "", f"{count['done']} of {counted(len(rows), 'run')} ended, over {' and '.join(keys_of(rows))}."
+
+
+def open_words(rows: Rows) -> str:
+    """Number of runs that do not decide whether the motion grows, and why; empty if all do."""
+    numerical = sum(row.get("motion") == "numerical" for row in rows)
+    short, of = int(undecided(rows).sum()) - numerical, f"of {counted(len(rows), 'run')}"
+    words = []
+    if short:
+        words.append(f"{short} {of} {'is' if short == 1 else 'are'} too short to show growth.")
+    if numerical:
+        words.append(f"The growth in {numerical} {of} is an effect of the time step.")
+    return " ".join(words)
 
 
 def keys_of(rows: Rows) -> list[str]:
@@ -150,7 +158,7 @@ def range_facts(keys: Sequence[str], rows: Rows) -> list[tuple[str, str]]:
     if not all(isinstance(value, int | float) for value in values):
         return []
     x, bad, large = np.array(values, dtype=float), unsafe(rows), beyond(rows)
-    decided = np.array([row["status"] == "done" and row.get("motion") != UNDECIDED for row in rows])
+    decided = np.array([row["status"] == "done" for row in rows]) & ~undecided(rows)
     words = []
     for name, chosen in (("Unsafe", bad), ("Beyond half the wall", large), ("Safe", decided & ~bad & ~large)):
         ranges = stretches(x, chosen)
@@ -210,7 +218,7 @@ def further_words(rows: Rows) -> str:
             "Leave the unsafe values, or add damping or reduce friction. `casingfem interactions` lists the dangerous "
             "speeds between these runs."
         )
-    if any(row["status"] == "diverged" for row in rows):
+    if unsafe(rows).any():
         return (
             "Run one scene that diverged: `casingfem rub` repeats its last stretch at half the step and states whether "
             "the growth is converged."
@@ -220,7 +228,9 @@ def further_words(rows: Rows) -> str:
             "Enlarge the clearance, reduce friction or add a coating. `casingfem interactions` lists the dangerous "
             "speeds between these runs."
         )
-    if any(row.get("motion") == UNDECIDED for row in rows):
+    if any(row.get("motion") == "numerical" for row in rows):
+        return "Reduce scheme.dt, then sweep again."
+    if undecided(rows).any():
         return "Lengthen t_end, then sweep again."
     return "Vary more finely around the largest values, and vary scheme.dt to see what the step changes."
 

@@ -109,7 +109,7 @@ def ran(scene: ct.Scene, run: SpeedRun, parts: int) -> tuple[bool, float, int | 
         result = error.result
     grown = result.growth
     passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
-    grows = passed or (grown is not None and grown.state == "grows" and grown.check != "numerical")
+    grows = passed or (grown is not None and grown.outcome == "grows")
     return grows, np.nan if grown is None else grown.rate, None if grown is None else grown.nodal_diameters
 
 

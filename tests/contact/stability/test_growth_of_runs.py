@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.record.growth import Cause, RunGrowth
+from contact.speed_runs import may_change
 from tests.contact.synthetic_rim import blade
 
 PAIR = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.004)
@@ -86,6 +88,65 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
     assert grown.cause.travel > 0.9  # the wave that the blade overtakes
     further = ct.stability.of_run(rub, ct.run(rub, t_end=0.4, dt=2e-5, record=ct.Record(state_every=10)))
     assert further.time_to_half_wall == pytest.approx(grown.time_to_half_wall, rel=0.05)
+
+
+def test_a_slow_growth_after_a_long_start_is_not_bounded():
+    """A mode of the blade that contact does not see decays for 0.6 s before a pole of 1.6 1/s shows in the energy."""
+    pair = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5),
+        blade=ct.gaps.ModalPair(freq_hz=100.0, modal_mass=0.2), compliance=1e-4,
+    )  # fmt: skip
+    pole = ct.stability.of_contact(pair.contact(), np.array([102.01, 102.02])).growth[0]
+    body = ct.ModalBody(
+        omega=[2.0 * np.pi * 100.0, 2.0 * np.pi * 250.0], zeta=[0.0, 0.005], channels=("span", "flap"),
+        rows=[[0.2**-0.5, 0.0], [0.0, 0.0]], S=1e-4 * np.eye(2),
+    )  # fmt: skip
+    rub = ct.Rub(
+        replace(ct.gaps.pair_rim(pair.casing, radius=0.5), thickness=4e-3), (body,), clearance=-1e-4,
+        speed=ct.Speed.constant(102.01), blade_starts=(ct.gaps.Start(velocity=np.array([0.0, 3.0])),),
+    )  # fmt: skip
+    result = ct.run(rub, t_end=0.8, dt=4e-5)
+    assert result.contact_steps[0] == result.steps  # the motion is linear
+    assert 1.5 < pole < 1.8
+    assert result.growth.since > 0.5
+    assert result.growth.state == "undecided"
+
+
+def test_a_level_that_has_jumped_late_in_the_run_is_not_bounded():
+    rim = free(zeta=0.0)
+    result = ct.run(rim, t_end=1.0, dt=1e-4, record=ct.Record(state_every=5))
+    jumped = result.state.copy()
+    jumped[result.state_time > 0.6] *= 2.0
+    assert ct.stability.of_run(rim, result).state == "bounded"
+    assert ct.stability.of_run(rim, replace(result, state=jumped)).state == "undecided"
+
+
+def grown(*, closed, outcome="grows"):
+    """Growth of a run whose contact is closed for a fraction of the time."""
+    cause = Cause(body="casing", n=4, share=0.9, travel=1.0, source="friction", work=1.0, closed=closed)
+    return RunGrowth(
+        rate=9.0, low=8.0, high=10.0, state=outcome, amplitude=1e-4, steady=0.5, since=0.1, time_to_half_wall=0.5,
+        cause=cause,
+    )  # fmt: skip
+
+
+def test_a_longer_run_may_change_growth_with_contact_that_opens_and_runs_that_do_not_decide():
+    rim = free()
+    result = ct.run(rim, t_end=0.02, dt=1e-4)
+    for growth, changes in (
+        (grown(closed=0.3), True), (grown(closed=1.0), False), (grown(closed=0.0), False),
+        (grown(closed=0.3, outcome="bounded"), False), (grown(closed=1.0, outcome="undecided"), True),
+        (grown(closed=0.3).checked(1.0, 0.1, 0.3), False),
+    ):  # fmt: skip
+        assert may_change(replace(result, growth=growth)) is changes
+
+
+def test_a_growth_that_passes_the_limit_at_half_the_step_too_is_not_numerical():
+    less = grown(closed=0.3).checked(1.0, 0.1, 0.3)
+    assert (less.outcome, less.check) == ("numerical", "numerical")
+    both = replace(less, passes=True)
+    assert (both.outcome, both.check) == ("grows", "depends on the step")
+    assert both.flags[0].code == "growth-numerical"
 
 
 def test_without_states_or_a_rim_there_is_no_growth():

@@ -469,7 +469,7 @@ def test_every_column_of_a_row_is_that_of_the_recorded_run(scene):
         "rotation_J": energy.rotation, "worn_J": None, "unaccounted_rel": 0.0,
         "amplitude_m": np.sqrt(np.mean((field - field.mean(axis=1, keepdims=True)) ** 2)),
         "blade_rms_m": np.sqrt(np.mean((tip[late] - tip[late].mean()) ** 2)),
-        "motion": grown.state, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
+        "motion": grown.outcome, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
         "half_wall_at_s": None if np.isinf(grown.time_to_half_wall) else grown.time_to_half_wall, "growth_check": None,
         "body": grown.body, "n": grown.nodal_diameters, "source": grown.cause.source,
         "dominant_n": int(levels.argmax()), "dominant_rms_m": levels.max(), "diverged_at_s": None, "flags": "",
