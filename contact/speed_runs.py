@@ -244,15 +244,21 @@ def _of_rotor(what: object, outcome: Outcome) -> Outcome:
 
 
 def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """The runs; those that a longer run may change are repeated, each time longer."""
+    """The runs; those that a longer run may change are repeated, each time longer.
+
+    A run that grows is replaced only if a longer one decides that the motion does not.
+    """
     found = {run.speed_hz: run for run in runs}
+    last = dict(found)
     for times in LONGER:
-        short = [run for run in found.values() if run.may_change]
+        short = [run for run in last.values() if run.may_change]
         if not short or scene.t_end is None:
             break
         speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
         again = _ran(replace(scene, t_end=times * scene.t_end), speed, poles, f"runs of {times * scene.t_end:.3g} s")
-        found |= {run.speed_hz: run for run in again if run.seconds > 0.0}
+        last = {run.speed_hz: run for run in again if run.seconds > 0.0}
+        grows = {hz for hz in last if found[hz].verdict == "unstable"}
+        found |= {hz: run for hz, run in last.items() if hz not in grows or run.verdict in ("safe", "resonance")}
     return [found[run.speed_hz] for run in runs]
 
 

@@ -188,6 +188,12 @@ def decided(what: ct.RotatingRim | ct.Rub, mu: float) -> list[tuple[ct.Result, f
     return runs
 
 
+def settled(runs: Sequence[tuple[ct.Result, float]]) -> tuple[ct.Result, float]:
+    """The run that gives the verdict: the last one, or one that grows if the longer ones do not decide."""
+    growing = [run for run in runs if grows(verdict_of(run[0]))]
+    return growing[-1] if growing and verdict_of(runs[-1][0]) == "undecided" else runs[-1]
+
+
 def verdict_of(result: ct.Result) -> str:
     """End state by a short run, or the reason why its growth does not count."""
     grown = result.growth
@@ -215,7 +221,7 @@ def by_start(what: ct.RotatingRim | ct.Rub, mu: float) -> list[tuple[str, str]]:
     """Verdict of the short run, repeated as `decided` does, and fate of the long one, for each changed start."""
     found = []
     for one in (moved(what, k * MOVED) for k in range(1, COPIES + 1)):
-        short, planned = decided(one, mu)[-1]
+        short, planned = settled(decided(one, mu))
         found.append((verdict_of(short), fate(one, mu, planned, short.steps * short.dt)[0]))
     return found
 
@@ -263,7 +269,7 @@ def compared(seed: int) -> Row:
     what, mu = drawn(seed)
     started = time.perf_counter()
     runs = decided(what, mu)
-    short, planned = runs[-1]
+    short, planned = settled(runs)
     seconds = time.perf_counter() - started
     grown = short.growth
     assert grown is not None
