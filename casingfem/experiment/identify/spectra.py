@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.signal import find_peaks, peak_widths
 
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
@@ -97,6 +96,8 @@ def visible_peaks(Y: Array, rules: Thresholds = USUAL) -> Peaks:
     >>> f[visible_peaks(Y + noise[0] + 1j * noise[1]).at].round(1).tolist()
     [120.0, 121.0, 150.0]
     """
+    from scipy.signal import find_peaks, peak_widths  # loads scipy.interpolate, which most commands do not need
+
     power = np.sum(np.abs(Y) ** 2, axis=1) + 1e-300
     least = 2.0 * Y.shape[1] * np.maximum(noise_along(Y), 1e-9) ** 2
     level = 10.0 * np.log10(power)

@@ -290,7 +290,7 @@ def test_a_chart_axis_is_z():
 def test_outputs_of_the_wrong_kind_of_structure_are_refused_in_words():
     chart = cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.1, material=STEEL, supports=CLAMPED)
     for part, output, message in (
-        (chart, cf.modal.NodeDisplacement(name="a", node=1, direction="x"), "node 1 of a chart"),
+        (chart, cf.modal.NodeDisplacement(name="a", node=1, direction="x"), "node 1 on a chart"),
         (solid(), cf.modal.Displacement(name="a", at=(0.0, 0.0)), "parameters of a chart on an imported part"),
         (solid(), cf.modal.NodeStress(name="a", node=99999, component="xx"), "node 99999, which no cell has"),
         (solid(), cf.modal.NodeStress(name="a", node=1, component="rr"), "component 'rr'"),

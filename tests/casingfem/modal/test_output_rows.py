@@ -62,7 +62,7 @@ def test_strains_of_a_plate_are_those_of_membrane_and_bending(component, side):
         (cf.modal.Strain(name="e", at=AT, side=-1.001), "side -1.001"),
         (cf.modal.Displacement(name="u", at=AT, direction="w"), "output 'u': found direction 'w'"),
         (cf.modal.Displacement(name="u", at=(0.4, 0.0)), "output 'u': "),
-        (cf.modal.NodeDisplacement(name="n", node=3, direction="x"), "output 'n': found node 3 of a chart"),
+        (cf.modal.NodeDisplacement(name="n", node=3, direction="x"), "output 'n': found node 3 on a chart"),
     ],
 )
 def test_outputs_that_a_chart_does_not_have_are_refused(output, words):
@@ -113,7 +113,7 @@ def test_a_displacement_of_a_node_is_its_own(direction, column):
         (cf.modal.NodeStrain(name="e", node=ALONE, component="zx"), "output 'e': found component 'zx'"),
         (
             cf.modal.NodeStrain(name="e", node=10**6, component="xx"),
-            "output 'e': found node 1000000, which no cell has",
+            "output 'e': found node 1000000, expected a node of a cell",
         ),
         (cf.modal.NodeDisplacement(name="u", node=ALONE, direction="r"), "output 'u': found direction 'r'"),
         (cf.modal.Displacement(name="d", at=AT), "output 'd': found parameters of a chart on an imported part"),

@@ -150,7 +150,7 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
 
 
 def test_a_range_of_nothing_is_refused():
-    with pytest.raises(ct.InputError, match="expected a range"):
+    with pytest.raises(ct.InputError, match="expected two different ends"):
         ct.cycles.follow(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))
 
 

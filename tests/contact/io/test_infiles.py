@@ -59,7 +59,7 @@ def test_what_is_no_file_is_refused_in_a_sentence(tmp_path):
     refused(tmp_path, errno.EISDIR, "found a folder")
     refused(Path("/dev/zero"), errno.EINVAL, "found a device")
     refused(tmp_path / "loop", errno.ELOOP, "found a link that leads back to itself")
-    refused(tmp_path / "dangling", errno.ENOENT, "found a link to 'nowhere', which is not there")
+    refused(tmp_path / "dangling", errno.ENOENT, "found a link to 'nowhere', which does not exist")
     refused(tmp_path / "tabel.csv", errno.ENOENT, r"found no such file, expected one \(did you mean table.csv\?\)")
     refused(tmp_path / "none" / "a.csv", errno.ENOENT, "found no folder")
     refused(tmp_path / "table.csv" / "a.csv", errno.ENOTDIR, "found a file where its folder should be")

@@ -119,7 +119,7 @@ def test_a_folder_that_cannot_take_its_name_is_no_crowd(tmp_path, monkeypatch):
 def test_a_file_in_the_way_of_a_folder_is_named(tmp_path):
     file, out = tmp_path / "file", tmp_path / "file" / "deep" / "out"
     file.write_text("x")
-    words = f"found a file, {file}, expected a folder or none"
+    words = f"found a file, {file}, expected a folder or an unused name"
     for files in (SET, {"a.csv": "x"}):
         with pytest.raises(NotADirectoryError, match=re.escape(words)) as caught:
             write_files(out, files)

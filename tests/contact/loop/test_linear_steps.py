@@ -156,4 +156,4 @@ def test_a_motion_that_is_no_number_fails_in_the_step_it_is_met(name):
         assert run.advance(out, 3, 1) == -1
         run.state.u[:] = np.nan
         assert run.advance(out, 5, 3) == 5
-        assert "not a finite number" in run.why()
+        assert "motion is not finite" in run.why()

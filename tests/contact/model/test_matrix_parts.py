@@ -57,7 +57,7 @@ def test_unit_forces_on_nodes_dofs_and_channels_of_ones_own():
 
 @pytest.mark.parametrize("place", [(1.0, 2.0), (1.0, 2.0, math.nan)])
 def test_places_of_nodes_are_three_finite_numbers(place):
-    with pytest.raises(ct.InputError, match=r"points: found .* for node 1, expected x, y, z"):
+    with pytest.raises(ct.InputError, match=r"points: found .* for node 1, expected finite x, y, z"):
         made(points={1: place})
 
 

@@ -140,7 +140,7 @@ def two_lines(**more):
         (
             three,
             {"gyroscopic": np.eye(3)},
-            r"gyroscopic: found 1 at \(0, 0\) and 1 at \(0, 0\), expected a skew matrix",
+            r"gyroscopic: found 1 at \(0, 0\) and 1 at \(0, 0\), expected a skew-symmetric matrix",
         ),
         (three, {"participation": np.ones((2, 3))}, r"participation: found shape \(2, 3\), expected \(3, 3\)"),
         (three, {"out_of_roundness": np.ones((1, 1))}, r"out_of_roundness: found shape \(1, 1\), expected \(0, 1\)"),

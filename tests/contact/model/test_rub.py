@@ -341,7 +341,7 @@ def test_deflection_beyond_linear_theory_is_flagged():
     rub = ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-5e-5, speed=ct.Speed.constant(5.0), thickness=1e-5)
     result = ct.run(rub, law=ct.Coulomb(mu=0.2), t_end=0.01, dt=2e-5, on_limit="flag")
     assert (result.flags[0].code, result.flags[0].failed) == ("wall-deflection", False)
-    assert "FLAG: rim deflected by" in repr(result)
+    assert "FLAG: the rim deflected by" in repr(result)
     thick = ct.run(ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-5e-5, thickness=1e-2), t_end=0.01, dt=2e-5)
     assert thick.flags == ()
 

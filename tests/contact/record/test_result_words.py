@@ -46,7 +46,7 @@ def test_the_least_gap_and_columns_of_a_body():
 
 def test_what_is_stored_is_reported_unless_it_is_every_step():
     assert "stored" not in repr(CALM)
-    assert "stored: 3 samples, one of every 4 steps (at most 1,000,000 unless" in repr(replace(CALM, every=4))
+    assert "stored: 3 samples, one of every 4 steps (at most 1,000,000 samples unless" in repr(replace(CALM, every=4))
     assert "stored: 3 samples, at the steps nearest to the instants; sums" in repr(replace(CALM, every=0))
 
 

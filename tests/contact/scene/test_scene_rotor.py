@@ -151,7 +151,7 @@ def test_a_rotor_in_a_casing_is_the_rub_that_python_makes(tmp_path):
         ("lost = [3]", "lost = [12]", r"contact.lost: found blade 12, expected 0 to 11"),
         ("count = 12", "count = 1\nangle_deg = 900.0", "angle_deg"),
         ("inertia = 0.3", "inertia = 0.0", "spin.inertia"),
-        ("hz = 80.0", "hz = [80.0, 90.0]\ntime = [0.0, 1.0]", "spin: found a speed over time beside it"),
+        ("hz = 80.0", "hz = [80.0, 90.0]\ntime = [0.0, 1.0]", "spin: found it with a speed over time"),
         ("zeta = 0.02", "zeta = 0.02\nzeta_internal = 0.01", "found internal damping and a speed that varies"),
     ],
 )

@@ -105,7 +105,7 @@ def test_the_file_is_the_rub(write):
     assert rub.whirl[0].per_rev == -1.0
     result = ct.run(scene)
     assert result.impulse.min() > 0.0
-    assert result.flags[0].startswith("rim deflected by")
+    assert result.flags[0].startswith("the rim deflected by")
     assert "forward law at 5 tips" in result.scheme
     assert len(result.source["sha256"]) == 64
 

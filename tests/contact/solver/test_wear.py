@@ -131,7 +131,7 @@ def test_bad_coatings():
         coating(hardening=-1.0)
     with pytest.raises(ct.InputError, match=r"machined: found 0\.00107 m, expected at most"):
         coating(machined=1.07e-3)
-    with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the rim"):
+    with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the circumference"):
         ct.run(rim(), law=coating(tip=1.0), t_end=0.01, dt=1e-5)
     with pytest.raises(ct.InputError, match=r"tip: found 1e-30 m with .*, expected at most 1000000: take"):
         ct.run(rim(), law=coating(tip=1e-30), t_end=0.01, dt=1e-5)

@@ -130,5 +130,5 @@ def test_bad_tracks():
         with pytest.raises(ct.InputError, match=f"track: found {track}, expected a whole number >= 0"):
             ct.ContactPoint(track=track)
     rub = ct.Rub(rim3(), [nodes(1)], tips(1))
-    with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the rim"):
+    with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the circumference"):
         ct.run(rub, law=coating(tip=1.0), t_end=0.01, dt=4e-5)

@@ -254,7 +254,9 @@ def test_a_rim_scene_is_scanned_with_its_friction_and_runs_too(tmp_path):
 
 
 def test_a_pair_does_not_run_and_rods_have_no_poles():
-    with pytest.raises(ct.scene.SceneError, match="found 'pair', expected a scene that runs: use casingfem"):
+    with pytest.raises(
+        ct.scene.SceneError, match="found 'pair', expected a scene with a time simulation: use casingfem"
+    ):
         ct.load_scene(SCENE)
     with pytest.raises(ct.scene.SceneError, match="found 'rods', expected 'pair', 'rim' or 'rotor'"):
         ct.scene.load_stability(SCENE.with_name("two_rods.toml"))

@@ -80,9 +80,7 @@ def estimate(
     kind: Test = test or _kind(chosen)
     if kind == "shaker":
         if exponential is not None:
-            raise InputError(
-                "exponential", found="an exponential window", expected="this option only for a shaker test"
-            )
+            raise InputError("exponential", found="an exponential window", expected="none: it is for hammer tests")
         return shaker_frfs(chosen, estimator, seconds, window, overlap, band)
     return hammer_frfs(chosen, estimator, exponential, seconds, before, band)
 

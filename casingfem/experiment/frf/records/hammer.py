@@ -144,9 +144,8 @@ def _ringing(left: float, seconds: float, tau: float | None) -> Iterator[str]:
     if left * (1.0 if tau is None else np.exp(-seconds / tau)) >= ENDED:
         duration, window = longer(left, seconds)
         yield (
-            f"the response has decayed only to {100.0 * left:.0f} % at the end: measure {duration:.2g} s, or use an "
-            "exponential"
-            f" window of {window:.2g} s"
+            f"the response has decayed only to {100.0 * left:.0f} % at the end: measure {duration:.2g} s, or use an"
+            f" exponential window of {window:.2g} s"
         )
     if tau is not None:
         yield (

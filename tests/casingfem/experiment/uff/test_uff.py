@@ -158,7 +158,7 @@ def test_the_mutation_report_sees_a_reader_that_loses_points(tmp_path, monkeypat
 
 DAMAGED = (  # sample, what becomes what, line and finding of the error
     ("58 real single even", b"        41", b"        42", 20, "nothing in columns 66 to 78"),
-    ("58 real single even", b"        41", b"        40", 20, "expected 4 numbers on the last line of 40 points"),
+    ("58 real single even", b"        41", b"        40", 20, "expected only 4 numbers on the last line of 40 points"),
     ("58 real single even", b"-8.66749E+06", b"         NaN", 14, "'NaN' in columns 1 to 13"),
     ("58 real single even", b"-8.66749E+06", b"-8.667E+9999", 14, "'-8.667E+9999'"),
     ("58 real single even", b"  2.50000E-01", b" -2.50000E-01", 9, "the step -0.25"),
@@ -241,7 +241,7 @@ def test_sets_that_are_not_read_are_listed_or_refused(tmp_path):
 def test_what_appears_incomplete_is_doubted(tmp_path):
     data = written(tmp_path, nodes=nodes(), nodes_set="15")
     lines = data.split(b"\n")
-    with pytest.warns(cf.errors.ModelWarning, match=r"nodes 7 left out.*uff-gap"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"nodes 7 skipped.*uff-gap"):
         parse_uff(b"\n".join(lines[:8] + lines[9:]), "f")
     shapes = written(tmp_path, shapes=(shape(1), shape(2))).split(b"\n")
     with pytest.warns(cf.errors.ModelWarning, match="uff-shapes"):

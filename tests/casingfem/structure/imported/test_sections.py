@@ -194,8 +194,8 @@ def test_a_study_names_its_sections_and_cells(tmp_path):
     [
         ('sections = "sections.csv"\nmesh = "blade.inp"', "both mesh and sections"),
         ("scale = 1.0", "neither mesh nor sections"),
-        ('sections = "sections.csv"\nscale = 1e-3', "scale beside sections, whose columns name their units"),
-        ('mesh = "blade.inp"\ncells = [6, 4, 1]', "cells beside mesh"),
+        ('sections = "sections.csv"\nscale = 1e-3', "found scale with sections, whose columns name their units"),
+        ('mesh = "blade.inp"\ncells = [6, 4, 1]', "found cells with mesh"),
         (
             'sections = "sections.csv"\ncells = [1, 4, 1]',
             r"blade.toml: solid.cells: found \[1, 4, 1\] cells.*at least 2 along the chord",

@@ -233,7 +233,7 @@ def test_takes_that_do_not_belong_together_are_refused():
         ({"exponential": 0.0}, "exponential: found 0.0"),
         ({"estimator": "H4"}, "estimator: found 'H4'"),
         ({"band": (400.0, 20.0)}, "band: found 400 to 20 Hz"),
-        ({"test": "shaker", "exponential": 0.5}, "expected a hammer test"),
+        ({"test": "shaker", "exponential": 0.5}, "it is for hammer tests"),
         ({"seconds": 1e-9}, "seconds: found 1e-09 s"),
         ({"exponential": 1e-9}, "exponential: found 1e-09 s"),
     ):
