@@ -292,7 +292,7 @@ def test_outputs_of_the_wrong_kind_of_structure_are_refused_in_words():
     for part, output, message in (
         (chart, cf.modal.NodeDisplacement(name="a", node=1, direction="x"), "node 1 on a chart"),
         (solid(), cf.modal.Displacement(name="a", at=(0.0, 0.0)), "parameters of a chart on an imported part"),
-        (solid(), cf.modal.NodeStress(name="a", node=99999, component="xx"), "node 99999, which no cell has"),
+        (solid(), cf.modal.NodeStress(name="a", node=99999, component="xx"), "node 99999, expected a node of a cell"),
         (solid(), cf.modal.NodeStress(name="a", node=1, component="rr"), "component 'rr'"),
         (strip(), cf.modal.NodeStrain(name="a", node=1, component="xx"), "strains at nodes are computed for solids"),
         (solid(), cf.modal.NodeDisplacement(name="a", node=1, direction="r"), "direction 'r'"),

@@ -14,7 +14,7 @@ from tests.contact.cycles.henon import FLIP, fixed
     [
         ((math.nan, 1.0), {}, "start: found nan"), ((0.0, math.inf), {}, "end: found inf"),
         ((0.0, 1.0), {"longest": 0.0}, "longest: found"), ((0.0, 1.0), {"most": 1}, "most: found 1"),
-        ((0.0, 1.0), {"doublings": -1}, "doublings: found -1"), ((0.5, 0.5), {}, r"v: found 0\.5 to 0\.5, expected a"),
+        ((0.0, 1.0), {"doublings": -1}, "doublings: found -1"), ((0.5, 0.5), {}, r"v: found 0\.5 to 0\.5, expected"),
     ],
 )  # fmt: skip
 def test_ranges_and_steps_that_lead_nowhere_are_refused(family, between, more, words):

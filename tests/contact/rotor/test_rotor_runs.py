@@ -162,7 +162,7 @@ def test_a_rotor_whose_motion_grows_stops_at_its_limit_with_its_growth_and_whirl
     if not stops:
         assert ct.run(rotor, **asked).divergence is None
         return
-    with pytest.raises(ct.NumericsError, match=r"limit of motion is 0\.005 m.*forward whirl at") as caught:
+    with pytest.raises(ct.NumericsError, match=r"expected at most 0\.005 m.*forward whirl at") as caught:
         ct.run(rotor, **asked)
     result = caught.value.result
     c, inner = 2.0 * (ZETA + 0.03) * OMEGA, 2.0 * 0.03 * OMEGA

@@ -133,7 +133,7 @@ def test_bad_coatings():
         coating(machined=1.07e-3)
     with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the circumference"):
         ct.run(rim(), law=coating(tip=1.0), t_end=0.01, dt=1e-5)
-    with pytest.raises(ct.InputError, match=r"tip: found 1e-30 m with .*, expected at most 1000000: take"):
+    with pytest.raises(ct.InputError, match=r"tip: found 1e-30 m with .*, expected at most 1000000: use"):
         ct.run(rim(), law=coating(tip=1e-30), t_end=0.01, dt=1e-5)
     body = ct.ModalBody(omega=[10.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[1e-6]])
     point = ct.PointGap(sides=(ct.gaps.Side(body=body, channel="x", sign=1),))
