@@ -94,14 +94,14 @@ def _forced_words(theory: float) -> str:
 
 
 def _fed_words(energy: EnergyBudget, named: Mapping[str, str]) -> str:
-    """Sources of the energy, the largest first; `named` gives other names for some of them."""
+    """Sources of the energy, the largest first, empty after an overflow; `named` gives other names for some of them."""
     contact = -energy.lost_in_contact
     parts = {
         "friction": energy.friction, "the turning rim": energy.rotation, "gravity and whirl": energy.body_force,
         "varying loads": energy.external, "the contact law": contact,
     }  # fmt: skip
     given = sorted(((value, part) for part, value in parts.items() if value > 0.0), reverse=True)
-    if not given:
+    if not given or not math.isfinite(given[0][0]):
         return ""
     words = [f"{named.get(part, part)} ({value:.3g} J)" for value, part in given if value > 0.01 * given[0][0]]
     text = f"The energy came from {', '.join(words)}."

@@ -410,7 +410,7 @@ def test_a_load_that_turns_nan_is_named_and_the_run_kept(scheme):
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
     forcing = ct.bodies.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, 1e308 * np.sin(30.0 * t), 0.0))
-    with pytest.raises(ct.NumericsError, match=r"step \d+ .*(motion is not finite|no common answer)") as caught:
+    with pytest.raises(ct.NumericsError, match=r"step \d+ .*(not a finite number|no common answer)") as caught:
         ct.run(frame(forcing=(forcing,)), scheme=scheme, t_end=50.0, dt=0.01)
     assert caught.value.result.steps >= 50
 
