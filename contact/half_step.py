@@ -77,8 +77,8 @@ def with_half_step(
     Where the growth differs, the interval is also repeated at the same step, up to COPIES times, from a state changed
     by a fraction CHANGED. An irregular motion then develops differently.
 
-    Where the growth is still that of the step, a run that was `stopped` at a limit of its motion is repeated whole at
-    half the step, up to its planned end. If it passes a limit there too, it grows at both steps.
+    If half the step gives less than half of the growth and the run was `stopped` at a limit of its motion, the whole
+    run is repeated at half the step, up to its planned end. If it passes a limit there too, it grows at both steps.
     """
     end = taken * dt
     begin = max(growth.since, end - max(LONG * end, FOLDS / growth.rate))

@@ -41,8 +41,8 @@ class RareEvent:
     variation : estimated coefficient of variation of it [-]
     thresholds : of the levels; the last is y*
     runs : evaluations of y
-    by : "subset", or "importance" if importance sampling is more certain subset, subset_variation : probability and
-    variation from subset simulation alone
+    by : "subset", or "importance" if importance sampling has the smaller variation
+    subset, subset_variation : probability and variation from subset simulation alone
     """
 
     probability: float

@@ -40,8 +40,7 @@ TROUBLES = MappingProxyType({
     "growth-numerical": Trouble(
         "the growth rate of the motion depends on the time step",
         "warning if half the step changes the growth rate by more than 10 % and by more than both confidence "
-        "intervals, "
-        "unless the motion is irregular",
+        "intervals, unless the motion is irregular",
         "reduce dt until half the step gives the same growth rate",
     ),
     "load-unknown": Trouble(
@@ -53,9 +52,8 @@ TROUBLES = MappingProxyType({
         "reduce dt; check units, stiffness and initial state",
     ),
     "motion-radius": Trouble(
-        "rim and tip moved by more than a tenth of the "
-        "radius", "failure above 0.1 of the radius, where no linear model "
-        "is valid; a warning with on_limit = \"flag\"",
+        "rim and tip moved by more than a tenth of the radius",
+        "failure above 0.1 of the radius, where no linear model is valid; a warning with on_limit = \"flag\"",
         "find the cause of the growth: friction too high for the lean, a modal interaction, or a value in a wrong unit",
     ),
     "motion-rotor": Trouble(
@@ -94,15 +92,14 @@ TROUBLES = MappingProxyType({
         "use the step that the message gives",
     ),
     "tip-moves-along": Trouble(
-        "a tip moved so far along the rim that the rim's curvature changes the "
-        "gap", "warning above 0.1 of the clearance",
+        "a tip moved so far along the rim that the rim's curvature changes the gap",
+        "warning above 0.1 of the clearance",
         "check the gap: the gap law neglects the curvature",
     ),
     "turning-fast": Trouble(
         "a body rotates much faster than the speed at which its modes were computed",
         f"warning if the rotation changes a frequency of the basis by more than {FAST:g} of it; up to there "
-        "frequencies "
-        "err by less than 1e-6, or by about 1e-3 without gyroscopic_higher and stiffness_higher",
+        "frequencies err by less than 1e-6, or by about 1e-3 without gyroscopic_higher and stiffness_higher",
         "compute the modes at the speed: set [rotation] in the study, then reduce again",
     ),
     "turning-unmodelled": Trouble(
@@ -123,9 +120,8 @@ TROUBLES = MappingProxyType({
         "reduce dt or friction, allow more updates, or give the contacts a compliance",
     ),
     "wall-deflection": Trouble(
-        "the rim deflected by more than half of its wall "
-        "thickness", "failure above 0.5 of the wall thickness, to which "
-        "linear theory is valid; a warning with on_limit = \"flag\"",
+        "the rim deflected by more than half of its wall thickness",
+        "failure above 0.5 of the wall thickness, to which linear theory is valid; a warning with on_limit = \"flag\"",
         "find the cause of the growth: friction too high for the lean, a modal interaction, or a value in a wrong unit",
     ),
 })  # fmt: skip

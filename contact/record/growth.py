@@ -109,7 +109,7 @@ class RunGrowth:
     def converged(self) -> bool | None:
         """Whether half the step gives the same growth, to 10 % or within both intervals; None without this check.
 
-        The interval of a growing motion is above 0, so that any growth within it is positive.
+        The interval of a growing motion is above 0, unless the motion has passed a limit while its rate is uncertain.
 
         >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
         ...                   time_to_half_wall=0.5, cause=None)
@@ -183,9 +183,14 @@ class RunGrowth:
         >>> RunGrowth(rate=0.0, low=-0.1, high=0.1, state="bounded", amplitude=4e-5, steady=0.05, since=0.1,
         ...           time_to_half_wall=math.inf, cause=None).verdict
         'The motion is bounded: the rim deflects by 0.04 mm, steady within 5 %.'
+        >>> RunGrowth(rate=42.0, low=-21.0, high=106.0, state="grows", amplitude=2e-3, steady=1.0, since=0.1,
+        ...           time_to_half_wall=0.2, cause=None).verdict
+        'The motion grows beyond its limit. Its rate is uncertain: 42 1/s (95 %: -21 to 106).'
         """
         between = f"{self.rate:.3g} 1/s (95 %: {self.low:.3g} to {self.high:.3g})"
         mostly = "" if self.cause is None else f" It is mostly {self.cause.words}."
+        if self.state == "grows" and self.low <= 0.0:
+            return f"The motion grows beyond its limit. Its rate is uncertain: {between}.{mostly}"
         if self.state == "grows":
             return f"The motion grows by {between}.{mostly}"
         if self.state == "decays":
@@ -216,8 +221,9 @@ class RunGrowth:
         """The growth at half the step, and its meaning; empty without the check."""
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"
         other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
+        same = "converged" if self.low > 0.0 else "within the intervals of both steps"
         words: dict[Check, str] = {
-            "": "", "converged": f"{at}: converged.", "numerical": f"{at}: the growth is numerical, reduce dt.",
+            "": "", "converged": f"{at}: {same}.", "numerical": f"{at}: the growth is numerical, reduce dt.",
             "irregular": f"{at}, {other}: the motion is irregular, its growth differs from run to run.",
             "depends on the step": f"{at}: the growth depends on the step, reduce dt.",
         }  # fmt: skip

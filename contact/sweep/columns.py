@@ -16,7 +16,7 @@ def kept(name: str) -> Callable[[Any], list[Any]]:
 MEASURED = (
     Column("status", "Outcome: done, diverged, failed or refused.", kept("status"), format=word),
     Column("steps", "Number of steps.", kept("steps"), format="d", where="files"),
-    Column("contact_fraction", "Fraction of the time for which the contact that was closed longest was closed.",
+    Column("contact_fraction", "Fraction of the time with the contact closed; of several contacts, the largest.",
            kept("contact_fraction"), head="contact, part of the time", format=".4g"),
     Column("closings", "Number of closings of all contacts.", kept("closings"), format="d", where="files"),
     Column("impulse_N_s", "Impulse of all contacts.", kept("impulse_N_s"), head="impulse", unit="N s", format=".4g"),

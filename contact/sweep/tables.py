@@ -56,8 +56,10 @@ class SweepTable(Table):
     @model_validator(mode="after")
     def _fits(self) -> SweepTable:
         random = self.kind == "random"
-        if random != (self.draws is not None) or random != (self.seed is not None):
-            raise ValueError("draws or seed found or missing, expected both with kind = 'random' and none otherwise")
+        given = [name for name in ("draws", "seed") if getattr(self, name) is not None]
+        if len(given) != (2 if random else 0):
+            found = f"{' and '.join(given) or 'neither draws nor seed'} found with kind = {self.kind!r}"
+            raise ValueError(f"{found}, expected both with kind = 'random' and none otherwise")
         for vary in self.vary:
             if random and vary.steps is not None:
                 raise ValueError(f"{vary.key}: steps found with kind = 'random', expected only from and to")

@@ -11,6 +11,7 @@ import pytest
 import contact as ct
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
+from tests.contact.turning_ring import turning_ring
 
 ROD = ct.Rod(length=1.0, area=1e-4, E=7e10, rho=2700.0, elements=3, x=0.0397, velocity=-2.0)  # in contact at 20 ms
 HINGED = ct.bodies.HingedBeam(
@@ -19,6 +20,10 @@ HINGED = ct.bodies.HingedBeam(
 BEAM = ct.bodies.BeamInCircle(HINGED, radius=0.502, offset=0.006)
 COATING = ct.Abradable(E=4e7, yield_stress=2e5, hardening=4e6, thickness=5e-3, width=0.02, tip=0.03)
 RIM = ct.RotatingRim(ring(), blade(), clearance=-2e-6, speed_hz=5.0, lean_deg=10.0)
+LOBED = ct.RotatingRim(  # open half of the time, which it skips
+    turning_ring(S=4e-7, zeta=0.01, imperfect=0.05), blade(S=1e-6, zeta=0.01), clearance=2e-4, speed_hz=20.0,
+    lean_deg=25.0, out_of_roundness=[{"p": 2, "cos": 2.5e-4}], angle_deg=45.0, turning="casing",
+)  # fmt: skip
 SKEW = np.triu(np.random.default_rng(3).standard_normal((10, 10)), 1)
 WHIRLING = replace(rim3(), gyroscopic=SKEW - SKEW.T, stiffness_by_speed=SKEW + SKEW.T + 4.0 * np.eye(10))
 RAMP = ct.Rub(
@@ -55,6 +60,7 @@ RUNS = {
     "penalty": ([ROD, ct.Wall(x=0.0)], {"law": ct.Penalty(stiffness=1e7), **LONG}),
     "rim": (RIM, {"law": ct.Unilateral(), **LONG}),
     "rim with friction": (RIM, {"law": ct.Coulomb(mu=0.1), **LONG}),
+    "rim with coupled modes that skips open time": (LOBED, {"law": ct.Coulomb(mu=0.2), **LONG}),
     "rim with a coating": (RIM, {"law": COATING, **LONG}),
     "rub with friction": (RUB, {"law": ct.Coulomb(mu=0.1), **LONG}),
     "rub with coupled modes over a ramp": (RAMP, {"law": ct.Coulomb(mu=0.1), **LONG}),

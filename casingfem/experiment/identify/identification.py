@@ -4,7 +4,7 @@
 2. `lscf`: poles that recur over the orders of p-LSCF. `groups`: close modes are fitted together by maximum likelihood
    (`pole_fit`), as many as the data justify (`counting`), until every visible peak has a mode.
 3. `setups`: channels that were measured together are identified alone; `tracks` averages their modes.
-4. `mode`: shapes and what is doubtful; `labels`: nodal diameters and antinodes; `pairs`.
+4. `mode`: shapes and reasons for doubtful modes. `labels`: nodal diameters and antinodes. `pairs`: pairs of modes.
 """
 
 from __future__ import annotations

@@ -259,8 +259,8 @@ def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | No
     for what, labels in (("nodes", nodes), ("elements", elements)):
         gaps = few_gaps(labels.labels) if labels is not None else np.empty(0)
         if gaps.size:
-            message = f"{path}: {what} {', '.join(map(str, gaps[:5].tolist()))} skipped"
-            warn("uff-gap", message + f" and {gaps.size - 5} more" * (gaps.size > 5), stacklevel=5)
+            first = ", ".join(map(str, gaps[:5].tolist())) + f" and {gaps.size - 5} more" * (gaps.size > 5)
+            warn("uff-gap", f"{path}: {what} {first} missing in the numbering", stacklevel=5)
     if nodes is not None and nodes.systems.any() and any(number in _SYSTEMS for number, _, _ in found.skipped):
         message = f"{path}: {np.count_nonzero(nodes.systems)} nodes in coordinate systems of the file"
         warn("uff-local", message, stacklevel=5)

@@ -219,7 +219,7 @@ class ShellTable(ImportTable):
         total = sum(ply.thickness for ply in self.plies)
         if self.plies and abs(total - self.thickness) > 1e-6 * self.thickness:
             raise ValueError(
-                f"found plies of {total:g} m in a wall of {self.thickness:g} m, expected equal thicknesses"
+                f"found plies of {total:g} m in a wall of {self.thickness:g} m, expected plies that add up to the wall"
             )
         for ply in self.plies:
             if ply.lamina is not None and ply.lamina not in self.lamina:

@@ -88,6 +88,5 @@ class MatrixReport:
             )
         return (
             "residual compliance: none, since all modes are kept. Statics are exact, but the contact point has mass "
-            "and "
-            "the step must resolve the highest mode: keep fewer modes, so that S replaces the others"
+            "and the step must resolve the highest mode: keep fewer modes, so that S replaces the others"
         )

@@ -96,8 +96,7 @@ def _check_skew(name: str, G: Array) -> None:
         i, j = (int(k) for k in np.unravel_index(int(even.argmax()), even.shape))
         raise InputError(
             f"{name}: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew-symmetric "
-            "matrix, "
-            "G[i, j] = -G[j, i]"
+            "matrix, G[i, j] = -G[j, i]"
         )
 
 

@@ -188,8 +188,7 @@ class Rub:
         if turns and self.stiffening:
             raise InputError(
                 "blade.stiffening: found stiffening by the speed with turning = 'casing', where the blades are at "
-                "rest, "
-                "expected turning = 'blades' or no stiffening"
+                "rest, expected turning = 'blades' or no stiffening"
             )
         if self.rotor is not None and (turns or self.flexible < 0):
             found = f"turning = {self.turning!r} and a casing of {self.casing.omega.size} modes"

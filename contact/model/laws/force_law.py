@@ -173,8 +173,8 @@ class ForceTable(_GivesWay):
         require_not_negative(damping=self.damping, mu=self.mu)
         if depth.ndim != 1 or depth.size < 2 or depth.shape != force.shape:
             raise InputError(
-                f"depth, force: found shapes {depth.shape}, {force.shape}, expected the same number, two or more, of "
-                "each"
+                f"depth, force: found shapes {depth.shape}, {force.shape}, expected two or more of "
+                "each, in equal numbers"
             )
         for name, values, strictly in (("depth", depth, True), ("force", force, False)):
             if not np.isfinite(values).all() or values[0] != 0.0:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from contact.solver.yielding.yields import Yielding
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
-BITS = 24  # a skip is shorter than 2^BITS steps
 CELLS = 720  # of the contact angle
 POINTS = 8  # where the clearance is examined in each cell
 

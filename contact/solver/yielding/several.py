@@ -25,7 +25,7 @@ from contact.solver.yielding.yields import Yielding, bears, pressed
 MOST = 200  # Newton steps: a few do
 NEAR = 1e-11  # of the largest depth or gap: largest error of the depths
 FLAT = 1e-8  # of a bar's stiffness, or of 1/D: the least slope of F, where bars flow without hardening or a law is flat
-CLOSER, LONGER, SHORTEST = 0.9, 1.3, 1.0 / 32.0  # remaining error to reach; growth of a step's fraction; its least
+CLOSER, LONGER, SHORTEST = 0.9, 1.3, 1.0 / 32.0  # error to reach; growth of the fraction of a step; least fraction
 
 
 @jit

@@ -385,7 +385,7 @@ values = [2.0, 4.0]
     ('[sweep]\nvary = [{key = "speed.hz", values = [1], to = 2}]', "values found with"),
     ('[sweep]\nvary = [{key = "speed.hz", values = [1], steps = 3}]', "values found with"),
     ('[sweep]\nvary = [{key = "speed.hz", from = 0, to = 2, steps = 3, log = true}]', "log found with from or to <= 0"),
-    ('[sweep]\nkind = "random"\nvary = [{key = "speed.hz", from = 1, to = 2}]', "draws or seed found or missing"),
+    ('[sweep]\nkind = "random"\nvary = [{key = "speed.hz", from = 1, to = 2}]', "neither draws nor seed found"),
     ('[sweep]\nvary = [{key = "motor.hz", values = [1]}]', "the scene has no table 'motor'"),
     ('[sweep]\nvary = [{key = "speed.rpm", values = [1]}]', "speed: hz and rpm both found, expected one"),
     ('[sweep]\nvary = [{key = "blade.lean_deg", values = [80]}]', "sweep.vary[1].values: blade.lean_deg: found 80"),

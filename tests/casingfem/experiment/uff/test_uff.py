@@ -241,7 +241,7 @@ def test_sets_that_are_not_read_are_listed_or_refused(tmp_path):
 def test_what_appears_incomplete_is_doubted(tmp_path):
     data = written(tmp_path, nodes=nodes(), nodes_set="15")
     lines = data.split(b"\n")
-    with pytest.warns(cf.errors.ModelWarning, match=r"nodes 7 skipped.*uff-gap"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"nodes 7 missing.*uff-gap"):
         parse_uff(b"\n".join(lines[:8] + lines[9:]), "f")
     shapes = written(tmp_path, shapes=(shape(1), shape(2))).split(b"\n")
     with pytest.warns(cf.errors.ModelWarning, match="uff-shapes"):

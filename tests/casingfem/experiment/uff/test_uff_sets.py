@@ -209,7 +209,7 @@ def test_numbers_are_left_out_where_they_are_fewer_than_a_quarter_of_those_there
         assert read(raw("15", nodes)).nodes.labels.tolist() == labels
     found = [str(w.message) for w in caught]
     assert len(found) == (len(gaps) > 0)
-    assert all(f"nodes {', '.join(map(str, gaps))} skipped" in words for words in found)
+    assert all(f"nodes {', '.join(map(str, gaps))} missing" in words for words in found)
 
 
 @pytest.mark.parametrize(

@@ -180,9 +180,9 @@ def test_what_appears_incomplete_is_reported(tmp_path):
         parsed(tmp_path, {"shapes": [shape([1, 2]), shape([3, 1, 2])]})
     assert len(parsed(tmp_path, {"shapes": [shape([1, 2, 3]), shape([3, 1, 2])]}).shapes) == 2
     labels = [k for k in range(1, 41) if k not in (3, 5, 7, 9, 11, 13)]
-    with pytest.warns(cf.errors.ModelWarning, match="f.uff: nodes 3, 5, 7, 9, 11 skipped and 1 more"):
+    with pytest.warns(cf.errors.ModelWarning, match="f.uff: nodes 3, 5, 7, 9, 11 and 1 more missing"):
         parsed(tmp_path, {"nodes": some(labels)})
-    with pytest.warns(cf.errors.ModelWarning, match="f.uff: elements 6 skipped.*uff-gap"):
+    with pytest.warns(cf.errors.ModelWarning, match="f.uff: elements 6 missing.*uff-gap"):
         parsed(tmp_path, *(element(k) for k in (4, 5, 7, 8, 9)))
 
 
