@@ -24,7 +24,7 @@ from contact.stability.split_casing import mean_contact
 
 IN_REALITY = (
     "In a machine, wear of a coating, a blade that bends away from the rim, damping or a stop limits such a motion; "
-    "nothing limits it in this scene. Add a [coating], reduce the friction, or set lean_deg nearer to 0 or below 0. "
+    "nothing limits it in this scene. Add a [coating],{} or set lean_deg nearer to 0 or below 0. "
     'With on_limit = "flag" in [scene] the run continues to a tenth of the radius and ends without an error.'
 )
 OF_ROTOR = {"the turning rim": "the drive of the rotor", "varying loads": "the unbalance"}
@@ -46,13 +46,15 @@ def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, fl
         words.append(growth.verdict)
     elif name in ("wall", "radius"):
         words.append(AT_ONCE if result.steps < SUDDEN else SHORT)
+        words.append(f"It is mostly {growth.cause.words}." if growth is not None and growth.cause is not None else "")
     elif name == "rotor":
         words.append(_forced_words(theory))
     words += [closed, _fed_words(result.energy, OF_ROTOR if name == "rotor" else {})]
-    if growth is not None and grows:
-        words += [_impact_words(growth, theory), growth.at_half_step]
+    if growth is not None:
+        words += [_impact_words(growth, theory) if grows else "", growth.at_half_step]
     numerical = growth is not None and growth.numerical
-    words.append(IN_REALITY if name in ("wall", "radius") and not numerical else "")
+    if name in ("wall", "radius") and not numerical:
+        words.append(IN_REALITY.format(" reduce the friction," if mu > 0.0 else ""))
     return Divergence(
         limit=name, step=result.steps, time=time, reached=reached, allowed=allowed,
         growth=growth.rate if growth is not None and grows else math.nan, theory=theory,

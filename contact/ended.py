@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.base.errors import DivergedError, NumericsError
 from contact.collect import collect
-from contact.half_step import Mark, states, with_half_step
+from contact.half_step import Mark, states, with_half_step, with_limit_at_half_step
 from contact.io.trust import OF_LIMITS, Flag
 from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import passed
@@ -137,11 +137,14 @@ def with_growth(
         growth = replace(growth, state="grows")
     if limit is not None and limit[0] == "wall":
         growth = replace(growth, time_to_half_wall=result.steps * result.dt)
-    if growth.state == "grows" and ready.marked and marks is not None:
-        growth = with_half_step(
-            ready.problem, ready.law, ready.scheme, result.dt, result.steps, marks, growth, ready.count,
-            stopped=limit is not None and limit[0] in ("wall", "radius"),
-        )  # fmt: skip
+    if not ready.marked or marks is None:
+        return replace(result, growth=growth)
+    stopped = limit is not None and limit[0] in ("wall", "radius")
+    same = ready.problem, ready.law, ready.scheme, result.dt, result.steps
+    if growth.state == "grows":
+        growth = with_half_step(*same, marks, growth, ready.count, stopped=stopped)
+    elif stopped:
+        growth = with_limit_at_half_step(*same, growth, ready.count)
     return replace(result, growth=growth)
 
 

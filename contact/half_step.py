@@ -101,6 +101,20 @@ def with_half_step(
         return growth
 
 
+def with_limit_at_half_step(
+    problem: Problem, law: Law, scheme: Scheme, dt: float, taken: int, growth: RunGrowth, count: int
+) -> RunGrowth:  # fmt: skip
+    """The growth of a run that was stopped at a limit of its motion before its rate is known.
+
+    The whole run of `count` planned steps is repeated at half the step, up to this limit.
+    """
+    try:
+        passes, steps = _passes(problem, law, scheme, 0.5 * dt, 2 * count)
+    except InputError:
+        return growth
+    return replace(growth, passes=passes, check_share=steps / taken)
+
+
 def _passes(problem: Problem, law: Law, scheme: Scheme, dt: float, count: int) -> tuple[bool, int]:
     """Whether a run of at most `count` steps passes a limit of its motion, and its number of steps."""
     stepper = scheme.prepare(problem, law, dt=dt, courant=None)

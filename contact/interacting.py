@@ -58,6 +58,16 @@ class DangerousSpeed:
         return self.at.n if self.peak is None or self.at.verdict != "safe" else self.peak.n
 
     @property
+    def mode(self) -> int | None:
+        """Number of the blade's mode that moves, for a motion mostly of blades without nodal diameters of their own."""
+        return self.at.mode if self.peak is None or self.at.verdict != "safe" else self.peak.mode
+
+    @property
+    def mover(self) -> str:
+        """The body, with the mode of a blade."""
+        return f"blade mode {self.mode}" if self.body == "blades" and self.mode is not None else self.body
+
+    @property
     def wave(self) -> str:
         """Travel of the wave around the casing; from the pole if the states of the run do not show it."""
         peak, run = self.peak, self.at
@@ -81,16 +91,17 @@ def _runs(found: Any, value: str) -> list[Any]:
     return [getattr(row.at, value) for row in found.rows]
 
 
-def _rpm(found: Any) -> list[str]:
-    return [f"{60.0 * row.from_hz:.0f}-{60.0 * row.to_hz:.0f}" for row in found.rows]
+def _ranges(found: Any, factor: float, form: str) -> list[str]:
+    return [f"{factor * row.from_hz:{form}}-{factor * row.to_hz:{form}}" for row in found.rows]
 
 
 COLUMNS = (
-    Column("from_hz", "First speed of the range.", lambda found: _rows(found, "from_hz"), head="from", unit="Hz",
-           format=".3f"),
-    Column("to_hz", "Last speed of the range.", lambda found: _rows(found, "to_hz"), head="to", unit="Hz",
-           format=".3f"),
-    Column("range_rpm", "The same range in rpm.", _rpm, head="range", unit="rpm", format=str),
+    Column("from_hz", "First speed of the range.", lambda found: _rows(found, "from_hz"), where="files"),
+    Column("to_hz", "Last speed of the range.", lambda found: _rows(found, "to_hz"), where="files"),
+    Column("range_rpm", "The same range in rpm.", lambda found: _ranges(found, 60.0, ".0f"), head="range", unit="rpm",
+           format=str),
+    Column("range_hz", "The same range in Hz.", lambda found: _ranges(found, 1.0, ".4g"), head="range", unit="Hz",
+           format=str),
     Column("at_hz", "Speed of the run and of the closed-contact growth.",
            lambda found: _runs(found, "speed_hz"), head="at", unit="Hz", format=".4f", where="files"),
     Column("n", "Nodal diameters of the motion.", lambda found: _rows(found, "n"), format="d"),
@@ -98,8 +109,13 @@ COLUMNS = (
            lambda found: [None if row.peak is None else row.peak.n for row in found.rows], head="n of the pole",
            format="d", where="pages"),
     Column("wave", "Direction of the wave: with the blades, against them, or standing; for a rotor, its whirl.",
-           lambda found: _rows(found, "wave"), format=str),
-    Column("body", "Body that has most of the energy of the motion.", lambda found: _rows(found, "body"), format=str),
+           lambda found: [row.wave or None for row in found.rows], format=str),
+    Column("body", "Body that has most of the energy of the motion.", lambda found: _rows(found, "body"),
+           where="files"),
+    Column("blade_mode", "Number of the mode of the blades, if they have most of the energy.",
+           lambda found: [row.mode if row.body == "blades" else None for row in found.rows], where="files"),
+    Column("mover", "The body with the number of the blade's mode.", lambda found: _rows(found, "mover"), head="body",
+           format=str),
     Column("closed_1_s", "Growth rate from the poles, with the contact always closed; for a rotor, without contact.",
            lambda found: _runs(found, "closed"), head="pole", unit="1/s", format=".3g"),
     Column("growth_1_s", "Growth rate of the run.", lambda found: _runs(found, "growth"), head="run", unit="1/s",
@@ -108,6 +124,8 @@ COLUMNS = (
            lambda found: _runs(found, "low"), where="files"),
     Column("growth_high_1_s", "Upper end of the 95 % interval of the run's growth rate.",
            lambda found: _runs(found, "high"), where="files"),
+    Column("force_N", "Largest contact force of a step of the run.", lambda found: _runs(found, "force_n"),
+           head="force", unit="N", format=".4g", where="pages"),
     Column("amplitude_m", "Largest deflection of the rim at the end of the run; for a rotor, of its disk.",
            lambda found: _runs(found, "amplitude_m"), where="files"),
     Column("deflection_mm", "The same in mm; for a stopped run, > and the limit that it passed.",
@@ -161,6 +179,7 @@ class Interactions(Reported):
             words.append("Every speed is safe.")
         elif count["safe"]:
             words.append("Speeds outside the rows are safe.")
+        words.append(_spacing(self.runs))
         open_ = [run for run in self.runs if run.verdict == "not decided"]
         words += [f"The first undecided run is at {run.speed_hz:.4g} Hz: {run.why}." for run in open_[:1]]
         return " ".join(filter(None, [*words, pairs]))
@@ -179,6 +198,15 @@ class Interactions(Reported):
             "closed_contact": self.peaks.map.to_dict() | {"peaks": self.peaks.records()},
             "words": self.words,
         }  # fmt: skip
+
+
+def _spacing(runs: Sequence[SpeedRun]) -> str:
+    """Sentence on the largest distance between neighbouring runs."""
+    apart = float(np.diff([run.speed_hz for run in runs]).max())
+    return (
+        f"Neighbouring runs are at most {apart:.3g} Hz ({60.0 * apart:,.0f} rpm) apart. A range ends midway between "
+        "two runs or where closed contact stops growing."
+    )
 
 
 def speeds_of(scene: Scene | HandPair) -> Array:
@@ -315,7 +343,7 @@ def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[Dangerous
         if inside:
             found += _merged(_of_peaks(stretch, inside, low, high))
         elif verdict != "safe":
-            found.append(DangerousSpeed(from_hz=low, to_hz=high, at=max(stretch, key=_badness), peak=None))
+            found.append(DangerousSpeed(from_hz=low, to_hz=high, at=_worst(stretch), peak=None))
         first = last + 1
     return found
 
@@ -340,7 +368,7 @@ def _of_peaks(
     rows = []
     for peak, (start, stop) in zip(found, pairwise([begin, *(peak.to_hz for peak in found[:-1]), end]), strict=True):
         own = [run for run in stretch if start <= run.speed_hz <= stop]
-        rows.append(DangerousSpeed(from_hz=start, to_hz=stop, at=max(own, key=_badness), peak=peak))
+        rows.append(DangerousSpeed(from_hz=start, to_hz=stop, at=_worst(own), peak=peak))
     return rows
 
 
@@ -350,11 +378,16 @@ def _merged(rows: Sequence[DangerousSpeed]) -> list[DangerousSpeed]:
     for row in rows:
         last = found[-1] if found else None
         if last is not None and row.n is not None and (last.n, last.wave, last.body) == (row.n, row.wave, row.body):
-            worst = max(last, row, key=lambda one: _badness(one.at))
+            worst = last if _worst([last.at, row.at]) is last.at else row
             found[-1] = replace(worst, from_hz=last.from_hz, to_hz=row.to_hz)
         else:
             found.append(row)
     return found
+
+
+def _worst(runs: Sequence[SpeedRun]) -> SpeedRun:
+    """The worst of some runs with the same verdict; a growth without a known rate only if there is no other."""
+    return max(runs, key=lambda run: (run.verdict != "unstable" or math.isfinite(run.growth), _badness(run)))
 
 
 def _badness(run: SpeedRun) -> float:

@@ -51,14 +51,16 @@ OTHER_RATE = {
 class SpeedRun:
     """The scene at one constant speed: `speed_hz` [turns/s], its verdict, and the motion.
 
-    `closed`: growth of closed contact [1/s]; `growth` of the run with its 95 % interval, nan without one; `amplitude_m`
-    the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` is None if nothing
-    moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason if it does not decide.
-    `check` is the result with half the step: "converged", "numerical", "irregular", "depends on the step", or "" for
-    motions that do not grow. `state` is the end state of the motion, `steady` the relative variation of the largest
-    deflection between windows of the last part; `contact` the fraction of the time in which the contact that touches
-    most was closed. `limit_m` is the largest rim deflection that the linear model allows, for a run that passed it and
-    was stopped; nan for others. `allowed_m` is that deflection for every run. `may_change` is that of the run's result.
+    `force_n`: largest contact force of a step [N]; `mode` the number of the blades' mode if the motion is mostly theirs
+    and has no nodal diameters. `closed`: growth of closed contact [1/s]; `growth` of the run with its 95 % interval,
+    nan without one; `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half
+    the wall; `n` is None if nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why`
+    the reason if it does not decide. `check` is the result with half the step: "converged", "numerical", "irregular",
+    "depends on the step", or "" for motions that do not grow. `state` is the end state of the motion, `steady` the
+    relative variation of the largest deflection between windows of the last part; `contact` the fraction of the time in
+    which the contact that touches most was closed. `limit_m` is the largest rim deflection that the linear model
+    allows, for a run that passed it and was stopped; nan for others. `allowed_m` is that deflection for every run.
+    `may_change` is that of the run's result.
     """
 
     speed_hz: float
@@ -81,6 +83,8 @@ class SpeedRun:
     limit_m: float = math.nan
     allowed_m: float = math.nan
     may_change: bool = False
+    force_n: float = math.nan
+    mode: int | None = None
 
     @property
     def stopped(self) -> bool:
@@ -329,12 +333,14 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     if result is None:
         return replace(run, why=f"the run failed: {outcome}")
     closed = float(np.max(result.contact_steps, initial=0)) / max(result.steps, 1)
-    run = replace(run, seconds=result.steps * result.dt, contact=closed)
+    force = float(np.max(result.peak_force, initial=0.0))
+    run = replace(run, seconds=result.steps * result.dt, contact=closed, force_n=force)
     growth = result.growth
     if growth is not None:
         run = replace(
             run, growth=growth.rate, low=growth.low, high=growth.high, amplitude_m=growth.amplitude,
             half_wall_s=growth.time_to_half_wall, n=growth.nodal_diameters, body=growth.body,
+            mode=growth.blade_mode,
             wave="" if growth.cause is None else _wave(growth.cause.travel), check=growth.check,
             state=growth.state, steady=growth.steady,
         )  # fmt: skip

@@ -115,7 +115,7 @@ def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -
 def pairs_of(what: object) -> list[tuple[int, float]]:
     """Nodal diameters and frequency [Hz] of the casing's modes, one for each pair; empty without a rim."""
     from contact.model.gaps.rub import rub_of
-    from contact.stability.of_run import casing_diameters
+    from contact.stability.mode_groups import casing_diameters
 
     rub: Rub | None = rub_of(what)
     if rub is None:

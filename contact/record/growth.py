@@ -22,11 +22,12 @@ STANDS = 0.3  # share of one travelling wave below which the motion is a standin
 class Cause:
     """The motion with most of the energy at the end of a run, and its source of energy.
 
-    `body` "casing" or "blades"; `n` its nodal diameters, None for blades that are not evenly spaced; `share` of the
-    energy. `travel` from -1 to 1: the part of the wave that runs with the blades (1) or against them (-1) around the
-    casing, in the casing's frame; nan if n = 0, or if the stored states are too far apart. `source`: the source of the
-    largest work [J], such as "the turning rim" or "friction"; "" if there is none. `closed` is the fraction of the time
-    in which the contact that touches most was closed.
+    `body` "casing" or "blades"; `n` its nodal diameters, None for blades that are not evenly spaced, for which `mode`
+    is the number of their mode with most energy; `share` of the energy. `travel` from -1 to 1: the part of the wave
+    that runs with the blades (1) or against them (-1) around the casing, in the casing's frame; nan if n = 0, or if the
+    stored states are too far apart. `source`: the source of the largest work [J], such as "the turning rim" or
+    "friction"; "" if there is none. `closed` is the fraction of the time in which the contact that touches most was
+    closed.
     """
 
     body: str
@@ -36,10 +37,13 @@ class Cause:
     source: str
     work: float
     closed: float
+    mode: int | None = None
 
     @property
     def words(self) -> str:
-        """Body, nodal diameters and direction."""
+        """Body, nodal diameters and direction, or the mode of a blade."""
+        if self.mode is not None:
+            return f"mode {self.mode} of the {self.body}"
         wave = f"the motion of the {self.body}" if self.n is None else f"the n = {self.n} motion of the {self.body}"
         if not math.isfinite(self.travel):
             return wave
@@ -68,8 +72,8 @@ class RunGrowth:
     unknown. `half_step` is the growth [1/s] of the last part at half the step, `half_step_width` half its interval, and
     `check_share` the ratio of its steps to those of the run; nan without this check. `same_step` [1/s]: if the growth
     at half the step differs, that of the last part repeated at the same step from a slightly different start.
-    `passes`: whether the run passed a limit of its motion and a repetition at half the step does too; it is computed
-    if half the step gives less than half of the growth.
+    `passes`: whether a run that passed a limit of its motion does so at half the step too; it is computed if the growth
+    is not known, or half the step gives less than half of it, else None.
     """
 
     rate: float
@@ -85,7 +89,7 @@ class RunGrowth:
     half_step_width: float = math.nan
     check_share: float = math.nan
     same_step: float = math.nan
-    passes: bool = False
+    passes: bool | None = None
 
     def __repr__(self) -> str:
         return self.words
@@ -106,17 +110,23 @@ class RunGrowth:
         return None if self.cause is None else self.cause.n
 
     @property
+    def blade_mode(self) -> int | None:
+        """Number of the blades' mode with most of the energy, if that motion has no nodal diameters."""
+        return None if self.cause is None else self.cause.mode
+
+    @property
     def converged(self) -> bool | None:
         """Whether half the step gives the same growth, to 10 % or within both intervals; None without this check.
 
-        The interval of a growing motion is above 0, unless the motion has passed a limit while its rate is uncertain.
+        For a run without a known growth it states whether half the step passes the same limit. The interval of a
+        growing motion is above 0, unless the motion has passed a limit while its rate is uncertain.
 
         >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
         ...                   time_to_half_wall=0.5, cause=None)
         >>> grows.converged, grows.checked(10.5, 0.1, 0.3).converged, grows.checked(2.0, 0.1, 0.3).converged
         (None, True, False)
         """
-        return self._agrees(self.half_step) if math.isfinite(self.half_step) else None
+        return self._agrees(self.half_step) if math.isfinite(self.half_step) else self.passes
 
     def _agrees(self, other: float) -> bool:
         both = math.hypot(0.5 * (self.high - self.low), self.half_step_width)
@@ -134,9 +144,10 @@ class RunGrowth:
     def numerical(self) -> bool:
         """Whether half the step gives less than half of the growth, for a motion that is not irregular.
 
-        A motion that passes the same limit at half the step grows there too.
+        A motion that passes the same limit at half the step grows there too. If its growth is not known, the limit
+        alone decides.
         """
-        less = self.half_step + self.half_step_width < NUMERICAL * self.rate
+        less = not self.half_step + self.half_step_width >= NUMERICAL * self.rate
         return self.converged is False and less and not (self.irregular or self.passes)
 
     @property
@@ -164,7 +175,8 @@ class RunGrowth:
         """A warning if the growth is an effect of the step."""
         if self.check not in ("numerical", "depends on the step"):
             return ()
-        return (Flag(f"The motion grows by {self.rate:.3g} 1/s. {self.at_half_step}"[:-1], "growth-numerical"),)
+        how = f"grows by {self.rate:.3g} 1/s" if math.isfinite(self.half_step) else "passes its limit"
+        return (Flag(f"The motion {how}. {self.at_half_step}"[:-1], "growth-numerical"),)
 
     def checked(self, half_step: float, width: float, share: float) -> RunGrowth:
         """The same growth with that at half the step, and the half width of its interval."""
@@ -200,6 +212,8 @@ class RunGrowth:
             return f"The motion is bounded: the rim deflects by {size}.{mostly}"
         if self.state == "at rest":
             return "Nothing vibrates."
+        if self.passes is not None:
+            return f"The motion passes its limit too soon to fit a growth rate.{mostly}"
         return f"The run is too short to tell whether the motion grows: {between}. Lengthen t_end."
 
     def _periodic(self) -> str:
@@ -219,6 +233,12 @@ class RunGrowth:
     @property
     def at_half_step(self) -> str:
         """The growth at half the step, and its meaning; empty without the check."""
+        if not math.isfinite(self.half_step):
+            passed: dict[bool | None, str] = {
+                None: "", True: "At half the step the motion passes this limit too: converged.",
+                False: "At half the step the motion stays within this limit: its growth is numerical, reduce dt.",
+            }  # fmt: skip
+            return passed[self.passes]
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"
         other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
         same = "converged" if self.low > 0.0 else "within the intervals of both steps"
@@ -245,8 +265,9 @@ class RunGrowth:
         }  # fmt: skip
         if cause is not None:
             found |= {
-                "body": cause.body, "n": cause.n, "energy_share": cause.share, "travel": cause.travel,
-                "source": cause.source, "source_work_J": cause.work, "closed_fraction": cause.closed,
+                "body": cause.body, "n": cause.n, "blade_mode": cause.mode, "energy_share": cause.share,
+                "travel": cause.travel, "source": cause.source, "source_work_J": cause.work,
+                "closed_fraction": cause.closed,
             }  # fmt: skip
         plain: dict[str, object] = finite(found)
         return plain

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.base.arrays import Array, Indices, readonly
-from contact.base.remembered import remembered
+from contact.base.arrays import Array, Indices
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.deflection import deflection
 from contact.model.gaps.gap import RotatingRim
@@ -21,6 +19,7 @@ from contact.model.rotor.rotor import Rotor
 from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import Cause, Ending, RunGrowth
 from contact.stability.envelope import Envelope, Fit, envelope, growth_of
+from contact.stability.mode_groups import Groups, Parts, largest_mode, parts_of
 
 SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that its whole interval must have
 RISE = 0.4  # e-folds that a bounded motion may rise in as much time again as the run took: by half
@@ -28,7 +27,6 @@ GREAT = 1.0  # e-folds that the whole interval must have where the motion was as
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
 LAST = 10  # the last part of a run has one in so many of its windows
-EVEN = 1e-6  # of a turn
 ANGLE = 0.5  # radians by which a wave's phase may be uncertain from one state to the next
 SMALL = 0.02  # of the largest area: an orbit without one
 CLOSE = 0.05  # of a mode's frequency: by how much contact may shift it
@@ -76,20 +74,6 @@ class Ran(Protocol):
     def divergence(self) -> Divergence | None:
         """Why the run ended early."""
         ...
-
-
-class Groups(NamedTuple):
-    """Group number of each mode (m,); body and nodal diameters of each group."""
-
-    of: Indices
-    named: tuple[tuple[str, int | None], ...]
-
-
-class Parts(NamedTuple):
-    """Frequencies [rad/s] and groups of the modes, (m,)."""
-
-    omega: Array
-    groups: Groups
 
 
 class Seen(NamedTuple):
@@ -155,7 +139,8 @@ def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
     if seen is None:
         groups = Groups(np.zeros(rotor.body.omega.size, dtype=np.int64), (("rotor", None),))
         speed = rotor.speed.omega(result.steps * result.dt)
-        seen = Seen(rotor.body, Parts(rotor.body.omega, groups), 0, speed, math.inf)
+        parts = Parts(rotor.body.omega, groups, np.arange(1, rotor.body.omega.size + 1))
+        seen = Seen(rotor.body, parts, 0, speed, math.inf)
     q = result.state[:, : seen.parts.omega.size]
     turn = 2.0 * math.pi / abs(seen.speed) if seen.speed else math.inf
     found = envelope(result.state_time, q, seen.parts.omega, seen.parts.groups.of, turn)
@@ -192,18 +177,12 @@ def whirl_sense(path: NDArray[np.complex128], speed: float) -> str:
 def _seen(what: object, end: float) -> Seen | None:
     """Data of a problem whose run ended at `end` [s]; None if it is neither a rim nor a rub."""
     if isinstance(what, RotatingRim):
-        parts = _parts((what.casing, what.blade), ONE, what.casing.omega.size)
+        parts = parts_of((what.casing, what.blade), ONE, what.casing.omega.size)
         return Seen(what.casing, parts, 0, what.speed, what.casing.line_wall(0) or math.inf)
     if isinstance(what, Rub):
-        parts = _parts(what.bodies, what.tips, what.flexible)
+        parts = parts_of(what.bodies, what.tips, what.flexible)
         return Seen(what.casing, parts, what.tips[0].line, what.speed.omega(end), what.wall)
     return None
-
-
-@remembered
-def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], flexible: int) -> Parts:
-    """Part that all runs of the same bodies share; modes of the first body from `flexible` on are those of a rotor."""
-    return Parts(readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips, flexible))
 
 
 def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Array) -> RunGrowth:
@@ -305,50 +284,21 @@ def _amplitude(time: Array, deflection: Array, start: Array) -> tuple[float, flo
     return top, (1.0 - float(largest.min()) / top) if top > 0.0 else 0.0
 
 
-def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint], flexible: int | None = None) -> Groups:
-    """Modes by body and nodal diameters: the harmonic with most motion of a rim, or of tips evenly spaced around."""
-    casing, *blades = bodies
-    keys: list[tuple[str, int | None]] = [("casing", int(n)) for n in casing_diameters(casing)[:flexible]]
-    keys += [("rotor", None)] * (casing.omega.size - len(keys))
-    for b, body in enumerate(blades):
-        keys += [("blades", n) for n in blade_diameters(body, [tip for tip in tips if tip.blade == b])]
-    named = tuple(dict.fromkeys(keys))
-    number = {key: k for k, key in enumerate(named)}
-    return Groups(np.array([number[key] for key in keys], dtype=np.int64), named)
-
-
-def casing_diameters(body: ModalBody) -> Indices:
-    """Nodal diameters of a rim's modes, (m,): the harmonic with the largest square over all directions and lines."""
-    N = body.n_max
-    rows = body.rows.reshape(-1, 2 * N + 1, body.omega.size)
-    power = np.sum(rows[:, : N + 1] ** 2, axis=0)
-    power[1:] += np.sum(rows[:, N + 1 :] ** 2, axis=0)
-    return np.asarray(power.argmax(axis=0))
-
-
-def blade_diameters(body: ModalBody, tips: Sequence[ContactPoint]) -> list[int | None]:
-    """Nodal diameters of the modes of one body with several tips evenly around; None for each other mode."""
-    tips = sorted(tips, key=lambda tip: tip.angle_deg % 360.0)
-    K = len(tips)
-    turned = np.diff([tip.angle_deg % 360.0 for tip in tips]) / 360.0
-    if K < 3 or np.abs(turned - 1.0 / K).max() > EVEN:
-        return [None] * body.omega.size
-    rows = np.array([tip.directions(body)[:2] @ body.rows for tip in tips])  # (K, 2, m)
-    power = np.sum(np.abs(np.fft.rfft(rows, axis=0)) ** 2, axis=1)
-    return [int(n) for n in power.argmax(axis=0)]
-
-
 def _cause(seen: Seen, result: Ran, q: Array, energy: Array, late: Some) -> Cause:
     """The group with most of the energy at the end."""
     last = energy[-max(1, len(energy) // 4) :].mean(axis=0)
     top = int(last.argmax())
     groups = seen.parts.groups
     body, n = groups.named[top]
+    modes = np.flatnonzero(groups.of == top)
+    mode = None
+    if body == "blades" and n is None:
+        mode = largest_mode(seen.parts.number[modes], np.var(seen.parts.omega[modes] * q[late][:, modes], axis=0))
     source, work = _source(result.energy)
     return Cause(
         body=body, n=n, share=float(last[top] / last.sum()), source=source, work=work,
-        travel=_travel(seen, result, q, np.flatnonzero(groups.of == top), n, late) if body == "casing" else math.nan,
-        closed=float(np.max(result.contact_steps, initial=0)) / result.steps if result.steps else 0.0,
+        travel=_travel(seen, result, q, modes, n, late) if body == "casing" else math.nan,
+        closed=float(np.max(result.contact_steps, initial=0)) / result.steps if result.steps else 0.0, mode=mode,
     )  # fmt: skip
 
 

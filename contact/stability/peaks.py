@@ -15,15 +15,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import InputError
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, HandPair
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.stability.closed_contact import first_order, floor_of, growth, poles_each
 from contact.stability.coincidence import close_speeds, coincidences
 from contact.stability.growth_map import StabilityMap, scan
+from contact.stability.mode_groups import largest_mode, mode_numbers
 from contact.stability.split_casing import mean_contact
 from contact.stability.waves import Waves, waves_of
 
@@ -41,9 +42,9 @@ SETTLED = 1e-7  # of the pole: distance of the shift of inverse iteration
 class Peak:
     """One peak: the speed [turns/s], the growth [1/s] there, and the speeds around it at which its motion grows.
 
-    `n` nodal diameters of the casing in the growing motion; `wave` "with" the blade's direction around the casing,
-    "against" it or "standing"; `casing_share` of the energy, the rest is the blade's; `freq_hz` in the blade's frame;
-    `overtaken` whether the blade is faster than the wave.
+    `n` nodal diameters of the casing in the growing motion; `mode` the blade's mode with most energy; `wave` "with" the
+    blade's direction around the casing, "against" it or "standing"; `casing_share` of the energy, the rest is the
+    blade's; `freq_hz` in the blade's frame; `overtaken` whether the blade is faster than the wave.
     """
 
     speed_hz: float
@@ -55,6 +56,7 @@ class Peak:
     casing_share: float
     freq_hz: float
     overtaken: bool
+    mode: int | None = None
 
     @property
     def casing_hz(self) -> float:
@@ -115,7 +117,7 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
     contact, averaged = _closed(what, mu)
     found, turn = growth_map(contact, speed), 2.0 * math.pi
     return Peaks(
-        rows=peaks_of(contact, found), map=found, averaged=averaged,
+        rows=peaks_of(contact, found, _blade_modes(what)), map=found, averaged=averaged,
         blade_hz=tuple((contact.omega[contact.casing :] / turn).tolist()), wave_hz=_waves_seen(contact, speed),
     )  # fmt: skip
 
@@ -126,9 +128,10 @@ def growth_map(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
     return scan(lambda at: growth(contact, at), speed_hz, floor=floor_of(contact), seeds=seeds)
 
 
-def peaks_of(contact: ClosedContact, found: StabilityMap) -> tuple[Peak, ...]:
-    """Peaks of a growth map of this contact, by speed."""
-    return _merged(contact, *_refined(contact, found, floor_of(contact)), found)
+def peaks_of(contact: ClosedContact, found: StabilityMap, number: Indices | None = None) -> tuple[Peak, ...]:
+    """Peaks of a growth map of this contact, by speed; `number` of the blades' modes, in their order if left out."""
+    ordered = np.arange(1, contact.omega.size - contact.casing + 1)
+    return _merged(contact, *_refined(contact, found, floor_of(contact)), found, ordered if number is None else number)
 
 
 def growth_at(what: RotatingRim | Rub, speed_hz: Array, *, mu: float = 0.0) -> Array:
@@ -169,13 +172,15 @@ def _vertex(x: Array, y: Array) -> Array:
     return np.asarray(np.where(inside, vertex, np.where(left > right, 0.5 * (x[0] + x[1]), 0.5 * (x[1] + x[2]))))
 
 
-def _merged(contact: ClosedContact, speed: Array, leading: list[complex], found: StabilityMap) -> tuple[Peak, ...]:
+def _merged(
+    contact: ClosedContact, speed: Array, leading: list[complex], found: StabilityMap, number: Indices
+) -> tuple[Peak, ...]:
     """Peaks of different motions: of neighbours in one band with similar eigenvectors the higher one is kept."""
     rows: list[Peak] = []
     motions: list[Vector] = []
     waves = waves_of(contact)
     for hz, pole in zip(speed.tolist(), leading, strict=True):
-        peak, motion = _peak(waves, hz, pole)
+        peak, motion = _peak(waves, hz, pole, number)
         band = next((band for band in found.bands_hz if band[0] <= hz <= band[1]), (hz, hz))
         peak = replace(peak, from_hz=band[0], to_hz=band[1])
         last = rows[-1] if rows else None
@@ -198,7 +203,7 @@ def _alike(one: Peak, first: Vector, other: Peak, second: Vector) -> bool:
     return (one.n, one.wave) == (other.n, other.wave) and float(abs(np.vdot(first, second))) ** 2 > ALIKE
 
 
-def _peak(waves: Waves, speed_hz: float, pole: complex) -> tuple[Peak, Vector]:
+def _peak(waves: Waves, speed_hz: float, pole: complex, number: Indices) -> tuple[Peak, Vector]:
     """A peak and its motion: energy amplitudes of waves and modes, (2 m,) of unit norm."""
     contact, omega = waves.contact, 2.0 * math.pi * speed_hz
     casing = contact.casing
@@ -214,6 +219,7 @@ def _peak(waves: Waves, speed_hz: float, pole: complex) -> tuple[Peak, Vector]:
     return Peak(
         speed_hz=speed_hz, growth=pole.real, from_hz=speed_hz, to_hz=speed_hz, n=n, wave=wave, casing_share=share,
         freq_hz=pole.imag / (2.0 * math.pi), overtaken=overtaken,
+        mode=largest_mode(number, energy[casing:]) if number.size else None,
     ), motion.ravel()  # fmt: skip
 
 
@@ -252,6 +258,11 @@ def _waves_seen(contact: ClosedContact, speed_hz: Array) -> Array:
         return readonly(np.zeros((speed_hz.size, 0)))
     after = free.casing & (free.sign > 0.0) & (free.order > 0.0)
     return readonly(np.abs(free.met(omega)[:, after]) / (2.0 * math.pi))
+
+
+def _blade_modes(what: RotatingRim | Rub | HandPair) -> Indices | None:
+    """Number of each mode of the blades in its body; None for a pair by hand."""
+    return None if isinstance(what, HandPair) else mode_numbers(rub_of(what).bodies[1:])
 
 
 def _closed(what: RotatingRim | Rub | HandPair, mu: float) -> tuple[ClosedContact, bool]:

@@ -44,6 +44,23 @@ def test_the_sum_condition_of_turning_blades_is_the_one_dangerous_speed():
     assert "13 runs of the scene at constant speeds from 45 to 60 Hz (2,700 to 3,600 rpm): 1 unstable" in found.words
 
 
+def test_a_motion_mostly_of_the_blade_is_named_by_its_mode():
+    """At a sum condition the energies are as the frequencies: 100 Hz of the casing, 250 Hz of the blade's mode 2."""
+    casing = ct.gaps.pair_rim(replace(PAIR.casing, freq_hz=100.0), radius=0.5)
+    tip = ct.ModalBody(
+        omega=2.0 * np.pi * np.array([60.0, 250.0]), zeta=[1e-2, 2e-4], channels=("span", "flap"),
+        rows=[[0.1, 1.6], [0.0, 0.0]], S=np.eye(2) * PAIR.compliance,
+    )  # fmt: skip
+    rim = ct.RotatingRim(casing, tip, clearance=-1e-2, speed_hz=20.0)
+    found = ct.interactions(ct.Scene(what=rim, t_end=2.0, dt=1e-4), np.linspace(42.0, 46.0, 41), runs=2)
+    (row,) = found.rows
+    assert row.peak.casing_share == pytest.approx(100.0 / 350.0, abs=0.02)
+    assert (row.at.verdict, row.n, row.mode, row.peak.mode) == ("unstable", None, 2, 2)
+    assert "blade mode 2" in repr(found)
+    (record,) = found.to_dict()["interactions"]
+    assert (record["body"], record["blade_mode"]) == ("blades", 2)
+
+
 def test_where_nothing_touches_every_speed_is_safe():
     found = ct.interactions(pair_scene(clearance=1e-3), SPEEDS, runs=12)
     (row,) = found.rows
@@ -150,7 +167,7 @@ def test_the_printed_table_has_at_most_a_hundred_characters_and_every_row_on_one
     assert max(map(len, repr(found).splitlines()[: 1 + len(found.rows)])) <= 100
     assert len(repr(found).splitlines()) == 1 + len(found.rows) + 1
     head = repr(found).splitlines()[0]
-    assert head.split("  ")[0] == "from [Hz]"
+    assert [word.strip() for word in head.split("  ")[:2]] == ["range [rpm]", "range [Hz]"]
 
 
 def test_the_document_has_the_table_the_runs_and_closed_contact():

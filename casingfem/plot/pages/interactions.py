@@ -11,6 +11,7 @@ from casingfem.plot.pages.speeds import (
     OF_ROTOR,
     OF_SPEED,
     VERDICTS,
+    force_size,
     listed,
     range_words,
     safe_ranges,
@@ -71,12 +72,29 @@ def speeds_verdict(found: Any) -> Verdict:
         facts.insert(0, ("Safe", f"{listed(safe)}." if safe else "No speed of the range is safe."))
         facts.insert(0, ("Worst", row_words(found.rows[0])))
     if found.runs:
+        facts.append(("Force", force_words(found.runs)))
         facts.append(("Deflection", deflection_words(found.runs)))
     further = FURTHER[worst or "safe"]
     return Verdict(
         found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state,
         strips=(("Speeds", speed_strip(found)),),
     )  # fmt: skip
+
+
+def force_words(runs: Sequence[Any]) -> str:
+    """Largest contact force of a step, of the runs within the limit of the model and of those that were stopped."""
+    known = [run for run in runs if math.isfinite(run.force_n)]
+    if not known:
+        return "None: no run was completed."
+    stopped, whole = ([run for run in known if run.stopped is one] for one in (True, False))
+    words = []
+    for some, name in ((whole, ""), (stopped, " before the limit stopped a run")):
+        if some:
+            largest = max(some, key=lambda run: float(run.force_n))
+            words.append(f"{force_size(largest.force_n)}{name}, at {with_rpm(largest.speed_hz)}")
+    if not any(run.force_n > 0.0 for run in known):
+        return "None: nothing touches."
+    return f"At most {'; '.join(words)}. It is the largest force of a time step."
 
 
 def deflection_words(runs: Sequence[Any]) -> str:
@@ -105,9 +123,9 @@ def deflection_words(runs: Sequence[Any]) -> str:
 def row_words(row: Any) -> str:
     """Sentence on a row of the table: the growing motion, its rate, and its source, a run or closed contact."""
     at = row.at
-    wave = "" if row.n is None else f"n = {row.n} of "
+    moves = f"the {row.mover}" if row.n is None else f"n = {row.n} of the {row.body}"
     travels = {"with": ", travelling with the blades", "against": ", travelling against the blades"}.get(row.wave, "")
-    words = f"{range_words(row.from_hz, row.to_hz)}: {wave}the {row.body}{travels}"
+    words = f"{range_words(row.from_hz, row.to_hz)}: {moves}{travels}"
     if math.isfinite(at.growth):
         interval = f" (95 %: {at.low:.3g} to {at.high:.3g})" if math.isfinite(at.low) and math.isfinite(at.high) else ""
         words += f", growth {at.growth:.3g} 1/s{interval}"
@@ -123,21 +141,21 @@ def row_words(row: Any) -> str:
 def runs_table(found: Any) -> Table:
     """Every run: speed, verdict, growth, deflection."""
     heads = (
-        "speed [rpm]", "speed [Hz]", "verdict", "growth [1/s]", "95 % from [1/s]", "to [1/s]", "rim [mm]", "n", "wave",
-        "reason of a run that does not decide",
+        "speed [rpm]", "speed [Hz]", "verdict", "growth [1/s]", "95 % from [1/s]", "to [1/s]", "rim [mm]",
+        "force [N]", "n", "wave", "reason of a run that does not decide",
     )  # fmt: skip
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (f"{60.0 * run.speed_hz:.5g}", f"{run.speed_hz:.5g}", run.verdict, number(run.growth), number(run.low),
-         number(run.high), run.deflection or None, run.n, run.wave or None, run.why or None)
+         number(run.high), run.deflection or None, number(run.force_n, 4), run.n, run.wave or None, run.why or None)
         for run in found.runs
     )  # fmt: skip
     return Table(f"The {len(rows)} runs.", heads, rows, folded=len(rows) > 20)
 
 
-def number(value: float) -> str | None:
-    """A number with three digits, empty for nan.
+def number(value: float, digits: int = 3) -> str | None:
+    """A number with a few digits, empty for nan.
 
     >>> number(1.23456), number(math.nan)
     ('1.23', None)
     """
-    return f"{value:.3g}" if math.isfinite(value) else None
+    return f"{value:.{digits}g}" if math.isfinite(value) else None

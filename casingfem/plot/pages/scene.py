@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from casingfem.plot.history import time_unit
 from casingfem.plot.page import Cell, Page, Picture, Section, Table, Verdict, origin, written
 from casingfem.plot.pages.interactions import speeds_section
-from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
+from casingfem.plot.pages.speeds import force_size, speed_strip, speed_words, with_rpm
 from contact.io.columns import Columns
 from contact.io.decision import decision
 
@@ -141,15 +141,6 @@ def outcome(ran: Ran) -> tuple[str, str]:
         f"The contact closes {times(ran.closings)}, for {share:.3g} % of {duration(ran.span)}, with "
         f"{force_size(ran.force)} at most."
     )
-
-
-def force_size(force: float) -> str:
-    """A force in N or kN.
-
-    >>> force_size(45.5), force_size(66840.0)
-    ('45.5 N', '66.84 kN')
-    """
-    return f"{force:.4g} N" if force < 1e4 else f"{1e-3 * force:.4g} kN"
 
 
 def duration(time: float) -> str:

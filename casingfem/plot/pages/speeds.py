@@ -1,4 +1,4 @@
-"""Safe and dangerous speeds in words, from the table of dangerous speeds, in rpm and Hz."""
+"""Safe and dangerous speeds in words, from the table of dangerous speeds, in rpm and Hz; forces in N and kN."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -37,6 +37,15 @@ def short(number: float) -> str:
     ('28.3', '6,074')
     """
     return f"{number:,.0f}" if abs(number) >= 1e3 else f"{number:.4g}"
+
+
+def force_size(force: float) -> str:
+    """A force in N or kN.
+
+    >>> force_size(45.5), force_size(66840.0)
+    ('45.5 N', '66.84 kN')
+    """
+    return f"{force:.4g} N" if force < 1e4 else f"{1e-3 * force:.4g} kN"
 
 
 def range_words(low: float, high: float) -> str:

@@ -112,11 +112,13 @@ def speeds_sample() -> Any:
         return SpeedRun(
             speed_hz=speed, verdict=verdict, closed=12.0, growth=growth, low=growth - 0.1, high=growth + 0.1,
             amplitude_m=1e-5 * speed, half_wall_s=2.0 if growth > 0.0 else np.inf, n=3, wave="with", body="casing",
-            seconds=0.4, contact=0.3, check="converged" if growth > 0.0 else "",
+            seconds=0.4, contact=0.3, check="converged" if growth > 0.0 else "", force_n=40.0 * speed,
         )  # fmt: skip
 
     runs = (run(2.0, "safe", -0.5), run(4.5, "unstable", 3.0), run(9.0, "safe", -0.4))
-    row = SimpleNamespace(from_hz=4.0, to_hz=5.0, at=runs[1], peak=None, n=3, wave="with", body="casing")
+    row = SimpleNamespace(
+        from_hz=4.0, to_hz=5.0, at=runs[1], peak=None, n=3, wave="with", body="casing", mode=None, mover="casing"
+    )
     peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.linspace(1.0, 10.0, 10)), rotor=False)
     return SimpleNamespace(
         rows=(row,), runs=runs, peaks=peaks, COLUMNS=COLUMNS, words="3 runs of the scene: 1 unstable, 2 safe.",

@@ -149,6 +149,18 @@ def test_a_growth_that_passes_the_limit_at_half_the_step_too_is_not_numerical():
     assert both.flags[0].code == "growth-numerical"
 
 
+def test_a_run_stopped_before_its_growth_is_known_is_judged_by_the_limit_at_half_the_step():
+    """A rim thrown beyond half its wall in a tenth of a period, whatever the step."""
+    casing = replace(ct.gaps.pair_rim(PAIR, radius=0.5), thickness=2e-4)
+    rim = ct.RotatingRim(casing, blade(), clearance=1e-2, speed_hz=5.0, casing_velocity=[0.7, 0.0])
+    with pytest.raises(ct.NumericsError, match="At half the step the motion passes this limit too: converged") as stop:
+        ct.run(rim, t_end=0.1, dt=2e-6)
+    found = stop.value.result.growth
+    assert (found.passes, found.check, found.outcome) == (True, "converged", found.state)
+    within = replace(found, passes=False)
+    assert (within.check, within.outcome, within.flags[0].code) == ("numerical", "numerical", "growth-numerical")
+
+
 def test_without_states_or_a_rim_there_is_no_growth():
     rod = ct.Rod(length=1.0, area=1e-4, E=2e11, rho=7800.0, elements=5, x=0.0)
     assert (
