@@ -212,7 +212,7 @@ def _spacing(runs: Sequence[SpeedRun]) -> str:
 def speeds_of(scene: Scene | HandPair) -> Array:
     """Speeds [turns/s] up to AROUND times the highest speed of a scene, in STEPS steps.
 
-    Speeds at which a body is not known (`ModalBody.known_speeds`) are left out.
+    Speeds at which a run takes less than a turn, or a body is not known (`ModalBody.known_speeds`), are left out.
 
     Raises InputError for a pair, and for a scene that does not turn.
     """
@@ -228,6 +228,8 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     if isinstance(what, RotatingRim | Rub | Rotor) and not top > 0.0:
         raise InputError("speed_hz: found none for a scene at rest, expected the speeds to examine")
     low, high = top * AROUND / STEPS, top * AROUND
+    if scene.t_end is not None and low < 1.0 / scene.t_end < high:
+        low = 1.0 / scene.t_end
     for body in () if rub_of(what) is None else rub_of(what).bodies:
         if body.known_speeds is not None:
             known = np.asarray(body.known_speeds) / (2.0 * math.pi)

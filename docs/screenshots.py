@@ -18,6 +18,7 @@ from PIL import Image
 from casingfem.cli import main as casingfem
 from casingfem.examples import DATA
 from reports.studies.rig import chain
+from reports.verification.rubs import beside
 from tests.casingfem.plot.browser import Tab, browser
 
 HERE = Path(__file__).parent / "screens"
@@ -31,16 +32,24 @@ PAGES = {
     "sweep": (("sweep", "scenes/two_rods_sweep.toml", "--jobs", "1"), "sweep.html"),
     "cycles": (("cycles", "scenes/cycles/bouncing_ball.toml"), "cycles.html"),
     "identification": (("identify", "test/frfs.uff"), "identified.html"),
+    "speeds_tutorial": (("beside", ""), "tutorial.html"),
+    "speeds_rotor37": (("beside", ""), "rotor_37.html"),
+    "speeds_titanium": (("beside", ""), "track_inside.html"),
 }
 FIRST = {"identification": (("rig", "studies/rig_test.toml", "test"),)}
 COLOURS = 128  # of a picture: files of some ten kilobytes
 
 
 def page_of(name: str, data: Path, out: Path) -> Path:
-    """Run the command of a page on a copy of the examples; the study has a command of its own."""
+    """Run the command of a page on a copy of the examples; studies of several files have commands of their own."""
     (verb, file, *more), page = PAGES[name]
     if verb == "study":
         chain.main(out)
+        return out / page
+    if verb == "beside":
+        out = out.parent / "beside"
+        if not out.exists():
+            beside.main(out)
         return out / page
     run(verb, str(data / file), *more, "--out", str(out))
     return out / page

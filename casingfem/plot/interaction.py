@@ -11,6 +11,7 @@ from casingfem.modal.campbell import Campbell
 from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
 from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, rpm_above, styled
 from casingfem.plot.thousands import in_thousands
+from casingfem.plot.ticks import label_decades
 
 MARKS: dict[str, dict[str, Any]] = {
     "unstable": {"color": AFTER, "marker": "^", "linestyle": "", "markersize": 5.0},
@@ -220,6 +221,8 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     touched = any(run.amplitude_m > 0.0 for run in found.runs)
     for axes in rest:
         axes.set(yscale="log" if touched else "linear", ylabel="disk [mm]" if peaks.rotor else "rim [mm]")
+        if touched:
+            label_decades(axes.yaxis)
     names = (
         ("whirl", "growth without contact") if peaks.rotor else ("|f_c - n f|", "blade alone; growth of closed contact")
     )

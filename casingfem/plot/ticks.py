@@ -3,10 +3,11 @@
 import re
 from typing import Any
 
-from matplotlib.ticker import FuncFormatter, ScalarFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, ScalarFormatter
 
 from casingfem.plot.page import raised
 
+NARROW = 100.0  # ratio of both ends of an axis under which its labels are plain numbers
 POWER = re.compile(r"1e-?\d+")
 
 
@@ -33,13 +34,22 @@ class Powers(ScalarFormatter):
 
 
 def label_decades(axis: Any) -> None:
-    """Label the decades of a logarithmic axis over several decades, without ticks between.
+    """Label the decades of a logarithmic axis; of an axis under two decades 1, 2 and 5 of each, as plain numbers.
 
     >>> from matplotlib.figure import Figure
     >>> axes = Figure().add_subplot(yscale="log", ylim=(1e-5, 1.0))
     >>> label_decades(axes.yaxis)
     >>> axes.yaxis.get_major_formatter()(1e-3), len(axes.yaxis.get_minorticklocs())
     ('10⁻³', 0)
+    >>> narrow = Figure().add_subplot(yscale="log", ylim=(0.04, 2.0))
+    >>> label_decades(narrow.yaxis)
+    >>> narrow.yaxis.get_major_formatter().format_ticks(narrow.get_yticks())[2:7]
+    ['0.05', '0.1', '0.2', '0.5', '1']
     """
     axis.minorticks_off()
+    low, high = sorted(axis.get_view_interval())
+    if high < NARROW * low:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        return
     axis.set_major_formatter(FuncFormatter(lambda value, _: raised(f"{value:.0e}")))

@@ -88,7 +88,7 @@ def force_words(runs: Sequence[Any]) -> str:
         return "None: no run was completed."
     stopped, whole = ([run for run in known if run.stopped is one] for one in (True, False))
     words = []
-    for some, name in ((whole, ""), (stopped, " before the limit stopped a run")):
+    for some, name in ((whole, " in the runs within the limit" if stopped else ""), (stopped, " in the stopped runs")):
         if some:
             largest = max(some, key=lambda run: float(run.force_n))
             words.append(f"{force_size(largest.force_n)}{name}, at {with_rpm(largest.speed_hz)}")

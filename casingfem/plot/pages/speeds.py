@@ -75,14 +75,16 @@ def joined(ranges: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def listed(ranges: Sequence[tuple[float, float]]) -> str:
-    """Some ranges, with touching ones joined, and the number of further ones.
+    """The widest ranges by speed, with touching ones joined, and the number of further ones.
 
-    >>> listed([(2.0 * k, 2.0 * k + 1.0) for k in range(5)]).split("; ")[-1]
-    'and 1 more'
+    >>> listed([(k**2, k**2 + k) for k in range(1, 6)]).split("; ")[0], listed([(k, k + 0.5) for k in range(5)])[-20:]
+    ('240 to 360 rpm (4 to 6 Hz)', 'and 1 narrower range')
     """
     ranges = joined(ranges)
-    words = "; ".join(range_words(low, high) for low, high in ranges[:NAMED])
-    return words + (f"; and {len(ranges) - NAMED} more" if len(ranges) > NAMED else "")
+    widest = sorted(sorted(ranges, key=lambda one: one[0] - one[1])[:NAMED])
+    words = "; ".join(range_words(low, high) for low, high in widest)
+    more = len(ranges) - len(widest)
+    return words + (f"; and {more} narrower range{'s' * (more > 1)}" if more else "")
 
 
 def safe_ranges(found: Any) -> list[tuple[float, float]]:

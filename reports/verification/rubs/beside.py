@@ -4,7 +4,7 @@
 tutorial's casing and blade, of NASA rotor 37 before a cylinder of 4 mm (`reports.verification.rubs.rotor37`), and of a
 titanium casing of three pieces with a stiffener whose track lies inside. For each of the worst rows, and for some safe
 speeds, it prints a separate run at that speed, at the step of the scene and at half of it: its growth, its motion, and
-whether it confirms the verdict.
+whether it confirms the verdict. DIR gets the page of each table, as NAME.html.
 """
 
 import runpy
@@ -16,10 +16,14 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
+from casingfem.cli.pictures import speed_figures
+from casingfem.plot.pages.interactions import interactions_page
 from casingfem.study.load import load_shell_study
 from casingfem.study.tasks import run_reduce
 from contact.interacting import Interactions
+from contact.io.outfiles import write_atomic
 from contact.speed_runs import SpeedRun, at_speed
+from contact.version import versions
 from reports.tables import ROOT, Row, command_line, show, write
 from reports.verification.rubs import rotor37
 
@@ -133,10 +137,12 @@ def compared(name: str, scene: ct.Scene, found: Interactions) -> list[Row]:
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
-    """Print each table and the separate runs; write beside.csv."""
+    """Print each table and the separate runs; write beside.csv and a page of each table."""
     rows: list[Row] = []
     for name, scene, found in machines(quick):
         print(f"\n{name}\n{found}")
+        page = interactions_page(name, found, speed_figures(scene, found), versions())
+        write_atomic(out / f"{name.replace(' ', '_')}.html", page)
         mine = compared(name, scene, found)
         show(f"{name}: runs beside the table", mine)
         rows += mine
