@@ -71,7 +71,9 @@ def test_a_rim_is_checked_over_its_scan_or_up_to_twice_its_speed(tmp_path):
     file = tmp_path / "rim.toml"
     file.write_text(RIM)
     scene = ct.scene.load_interactions(file)
-    np.testing.assert_allclose(scene.speed_hz, 0.05 * np.arange(1, 201), rtol=1e-12)
+    np.testing.assert_allclose(scene.speed_hz, np.linspace(1.0, 10.0, 200), rtol=1e-12)  # a turn in t_end, and more
+    file.write_text(RIM.replace("t_end = 1.0", "t_end = 100.0"))
+    np.testing.assert_allclose(ct.scene.load_interactions(file).speed_hz, 0.05 * np.arange(1, 201), rtol=1e-12)
     assert scene.scene.law.mu == 0.3
     with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing, expected \{from_hz"):
         ct.scene.load_stability(file)
