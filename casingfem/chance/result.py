@@ -1,5 +1,6 @@
 """Results of the draws: splits, growth over speed, Sobol indices, and the casings with the largest growth."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -125,35 +126,40 @@ class Chance(Reported):
     @property
     def words(self) -> str:
         """Probabilities in sentences."""
+        return "\n".join(self.facts.values())
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """Sentences by their subject: the probability of a dangerous speed, speed, touch, sample, importance."""
         drawn, lot = self.drawn, self.drawn.lot
-        size = len(lot["gap"])
         speeds = np.asarray(drawn.given.speed_hz)
         touches = probability(lot["gap"] <= 0.0)
-        lines = [
-            f"{size:,} casings at {len(speeds)} speeds from {speeds[0]:.4g} to {speeds[-1]:.4g} Hz "
-            f"({60 * speeds[0]:,.0f} to {60 * speeds[-1]:,.0f} rpm).",
-            f"The rim touches in {per_cent(touches)} of the casings.",
-            f"Some speed is dangerous in {per_cent(self.any_speed)}: the rim touches, and the motion grows with the "
-            "contact closed.",
-        ]
+        found = {
+            "Dangerous": f"Some speed is dangerous in {per_cent(self.any_speed)} of the casings: the rim touches, and "
+            "the motion grows with the contact closed."
+        }
         if self.any_speed.value > 0.0:
             k = int(np.argmax([one.value for one in self.by_speed]))
             at = f"{speeds[k]:.4g} Hz ({60 * speeds[k]:,.0f} rpm)"
-            lines.append(f"The most likely dangerous speed is {at}: {per_cent(self.by_speed[k])}.")
-        lines.append(self.solved)
-        for name, rows in drawn.importance.items():
-            if rows:
-                most = max(rows, key=lambda row: row.total)
-                lines.append(
-                    f"{name.capitalize()}: {most.group} has the largest effect (total Sobol index {most.total:.2f})."
-                )
-        return "\n".join(lines)
+            found["Speed"] = f"The most likely dangerous speed is {at}: {per_cent(self.by_speed[k])}."
+        found["Touch"] = f"The rim touches in {per_cent(touches)} of the casings."
+        found |= {
+            " ".join(name.capitalize().split()[:2]): largest_effect(name, rows)
+            for name, rows in drawn.importance.items()
+            if rows
+        }
+        found["Sample"] = (
+            f"{len(lot['gap']):,} casings at {len(speeds)} speeds from {speeds[0]:.4g} to {speeds[-1]:.4g} Hz "
+            f"({60 * speeds[0]:,.0f} to {60 * speeds[-1]:,.0f} rpm). {self.solved}"
+        )
+        return found
 
     @property
     def solved(self) -> str:
         """Number of casings that were solved again, and the result of the checks."""
         by, apart = (self.drawn.lot[name] for name in ("by", "difference"))
-        count = f"{np.sum(by == IN_FULL)} casings were solved in full"
+        full = int(np.sum(by == IN_FULL))
+        count = f"{full} casing{' was' if full == 1 else 's were'} solved in full"
         checks = int(np.isfinite(apart).sum())
         if not checks:
             return f"{count}."
@@ -177,6 +183,27 @@ class Chance(Reported):
             "words": self.words,
             "source": self.drawn.given.source,
         }
+
+
+def largest_effect(name: str, rows: Sequence[Importance]) -> str:
+    """The input with the largest effect on a result, unless the intervals of its index and another's overlap.
+
+    >>> from dataclasses import replace
+    >>> rows = [Importance("a", 0.5, 0.4, 0.6, 0.8, 0.7, 0.9), Importance("b", 0.1, 0.0, 0.2, 0.3, 0.2, 0.4)]
+    >>> largest_effect("largest split", rows)
+    'Largest split: a has the largest effect (total Sobol index 0.80, 95 %: 0.70 to 0.90).'
+    >>> largest_effect("largest split", [replace(rows[0], total_low=0.3), rows[1]])
+    'Largest split: the inputs cannot be ranked, the intervals of a and b overlap: raise chance.importance.'
+    """
+    most, *others = sorted(rows, key=lambda row: -row.total)
+    equal = [row.group for row in others if row.total_high >= most.total_low]
+    if equal:
+        names = " and ".join(filter(None, [", ".join([most.group, *equal[:-1]]), equal[-1]]))
+        words = f"the inputs cannot be ranked, the intervals of {names} overlap: raise chance.importance"
+    else:
+        interval = f"95 %: {most.total_low:.2f} to {most.total_high:.2f}"
+        words = f"{most.group} has the largest effect (total Sobol index {most.total:.2f}, {interval})"
+    return f"{name.capitalize()}: {words}."
 
 
 def per_cent(one: Estimate) -> str:

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.style import AFTER, BEFORE, new_figure, rpm_above, styled
+from casingfem.plot.ticks import label_decades
 
 SHOWN = 6  # pairs of the histogram
 BINS = 40
@@ -41,6 +42,7 @@ def figure_splits_of(splits: FloatArray, names: Sequence[str]) -> Figure:
     for part, name in zip(shown, names, strict=False):
         axes.hist(100.0 * part, bins=edges, histtype="step", label=name, density=False)
     axes.set(xlabel="split of the pair [%]", ylabel="casings", xscale="log")
+    label_decades(axes.xaxis)
     figure.legend(loc="outside upper left", fontsize=8, ncols=3)
     return figure
 

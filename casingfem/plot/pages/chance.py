@@ -41,17 +41,10 @@ def chance_page(name: str, found: Any, runs: str = "") -> str:
     return render_page(f"Chances of {name}", sections, verdict=verdict(found, runs), source=origin(source))
 
 
-def subject(line: str) -> str:
-    """Subject of a sentence of the verdict, as the name of its row."""
-    names = {"The rim touches": "Touch", "Some speed": "Dangerous", "The most likely": "Speed"}
-    found = [name for begin, name in names.items() if line.startswith(begin)]
-    return found[0] if found else "Inputs" if " matters most " in line else "Runs"
-
-
 def verdict(found: Any, runs: str) -> Verdict:
     """Probability of a dangerous speed, its uncertainty, and next steps; `runs` is a sentence on the runs."""
-    words: str = found.words
-    first, *others = [*words.splitlines(), *filter(None, [runs])]
+    answer, *others = found.facts.items()
+    facts = (*others, *([("Runs", runs)] if runs else []))
     chance = found.any_speed
     state = "good" if chance.high < LIKELY else "bad" if chance.low > LIKELY else "open"
     sure = (
@@ -62,5 +55,4 @@ def verdict(found: Any, runs: str) -> Verdict:
         "Run the worst casings: `casingfem interactions worst/01/scene.toml`. More draws narrow the intervals: raise "
         "draws and run the same command again."
     )
-    facts = [(subject(line), line) for line in others]
-    return Verdict(found=first, sure=sure, further=further, facts=tuple(facts), state=state)
+    return Verdict(found=answer[1], sure=sure, further=further, facts=facts, state=state)

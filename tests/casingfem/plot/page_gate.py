@@ -55,7 +55,7 @@ NUMBERS = (  # columns of counts and shares, which have no unit
     "contact", "closings", "mode", "n", "n of the pole", "dominant n", "branch", "periods", "closes", "contacts",
     "multiplier", "confidence", "row", "sensor", "MAC", "plane", "rank", "seconds", "m", "purity",
     "contact, part of the time", "energy not accounted for", "pairs with", "updated: with", "COMAC before", "after",
-    "references", "hit", "part of the time", "share of n", "pair", "modes", "channels",
+    "references", "hit", "draw", "part of the time", "share of n", "pair", "modes", "channels",
 )  # fmt: skip
 PER_ROW = ("start", "value", "lower", "upper", "sigma", "change")  # columns whose unit is in each row's column "unit"
 
