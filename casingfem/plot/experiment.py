@@ -46,7 +46,7 @@ def figure_responses(
     else:
         axes.set_title("Frequency responses")
     axes.set(ylabel=f"|H| [{frfs.unit}]", xlim=(frfs.x[0], frfs.x[-1]))
-    axes.legend(loc="lower right")
+    figure.legend(loc="outside upper right")
     if coherence is not None:
         below = figure.add_subplot(grid[1], sharex=axes)
         below.plot(coherence.x, coherence.responses.real.min(axis=0), color=BEFORE, linewidth=0.6)
@@ -84,10 +84,10 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
                     f"{order:+d}", (at, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=7
                 )
     highest = max(float(spectrum[shown].max()), float(size.max()))
-    axes.set_ylim(FLOOR * highest, 10.0 * highest)  # room for the legend
+    axes.set_ylim(FLOOR * highest, 3.0 * highest)
     axes.set(xlabel="frequency [Hz]", ylabel="velocity [m/s]")
     axes.set_title(f"Circle scan, {found.rate:.3g} turns/s: lines at f + n W")
-    axes.legend(loc="upper center", ncols=3)
+    figure.legend(loc="outside upper left", ncols=3)
     say_synthetic(figure, record.card)
     return figure
 

@@ -10,7 +10,6 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
 from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
 from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, rpm_above, styled
-from casingfem.plot.thousands import in_thousands
 from casingfem.plot.ticks import label_decades
 
 MARKS: dict[str, dict[str, Any]] = {
@@ -135,7 +134,6 @@ def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
     axes.plot([], [], "o", color=AFTER, markersize=5, label="engine order meets a mode")
     axes.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
     axes.set(xlabel="speed [Hz]", ylabel="frequency in the rotating frame [Hz]", ylim=(0.0, top))
-    in_thousands(axes.yaxis)
     axes.set_xlim(float(found.speed_hz[0]), float(found.speed_hz[-1]))
     rpm_above(axes)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3)
@@ -207,7 +205,6 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     for row in marked:
         upper.plot(row.at.speed_hz, row.peak.freq_hz, **MARKS[row.at.verdict], zorder=4)
     upper.set(ylim=(0.0, top), ylabel="whirl frequency [Hz]" if peaks.rotor else "frequency at the blade [Hz]")
-    in_thousands(upper.yaxis)
     lower.axhline(0.0, color="#777777", linewidth=0.8)
     lower.plot(growth.seen_hz, growth.seen_growth, color=BEFORE, linewidth=1.0)
     lower.set_ylabel("growth [1/s]")
@@ -281,7 +278,6 @@ def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], sp
     for k, freq in enumerate(freq for freq in blade_hz if freq < top):
         axes.axhline(freq, color=BEFORE, linewidth=1.0, label=None if k else "blade alone, f_b")
     axes.set(xlabel="nodal diameters n", ylabel="frequency [Hz]", ylim=(0.0, top))
-    in_thousands(axes.yaxis)
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_title(f"at {60.0 * speed:,.0f} rpm ({speed:.4g} Hz)", loc="left", fontsize=9, fontweight="normal")
     figure.legend(loc="outside upper left", ncols=3, fontsize=8)

@@ -11,6 +11,7 @@ from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.mistuning import Mistuning
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.ticks import label_decades
 from casingfem.structure.mesh.shell_mesh import rim_values
 
 PURE = 0.7  # below this share of its main order a mode is drawn hollow: a mixture
@@ -82,7 +83,8 @@ def figure_splits(found: Mistuning) -> Figure:
     axes.set(yscale="log", xlabel="nodal diameters n", ylabel="split of the pair [%]")
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_title(f"Splits over {found.draws} draws: median, 10 to 90 %, 99 %")
-    axes.legend()
+    label_decades(axes.yaxis)
+    figure.legend(loc="outside upper right", ncols=len(ranks))
     return figure
 
 

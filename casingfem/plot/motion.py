@@ -127,7 +127,6 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
         middle, freq[shown], level.T, shading="nearest", rasterized=True, vmin=-FLOOR, vmax=0.0, cmap="magma"
     )
     axes.grid(visible=False)
-    in_thousands(axes.yaxis)
     figure.colorbar(drawn, ax=axes, label="level [dB of the loudest]", extend="min")
 
 

@@ -23,16 +23,15 @@ def figure_hit(found: Estimate) -> Figure:
     force.plot(1e3 * shown.time[near], shown.force[near], ".-", color=MEASURED, markersize=3, label="force")
     force.set(xlabel="time from the trigger [ms]", ylabel="force [N]")
     top = float(np.abs(shown.force).max())
-    force.plot(1e3 * shown.time[near], top * shown.force_window[near], color=AFTER, label="window, times the peak")
-    force.legend(loc="upper right")
+    force.plot(1e3 * shown.time[near], top * shown.force_window[near], color=AFTER, label="its window, times the peak")
     response.set_title("First hit used: responses and window")
     scale = np.abs(shown.responses).max(axis=1, keepdims=True)
     values = np.abs(shown.responses / np.where(scale > 0.0, scale, 1.0))
     times, envelope = outline(shown.time, values.max(axis=0))
     response.semilogy(times, envelope, color=PERFECT, linewidth=0.6, label="largest response, of its peak")
-    response.semilogy(shown.time, shown.response_window, color=AFTER, label="window")
+    response.semilogy(shown.time, shown.response_window, color=BEFORE, label="its window")
     response.set(xlabel="time from the trigger [s]", ylabel="response over its peak [-]", ylim=(1e-4, 2.0))
-    response.legend(loc="lower left")
+    figure.legend(loc="outside upper left", ncols=2)
     say_synthetic(figure, found.frfs.card)
     return figure
 
@@ -68,5 +67,5 @@ def figure_peaks(found: Estimate) -> Figure:
             left.plot(numbers, [100.0 * hit.left for _, hit in chosen], style, color=colour, label=label)
     peak.set(xlabel="number of the hit", ylabel="peak of the force [N]", ylim=(0.0, None))
     left.set(xlabel="number of the hit", ylabel="ringing left at the end [%]", ylim=(0.0, None))
-    peak.legend()
+    figure.legend(*peak.get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure

@@ -14,8 +14,10 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure, FigureBase, SubFigure
 from matplotlib.gridspec import GridSpec
+
+from casingfem.plot.thousands import in_thousands
 
 # Okabe & Ito, and one meaning for each colour throughout
 MEASURED, PERFECT, BEFORE, AFTER = "#000000", "#8a8a8a", "#0072B2", "#D55E00"
@@ -105,13 +107,17 @@ R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw in this style, independent of the user's matplotlibrc."""
+    """Draw in this style, independent of the user's matplotlibrc; axes that reach 10,000 Hz or N in kHz or kN."""
 
     @wraps(draw)
     def styled_draw(*args: P.args, **kwargs: P.kwargs) -> R:
         style: dict[Any, Any] = {**mpl.rcParamsDefault, **RC}
         with mpl.rc_context({key: value for key, value in style.items() if not key.startswith("backend")}):
-            return draw(*args, **kwargs)
+            found = draw(*args, **kwargs)
+            for axes in cast("Any", found).axes if isinstance(found, FigureBase) else ():
+                in_thousands(axes.xaxis)
+                in_thousands(axes.yaxis)
+            return found
 
     return styled_draw
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, PURPLE, SKY, new_figure, rpm_above, styled
-from casingfem.plot.thousands import in_thousands
 from casingfem.plot.ticks import label_decades
 from contact.io.decision import decision
 from contact.io.trust import OF_LIMITS
@@ -214,4 +213,3 @@ def _map(
     bar = figure.colorbar(drawn, ax=axes, label=label, extend="both" if colours else "neither")
     if "norm" in colours:
         label_decades(bar.ax.yaxis)
-    in_thousands(bar.ax.yaxis)

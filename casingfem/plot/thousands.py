@@ -16,7 +16,9 @@ class Thousands(FuncFormatter):
 
 
 def in_thousands(axis: Any, *beside: Any) -> None:
-    """Label an axis in [Hz] or [N] that reaches LEAST in [kHz] or [kN], with the axes `beside` of the same quantity.
+    """Label a linear axis in [Hz] or [N] that reaches LEAST in [kHz] or [kN], with the axes `beside` of its quantity.
+
+    `casingfem.plot.style.styled` does so for every axis of a figure.
 
     >>> from matplotlib.figure import Figure
     >>> axes = Figure().add_subplot(xlim=(0.0, 2e4), xlabel="frequency [Hz]", ylim=(0.0, 900.0), ylabel="force [N]")
@@ -27,7 +29,7 @@ def in_thousands(axis: Any, *beside: Any) -> None:
     """
     name = axis.get_label_text()
     unit = next((unit for unit in UNITS if f"[{unit}]" in name), None)
-    if unit is None or max(abs(end) for end in axis.get_view_interval()) < LEAST:
+    if unit is None or axis.get_scale() != "linear" or max(abs(end) for end in axis.get_view_interval()) < LEAST:
         return
     axis.set_label_text(name.replace(f"[{unit}]", f"[k{unit}]"))
     for one in (axis, *beside):

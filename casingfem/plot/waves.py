@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, new_figure, styled
-from casingfem.plot.thousands import in_thousands
 
 FLOOR = 60.0  # dB below the strongest wave that is shown
 CELLS = 500  # of frequency in a map: the largest amplitude of each
@@ -116,7 +115,6 @@ def figure_waves(rim: _Rim, pairs: Sequence[tuple[int, float]] = (), top_hz: flo
         xlabel="frequency in the casing's frame [Hz]", ylabel="nodal diameters n", xlim=(-top, top),
         ylim=(-0.5, len(n) - 0.5),
     )  # fmt: skip
-    in_thousands(axes.xaxis)
     for side, words in (("left", f"\u2190 {names[1]}"), ("right", f"{names[0]} \u2192")):
         axes.set_title(words, loc=side, fontsize=8.5, fontweight="normal")
     axes.yaxis.get_major_locator().set_params(integer=True)

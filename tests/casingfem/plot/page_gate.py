@@ -105,6 +105,9 @@ def unnamed(axes: Axes) -> list[str]:
         label = next((one for other in (axes, *shared) if (one := getattr(other, f"get_{name}label")())), "")
         numbers = any(re.match(r"[-−+]?\d", tick.get_text()) for tick in axis.get_ticklabels() if tick.get_visible())
         alone = len(figure_grid(axes)) == 1 or label
+        unit = re.search(r"\[(Hz|N)\]", label)
+        if unit and axis.get_scale() == "linear" and max(map(abs, axis.get_view_interval())) >= 1e4:
+            found.append(f"ten thousand {unit[1]} and more: {label!r}")
         if numbers and alone and "[" not in label and label not in COUNTED and not label.startswith("measured"):
             found.append(f"no unit: {label!r}")
     return found

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+import casingfem as cf
 from casingfem.plot.chance import figure_importance, figure_probability, figure_splits_of
 from casingfem.plot.cycles import figure_cycles, figure_multipliers, figure_orbits
+from casingfem.plot.experiment import figure_responses
 from casingfem.plot.history import Panel, figure_history
 from casingfem.plot.interaction import figure_map, figure_speeds
 from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
@@ -80,6 +82,9 @@ FIGURES = {
     ),
     "rotor": lambda: figure_rotor_run(rotor_sample()),
     "rotor in a casing": lambda: figure_rotor_run(rotor_sample(cased=True), 1e-3),
+    "responses": lambda: figure_responses(
+        cf.frf.FrfSet.from_arrays(kind="frf", x=2e4 * TIME, responses=1.0 / (1e4 - 2e4 * TIME[None] + 30j), unit="m/N")
+    ),
     "chance": lambda: figure_probability(
         [{"speed_hz": float(k), "probability": 0.01, "low": 0.0, "high": 0.02} for k in range(9)]
     ),
@@ -108,9 +113,13 @@ def test_the_gate_finds_each_fault_of_a_figure():
     axes.text(0.51, 0.5, "another")
     axes.annotate("far out", (0.5, 1.6), xycoords="axes fraction", annotation_clip=False)
     assert faults_of(figure) == [
-        "data cut off in 'gap [mm]'", "no unit: 'time'", "legend over data", "'one name' over 'another'",
+        "data cut off in 'gap [mm]'", "no unit: 'time'",
+        "legend over data", "'one name' over 'another'",
         "a label is cut off",
     ]  # fmt: skip
+    large = Figure()
+    large.add_subplot().set(ylim=(0.0, 2e4), xlabel="mode", ylabel="force [N]")
+    assert faults_of(large) == ["ten thousand N and more: 'force [N]'"]
 
 
 PAGES = {
