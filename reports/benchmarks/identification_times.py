@@ -60,7 +60,7 @@ def _beside(folder: Path, frfs: FrfSet, angles: dict[int, float]) -> float:
         )  # fmt: skip
         command = [sys.executable, "-c", OTHER, str(path)]
         environment = {**os.environ, "PYTHONPATH": str(folder.resolve())}
-        ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+        ended = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     return float(ended.stdout.split()[-1])
 
 
