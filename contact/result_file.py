@@ -50,7 +50,7 @@ def write_result(path: str | os.PathLike[str], result: Any) -> Path:
 
 def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The fields of a result that `write_result` wrote; raises InputError with file and key."""
-    data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
+    data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"), "`Result.save` writes one")
     if data["state"].ndim != 2:
         found = data["state"].shape
         raise InputError(

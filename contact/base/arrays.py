@@ -97,10 +97,15 @@ def require_finite(**fields: float) -> None:
             raise InputError(f"{name}: found {value!r}, expected a finite number")
 
 
-def read_npz(path: Path, wanted: str, required: tuple[str, ...], texts: tuple[str, ...]) -> dict[str, Any]:
-    """Read all arrays of an npz file of this format: numbers, except `texts`. Raises InputError with file and key."""
+def read_npz(
+    path: Path, wanted: str, required: tuple[str, ...], texts: tuple[str, ...], made_by: str
+) -> dict[str, Any]:
+    """Read all arrays of an npz file of this format: numbers, except `texts`. Raises InputError with file and key.
+
+    `made_by` states what writes such a file, for the message of a missing one.
+    """
     if not os.path.exists(path):  # unlike Path.exists also answers for a name with a zero byte
-        raise InputError(f"{path}: found no such file, expected an npz file")
+        raise InputError(f"{path}: found no such file, expected an npz file ({made_by})")
     try:
         data = load_npz(path)
     except ValueError as error:

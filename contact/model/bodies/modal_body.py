@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from contact.model.bodies.matrix_checks import Dof
 
 FORMAT = "casingfem-modal-basis-1"
+MADE_BY = "`casingfem reduce STUDY --out DIR` or `casingfem import` writes a basis"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 ROUND = 1e-9  # of a speed: round-off beyond a range
@@ -361,7 +362,7 @@ class ModalBody:
     @staticmethod
     def load(path: str | Path) -> ModalBody:
         """Read a modal basis file; raises InputError that names the file and the key."""
-        data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
+        data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS, MADE_BY)
         if unknown := sorted(data.keys() - {"format", *ModalBody.__dataclass_fields__}):
             found = ", ".join(unknown)
             raise InputError(
