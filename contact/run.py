@@ -122,8 +122,14 @@ def run(
     return completed(prepared(settings), progress or notebook_progress("run", "{:.0%}".format), checkpoint)
 
 
-def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
-    """Run a prepared run to its end, from the start or a checkpoint; raises InputError for a wrong checkpoint."""
+def completed(
+    ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None,
+    longer: Callable[[Result], int] | None = None,
+) -> Result:  # fmt: skip
+    """Run a prepared run to its end, from the start or a checkpoint; raises InputError for a wrong checkpoint.
+
+    `longer` is called with the result at the end. If it returns a larger number of steps, the run goes on to these.
+    """
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     decisive = ready.problem, record, ready.law.mu, ready.law.coating is not None, ready.on_limit, ready.count
@@ -133,23 +139,28 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
     if at.taken:
         restored(stepper, at)
     marks = list(at.marks)
-    most = max(1, ready.count // MARKS) if ready.marked else CHUNK
-    began, parts, taken, failed = time.perf_counter() - at.seconds, list(at.samples), at.taken, -1
+    began, parts, taken = time.perf_counter() - at.seconds, list(at.samples), at.taken
     calm = at.calm  # of the first call, which may begin with bodies that overlap
     progress = progress or partial(tell, "a run")
-    progress(taken / ready.count)
-    for chunk in steps(stepper, ready.count, record=record, first=taken, most=most):
-        parts.append(chunk.samples)
-        taken, failed = taken + chunk.steps, chunk.failed
-        if ready.marked and isinstance(stepper, RubStepper) and failed < 0 and taken < ready.count:
-            marks.append(mark(stepper, taken))
-        progress(chunk.done)
-        if failed < 0 and taken % LEDGER == 0:
-            now = budget_of(ready)
-            if runs_away(ready, now, calm or now):
-                break
-            calm = calm or now
-        if file is not None and failed < 0:
-            here = partial(moment, stepper, digest, parts, taken, time.perf_counter() - began, calm, marks)
-            file.keep(here)
-    return finished(ready, parts, taken, time.perf_counter() - began, failed, calm, marks)
+    while True:
+        failed, most = -1, max(1, ready.count // MARKS) if ready.marked else CHUNK
+        progress(taken / ready.count)
+        for chunk in steps(stepper, ready.count, record=record, first=taken, most=most):
+            parts.append(chunk.samples)
+            taken, failed = taken + chunk.steps, chunk.failed
+            if ready.marked and isinstance(stepper, RubStepper) and failed < 0 and taken < ready.count:
+                marks.append(mark(stepper, taken))
+            progress(chunk.done)
+            if failed < 0 and taken % LEDGER == 0:
+                now = budget_of(ready)
+                if runs_away(ready, now, calm or now):
+                    break
+                calm = calm or now
+            if file is not None and failed < 0:
+                here = partial(moment, stepper, digest, parts, taken, time.perf_counter() - began, calm, marks)
+                file.keep(here)
+        result = finished(ready, parts, taken, time.perf_counter() - began, failed, calm, marks)
+        count = 0 if longer is None else longer(result)
+        if failed >= 0 or count <= taken:
+            return result
+        ready = replace(ready, count=count)

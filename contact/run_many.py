@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import cast
 
 from contact.base.errors import DivergedError, InputError, NumericsError
@@ -20,18 +21,22 @@ from contact.scheme.modal.rub_stepper import RubStepper
 
 Outcome = Result | InputError | NumericsError
 Ended = Callable[[int, Outcome], None]
+Longer = Callable[[int, Outcome], int]
 MOST_BYTES = 200_000_000  # what the slots of one group may store; longer records run singly
 
 
 def run_many(
-    scenes: Sequence[Scene], *, record: Callable[[int], Record] | None = None, ended: Ended | None = None
-) -> list[Outcome]:
+    scenes: Sequence[Scene], *, record: Callable[[int], Record] | None = None, ended: Ended | None = None,
+    longer: Longer | None = None,
+) -> list[Outcome]:  # fmt: skip
     """Run scenes, with the results of `run` up to round-off; failures are returned, not raised.
 
     Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, runs with
     arrays of equal shapes together: speed, clearance, friction, lean, blade, casing, step and length may differ. A
     run's numbers do not depend on which others are given, nor on their order. `record` gives the default record for a
-    number of steps; `ended` is called with index and outcome of each run as it ends.
+    number of steps; `ended` is called with index and outcome of each run as it ends. Before that, `longer` is called
+    with both: a run goes on to the number of steps that it returns. It continues from its last state; one of the eight
+    in a loop is repeated from its start.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -42,21 +47,45 @@ def run_many(
     """
     found: list[Outcome | None] = [None] * len(scenes)
     groups: dict[Shape, list[tuple[int, Prepared]]] = {}
-    for i, scene in enumerate(scenes):
+
+    def alone(i: int, ready: Prepared) -> None:
+        outcome = _alone(ready, None if longer is None else partial(_to_steps, scenes[i], partial(longer, i)))
+        found[i] = _note(i, outcome, ended)
+
+    def begin(i: int, count: int | None = None) -> None:
         try:
-            ready = _prepared(scene, record)
+            ready = _prepared(scenes[i], record, count)
         except InputError as error:
+            if longer is not None:
+                longer(i, error)
             found[i] = _note(i, error, ended)
-            continue
+            return
         if (shape := _fits(ready)) is not None:
             groups.setdefault(shape, []).append((i, ready))
         else:
-            found[i] = _note(i, _alone(ready), ended)
-    for group in groups.values():
+            alone(i, ready)
+
+    for i in range(len(scenes)):
+        begin(i)
+    while groups:
+        _, group = groups.popitem()
+        again: dict[int, int] = {}
         for i, outcome in together(group):
-            # a failed run is repeated singly: its result is then complete up to the step that failed
-            found[i] = _note(i, outcome or _alone(_prepared(scenes[i], record)), ended)
+            if outcome is None:  # a failed run is repeated singly: its result is then complete up to that step
+                alone(i, _prepared(scenes[i], record))
+            elif longer is not None and (count := _to_steps(scenes[i], partial(longer, i), outcome)):
+                again[i] = count
+            else:
+                found[i] = _note(i, outcome, ended)
+        for i, count in again.items():
+            begin(i, count)
     return [outcome for outcome in found if outcome is not None]
+
+
+def _to_steps(scene: Scene, longer: Callable[[Outcome], int], outcome: Outcome) -> int:
+    """Number of steps to which a run goes on; 0 if it ends, or would have more steps than its scene allows."""
+    count = longer(outcome)
+    return count if count <= scene.most_steps else 0
 
 
 def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
@@ -77,15 +106,19 @@ def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
     return outcome
 
 
-def _prepared(scene: Scene, record: Callable[[int], Record] | None) -> Prepared:
+def _prepared(scene: Scene, record: Callable[[int], Record] | None, count: int | None = None) -> Prepared:
+    """A run of `count` steps, those of its scene if left out."""
     ready = prepared(scene)
+    ready = ready if count is None else replace(ready, count=count)
     return ready if record is None or scene.record is not None else replace(ready, record=record(ready.count))
 
 
-def _alone(ready: Prepared) -> Outcome:
+def _alone(ready: Prepared, longer: Callable[[Outcome], int] | None = None) -> Outcome:
     try:
-        return completed(ready)
+        return completed(ready, longer=longer)
     except (InputError, NumericsError) as error:
+        if longer is not None:
+            longer(error)
         return error
 
 

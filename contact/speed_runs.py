@@ -1,8 +1,9 @@
 """Runs of one scene at many constant speeds, and the verdict of each: unstable, resonance, safe or not decided.
 
-The verdict is the growth of the run (`contact.stability.of_run`). A run that is too short to decide is repeated longer.
-So is a run that grows with contact that opens and has passed no limit: such a growth may end in a bounded motion. The
-last part of a growing run is repeated with half the step (`contact.half_step`).
+The verdict is the growth of the run (`contact.stability.of_run`). A run that is too short to decide is continued to
+twice its length, again and again up to LONGEST times t_end. A run that grows with contact that opens, and has passed no
+limit, is continued to four times its length: such a growth may end in a bounded motion, or pause where the contact
+begins to open. The last part of a growing run is repeated with half the step (`contact.half_step`).
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from contact.stability.of_run import disk_path, of_rotor_run, whirl_sense
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
 CLOSED = 0.99  # of the time: a contact that stays closed
-LONGER = (4.0, 16.0)  # times t_end, one after the other, for runs that do not decide
+LONGEST = 16  # times t_end: length to which runs are continued
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
@@ -153,14 +154,15 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     >>> found.verdict, found.amplitude_m  # nothing touches
     ('safe', 0.0)
     """
-    return _decided(_longer(scene, _ran(scene, speed_hz, poles)))
+    scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
+    return _decided(_judged(scenes, speed_hz, poles, LONGEST))
 
 
 def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
     """Run scenes, each at its own speed [turns/s] above 0, and judge each run separately.
 
     A motion that does not grow is a resonance if it exceeds the allowed deflection of the rim. A run that is too short
-    to decide is not repeated.
+    to decide is not continued.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -172,7 +174,7 @@ def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tu
     """
     own = [at_speed(scene, hz) for scene, hz in zip(scenes, speed_hz.tolist(), strict=True)]
     found = []
-    for run in _judged(own, speed_hz, poles, "runs"):
+    for run in _judged(own, speed_hz, poles):
         small = run.verdict == "resonance" and not run.amplitude_m > run.allowed_m
         found.append(replace(run, verdict="safe") if small else run)
     return tuple(found)
@@ -191,30 +193,44 @@ def may_change(result: Result) -> bool:
     return growth.outcome == "undecided" or (growth.outcome == "grows" and opens)
 
 
-def _ran(scene: Scene, speed_hz: Array, poles: Array, what: str = "runs") -> list[SpeedRun]:
-    """The scene at each speed; every motion that does not grow counts as a resonance until all runs are known."""
-    return _judged([at_speed(scene, hz) for hz in speed_hz.tolist()], speed_hz, poles, what)
+def times_longer(result: Result) -> int:
+    """Factor by which a run is continued whose verdict a longer run may change."""
+    return 4 if result.growth is not None and result.growth.outcome == "grows" else 2
 
 
-def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, what: str) -> list[SpeedRun]:
-    """Scenes at constant speeds, with the verdict of each."""
+def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, longest: int = 1) -> list[SpeedRun]:
+    """Scenes at constant speeds, with the verdict of each; runs that do not decide go on to `longest` times t_end.
+
+    Every motion that does not grow counts as a resonance until all runs are known. A run that grows is replaced only if
+    its continuation decides that the motion does not.
+    """
+    found: dict[int, SpeedRun] = {}
+    most: dict[int, int] = {}
     ended = 0
 
     def whole(done: float) -> tuple[str, float]:
-        return f"{ended} of {len(scenes)} {what} ended", min((ended + done) / len(scenes), 1.0)
+        return f"{ended} of {len(scenes)} runs ended", min((ended + done) / len(scenes), 1.0)
 
     def note(_: int, __: Outcome) -> None:
         nonlocal ended
         ended += 1
         tell("", 0.0)
 
+    def longer(i: int, outcome: Outcome) -> int:
+        what = scenes[i].what
+        run = _speed_run(what, _of_rotor(what, outcome), float(speed_hz[i]), float(poles[i]))
+        decides = run.verdict in ("safe", "resonance")
+        if i not in found or decides or (run.seconds > 0.0 and found[i].verdict != "unstable"):
+            found[i] = run
+        if not (run.may_change and isinstance(outcome, Result)):
+            return 0
+        count = times_longer(outcome) * outcome.steps
+        return count if count <= most.setdefault(i, longest * outcome.steps) else 0
+
     with as_part(whole):
         tell("", 0.0)
-        outcomes = run_many(scenes, record=_record, ended=note)
-    return [
-        _speed_run(one.what, _of_rotor(one.what, outcome), hz, pole)
-        for one, outcome, hz, pole in zip(scenes, outcomes, speed_hz.tolist(), poles.tolist(), strict=True)
-    ]
+        run_many(scenes, record=_record, ended=note, longer=longer)
+    return [found[i] for i in range(len(scenes))]
 
 
 def _allowed(what: object) -> float:
@@ -245,25 +261,6 @@ def _of_rotor(what: object, outcome: Outcome) -> Outcome:
         return result
     outcome.result = result
     return outcome
-
-
-def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """The runs; those that a longer run may change are repeated, each time longer.
-
-    A run that grows is replaced only if a longer one decides that the motion does not.
-    """
-    found = {run.speed_hz: run for run in runs}
-    last = dict(found)
-    for times in LONGER:
-        short = [run for run in last.values() if run.may_change]
-        if not short or scene.t_end is None:
-            break
-        speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
-        again = _ran(replace(scene, t_end=times * scene.t_end), speed, poles, f"runs of {times * scene.t_end:.3g} s")
-        last = {run.speed_hz: run for run in again if run.seconds > 0.0}
-        grows = {hz for hz in last if found[hz].verdict == "unstable"}
-        found |= {hz: run for hz, run in last.items() if hz not in grows or run.verdict in ("safe", "resonance")}
-    return [found[run.speed_hz] for run in runs]
 
 
 def _record(steps: int) -> Record:

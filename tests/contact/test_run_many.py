@@ -114,6 +114,26 @@ def test_what_batches_do_not_take_runs_singly_and_failures_are_reported():
     assert done == [(0, "Result"), (1, "Result"), (2, "LimitError"), (3, "LimitError"), (4, "Result")]
 
 
+def test_a_run_that_goes_on_ends_as_one_that_was_longer_from_the_start():
+    """The first run is alone and continues, the second has a slot and is repeated; the third does not go on."""
+    rod = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
+    scenes = [ct.Scene(what=[rod, ct.Wall()], t_end=2.0, courant=0.9), scene(t_end=0.03), scene(t_end=0.02)]
+    lengths = {0: [], 1: [], 2: []}
+
+    def longer(i, outcome):
+        lengths[i].append(outcome.steps)
+        return 2 * outcome.steps if i < 2 and len(lengths[i]) < 3 else 0
+
+    found = ct.run_many(scenes, longer=longer)
+    assert lengths == {0: [134, 268, 536], 1: [1500, 3000, 6000], 2: [1000]}
+    for one, result in zip(scenes, found, strict=True):
+        whole = ct.run(replace(one, t_end=(result.steps - 0.5) * result.dt))
+        assert whole.steps == result.steps
+        assert np.allclose(result.force, whole.force, rtol=0.0, atol=1e-10 * max(whole.peak_force[0], 1e-30))
+        assert np.allclose(result.intervals[0], whole.intervals[0], rtol=0.0, atol=1e-9)
+        assert result.energy.contact == pytest.approx(whole.energy.contact, rel=1e-9, abs=1e-12)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("modes", [(2, 3), (3, 2)])
 def test_friction_and_one_mode_less_is_not_a_run_without_friction(modes: tuple[int, int]) -> None:

@@ -4,8 +4,8 @@
 steel ring of up to five nodal diameters before one blade, several blades or a bladed disk: with and without friction,
 damping, clearance, lean and out-of-roundness. It draws two sets: from the seed `--first`, on which constants were set,
 and from the seed `--fresh`, on which none was set. A run of half a second gives its verdict. If a longer run may change
-it (`contact.speed_runs.may_change`), the run is repeated four and sixteen times as long, as `casingfem interactions`
-does.
+it (`contact.speed_runs.may_change`), the run is repeated two or four times as long, up to sixteen times, as runs of
+`casingfem interactions` are.
 
 A run three times as long at a tenth of the step, which continues to a tenth of the radius, shows the further motion.
 Its level is sqrt(mean omega^2 (q - mean q)^2) of all modes over windows of 1/480 of it. The motion grows if the rim
@@ -42,8 +42,8 @@ import numpy as np
 import contact as ct
 from casingfem.io.arrays import FloatArray
 from contact.record.record import prime_stride
-from contact.speed_runs import LONGER as REPEATED
-from contact.speed_runs import may_change
+from contact.speed_runs import LONGEST as REPEATED
+from contact.speed_runs import may_change, times_longer
 from reports.tables import Row, command_line, show, write
 
 KINDS = ("rim", "rub", "disk")
@@ -181,10 +181,11 @@ def long_run(what: ct.RotatingRim | ct.Rub, mu: float, end: float = END) -> ct.R
 def decided(what: ct.RotatingRim | ct.Rub, mu: float) -> list[tuple[ct.Result, float]]:
     """Runs and their planned ends [s]: half a second, and longer ones while a longer run may change the verdict."""
     runs = [(ended(what, mu, END, STEP), END)]
-    for times in REPEATED:
-        if not may_change(runs[-1][0]):
+    while may_change(runs[-1][0]):
+        planned = times_longer(runs[-1][0]) * runs[-1][1]
+        if planned > REPEATED * END:
             break
-        runs.append((ended(what, mu, times * END, STEP), times * END))
+        runs.append((ended(what, mu, planned, STEP), planned))
     return runs
 
 
