@@ -48,7 +48,7 @@ def mesh_address(structure: MeshStructure, name: str) -> numbers.Plain:
     """The number that a name means on an imported part."""
     known = numbers.mesh_numbers(structure)
     if name not in known:
-        raise InputError(f"{name!r}: an imported part has {', '.join(known)}")
+        raise InputError(f"{name!r}: found no such number of an imported part, expected one of {', '.join(known)}")
     return known[name]
 
 
@@ -56,11 +56,12 @@ def shell_address(shell: ShellParts, name: str) -> numbers.Address:
     """The number that a name means on a shell."""
     parts = name.split(".")
     if len(parts) < 2:
-        raise InputError(f"{name!r} is no parameter name; expected a path such as material.E")
+        raise InputError(f"{name!r}: found no name of a parameter, expected a path such as material.E")
     if parts[0] == "bolts":
         bolted = [edge for edge, support in shell.supports.items() if isinstance(outer_support(support), Bolts)]
         if len(bolted) != 1:
-            raise InputError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
+            found = f"found {len(bolted)} edges with bolts, expected one; name the edge as support.<edge>.{name}"
+            raise InputError(f"{name!r}: {found}")
         parts = ["support", bolted[0], *parts]
     if parts[0] in DEFECTS and len(parts) == 3:
         require_series(name, shell.defects.get(parts[0]))
@@ -85,10 +86,10 @@ def of_elastic_edge(shell: ShellParts, name: str, parts: list[str]) -> numbers.P
     support = shell.supports.get(parts[1])
     if not isinstance(support, ElasticEdge):
         found = "no support" if support is None else type(support).__name__
-        raise InputError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
+        raise InputError(f"{name!r}: found {found} on edge {parts[1]!r}, expected an elastic edge, bolts or a ring")
     known = ElasticEdge.stiffness_names + ((numbers.SHARED,) if len(parts) == 5 else ())
     if len(parts) not in (3, 5) or parts[2] not in known:
-        raise InputError(f"{name!r}: an elastic edge has {', '.join(known)}")
+        raise InputError(f"{name!r}: found no such number of an elastic edge, expected one of {', '.join(known)}")
     if len(parts) == 3:
         return numbers.Plain(("supports", parts[1], parts[2]))
     found_at = numbers.SpringHarmonic(parts[1], parts[2], *harmonic_of(name, parts[3:]))
@@ -96,7 +97,8 @@ def of_elastic_edge(shell: ShellParts, name: str, parts: list[str]) -> numbers.P
         require_series(name, support.pattern(one.spring))
     values = found_at.values(shell)
     if any(value != values[0] for value in values):
-        raise InputError(f"{name!r}: the springs of this edge differ there; name one of them")
+        found = "found different values for the springs of this edge, expected one value for all"
+        raise InputError(f"{name!r}: {found}; name one spring, such as {ElasticEdge.stiffness_names[0]}")
     return found_at
 
 
@@ -104,12 +106,14 @@ def of_strip(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
     """strip.<number>.thickness and strip.<number>.material.<E, nu or rho>."""
     place = place_in(parts[1], len(shell.strips))
     if not place:
-        raise InputError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
+        raise InputError(f"{name!r}: found strip {parts[1]!r}, expected a number from 1 to {len(shell.strips)}")
     if parts[2:] != ["thickness"]:
         if len(parts) != 4 or parts[2] != "material" or parts[3] not in numbers.CONSTANTS:
-            raise InputError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
+            numbered = "thickness, material.E, material.nu, material.rho"
+            raise InputError(f"{name!r}: found no such number of a strip, expected one of {numbered}")
         if shell.strips[place - 1].material is None:
-            raise InputError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")
+            found = f"found strip {place} without a material of its own; vary material.{parts[3]}, that of the shell"
+            raise InputError(f"{name!r}: {found}")
     return numbers.Plain(("strips", place - 1, *parts[2:]))
 
 
@@ -119,7 +123,8 @@ def of_mass(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
     place = place_in(parts[2], len(known)) if known else 0
     if not place:
         has = ", ".join(f"{len(masses)} on {edge!r}" for edge, masses in shell.masses.items()) or "none"
-        raise InputError(f"{name!r}: expected mass.<edge>.<number>.mass or .angle; this shell has masses: {has}")
+        expected = f"expected mass.<edge>.<number>.mass or .angle, of the masses of this shell: {has}"
+        raise InputError(f"{name!r}: found no such mass, {expected}")
     return numbers.Plain(("masses", parts[1], place - 1, parts[3]))
 
 
@@ -130,10 +135,12 @@ def of_part(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
     owner = owners.get(parts[0])
     if owner is None or len(parts) not in (2, 3):
         starts = ", ".join([*owners, *DEFECTS])
-        raise InputError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
+        raise InputError(
+            f"{name!r}: found no such parameter, expected a name that starts with {starts}, strip, mass or support"
+        )
     known = ["thickness"] if owner is shell else numbers.numbers_of(owner)
     if parts[1] not in known:
-        raise InputError(f"{name!r}: {parts[0]} has {', '.join(known) or 'no numbers'}, not {parts[1]!r}")
+        raise InputError(f"{name!r}: found no {parts[1]!r} in {parts[0]}, expected one of {', '.join(known) or 'none'}")
     path = ("thickness",) if owner is shell else (parts[0], parts[1])
     law = getattr(owner, parts[1])
     count = len(law) if isinstance(law, tuple) else 0
@@ -141,7 +148,7 @@ def of_part(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
         return numbers.Plain(path)
     place = place_in(parts[2], count) if parts[2:] else 0
     if not place:
-        wanted = f"the number of a station, 1 to {count}, after it" if count else "nothing after it: it is one number"
+        wanted = f"the number of a station after it, 1 to {count}" if count else "nothing after it, as it is one number"
         raise InputError(f"{name!r}: expected {wanted}")
     return numbers.Plain((*path, place - 1))
 
@@ -162,7 +169,8 @@ def harmonic_of(name: str, parts: list[str]) -> tuple[int, str]:
 def require_series(name: str, field: Field | None) -> None:
     """Refuse a field that has no harmonics."""
     if not isinstance(numbers.series(field), FourierField):
-        raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
+        found = "no field" if field is None else f"a {type(field).__name__}"
+        raise InputError(f"{name!r}: found {found}, expected a Fourier series (FourierField) with harmonics to vary")
 
 
 def get_value(shell: ShellParts | MeshStructure, name: str) -> Any:

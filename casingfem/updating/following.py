@@ -35,8 +35,8 @@ class LostModeError(ValueError):
     def __init__(self, rows: tuple[int, ...], share: float) -> None:
         names = "row " + str(rows[0] + 1) if len(rows) == 1 else "rows " + " and ".join(str(row + 1) for row in rows)
         super().__init__(
-            f"{names} of the table: the mode was lost, the nearest mode has {100 * share:.0f} % of its shape and"
-            f" {100 * LOST:.0f} % are needed; check the imperfections and the start values, or narrow the bounds"
+            f"{names} of the table: the mode could not be followed in a step; the most similar new mode has a MAC of"
+            f" {share:.2f}, expected {LOST:.2f} or more; check imperfections and start values, or narrow the bounds"
         )
         self.rows = rows
 

@@ -31,7 +31,7 @@ def widths(vary: Sequence[Parameter]) -> FloatArray:
 
 
 COLUMNS = (
-    Column("singular", "Singular value: width of the direction before the test over that by the data alone.",
+    Column("singular", "Singular value: width of the direction before the test over its width from the data alone.",
            lambda found: found.singular, head="singular value", format=".4g"),
     Column("left_rel", "Width of the direction after the test over that before.",
            lambda found: 1.0 / np.hypot(1.0, found.singular), head="left", format=".3f"),
@@ -96,7 +96,7 @@ class Identifiability(Reported):
         lines = table_lines(self.COLUMNS, self.records())
         lines.append(f"the data determine {self.rank} of {len(self.names)} directions")
         if self.unseen:
-            lines.append(f"the table does not see {', '.join(self.unseen)}")
+            lines.append(f"the table contains no information on {', '.join(self.unseen)}")
         return "\n".join(lines)
 
 

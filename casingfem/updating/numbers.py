@@ -175,7 +175,7 @@ def _of_shell(shell: ShellParts) -> Numbers:
         yield from _named(f"strip.{k}.material.{name}" for name in CONSTANTS if strip.material is not None)
     for edge, support in shell.supports.items():
         yield from ((f"support.{edge}.{name}", unit) for name, unit in _of_support(support))
-    along = "rad" if shell.chart.periodic else "of the edge"
+    along = "rad" if shell.chart.periodic else "rad or m"
     for edge, masses in shell.masses.items():
         for k in range(1, len(masses) + 1):
             yield from ((f"mass.{edge}.{k}.mass", "kg"), (f"mass.{edge}.{k}.angle", along))

@@ -34,20 +34,20 @@ class Parameter:
     150000000000.0
     """
 
-    name: Annotated[str, Key("path of a number, such as material.E")]
+    name: Annotated[str, Key("name of a number of the model, such as material.E")]
     lower: Annotated[float, Key("lower bound [unit of the parameter]")]
     upper: Annotated[float, Key("upper bound [unit of the parameter]")]
     sigma: Annotated[
         float | None, Key("prior standard deviation [unit of the parameter; decades if log]", "positive")
     ] = None
-    log: Annotated[bool, Key("vary the decimal logarithm")] = False
+    log: Annotated[bool, Key("whether the decimal logarithm is varied")] = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.lower) and np.isfinite(self.upper) and self.lower < self.upper):
             found = f"{self.lower!r}, {self.upper!r}"
             raise InputError(f"{self.name}: bounds must be finite with lower < upper, found {found}")
         if self.log and self.lower <= 0.0:
-            raise InputError(f"{self.name}: a log parameter needs lower > 0, found {self.lower!r}")
+            raise InputError(f"{self.name}: found lower = {self.lower!r}, expected a bound above 0, as log = true")
         if self.sigma is not None and not self.sigma > 0.0:
             raise InputError(f"{self.name}: sigma must be positive, found {self.sigma!r}")
 
@@ -109,16 +109,16 @@ def check_parameters(shell: Shell | MeshStructure, vary: Sequence[Parameter]) ->
         address = address_of(shell, parameter.name)
         moved = address.each if isinstance(address, SpringHarmonic) else (address,)
         for other in {seen[number] for number in moved if number in seen}:
-            alias = "" if other == parameter.name else f": {other} moves the same number"
-            raise InputError(f"{parameter.name} is varied twice{alias}")
+            alias = "a second time" if other == parameter.name else f"and {other}, which changes the same number"
+            raise InputError(f"{parameter.name}: found this parameter {alias}, expected it once; remove one")
         seen |= dict.fromkeys(moved, parameter.name)
         start = address.value(shell)
         if not parameter.lower <= start <= parameter.upper:
-            raise InputError(
-                f"{parameter.name}: the start {start:.6g} lies outside [{parameter.lower:.6g}, {parameter.upper:.6g}]"
-            )
+            expected = f"expected a value within its bounds, {parameter.lower:.6g} to {parameter.upper:.6g}"
+            raise InputError(f"{parameter.name}: found the value {start:.6g} in the model, {expected}")
         for side in ("lower", "upper"):
             try:
                 with_value(shell, parameter.name, getattr(parameter, side))
             except ValueError as error:
-                raise InputError(f"{parameter.name}: its {side} bound is no possible value: {error}") from error
+                bound = getattr(parameter, side)
+                raise InputError(f"{parameter.name}: {side} = {bound:.6g} is not possible: {error}") from error

@@ -64,10 +64,10 @@ class Regularisation:
         known = [p.name for p in vary]
         for name in self.names:
             if name not in known:
-                raise InputError(f"regularise: {name!r} is not varied; varied are {', '.join(known)}")
+                raise InputError(f"regularise: found {name!r}, expected varied parameters: {', '.join(known)}")
         chosen = [p.name in self.names if self.names else is_harmonic(p.name) for p in vary]
         if not any(chosen):
-            raise InputError("regularise: no harmonic is varied; name the parameters to regularise")
+            raise InputError("regularise: found no harmonic among the parameters; name the parameters to regularise")
         return np.where(chosen, 1.0 / widths(vary), 0.0)
 
 
@@ -89,7 +89,8 @@ class Regularised:
     def __repr__(self) -> str:
         """One sentence."""
         note = f"; {self.note}" if self.note else ""
-        return f"regularised with weight {self.weight:.3g} by the {self.rule} rule: {', '.join(self.names)}{note}"
+        names = ", ".join(self.names)
+        return f"regularised with a weight of {self.weight:.3g}, from the {self.rule} rule: {names}{note}"
 
 
 def trade_off(
@@ -135,5 +136,6 @@ def chosen_weight(rule: Rule, curve: FloatArray, residuals: int) -> tuple[float,
         return corner(curve), rule, ""
     if not below.any():
         least = float(curve[:, 1].min() / np.sqrt(residuals))
-        return corner(curve), "l-curve", f"without any the residuals are {least:.2f} times their noise, so the L-curve"
+        note = f"the discrepancy rule needs residuals as small as their noise, but they are {least:.2f} times as large"
+        return corner(curve), "l-curve", f"{note} at any weight"
     return float(curve[np.flatnonzero(below)[-1], 0]), rule, ""

@@ -289,7 +289,7 @@ class UpdateResult(Reported):
             f"{p.name} = {value:.5g} (with {'it' if len(self.outliers) == 1 else 'them'} {other:.5g})"
             for p, value, other in zip(self.parameters, self.value, self.plain.value, strict=True)
         )
-        return [*(f"set aside: {outlier!r}" for outlier in self.outliers), f"without: {values}"]
+        return [*(f"outlier, excluded: {outlier!r}" for outlier in self.outliers), f"without outliers: {values}"]
 
     def records(self) -> list[dict[str, Any]]:
         """One plain dictionary for each parameter; `pairs` has those of the paired rows."""
@@ -332,15 +332,18 @@ class UpdateResult(Reported):
         lines += unpaired_words(self.unpaired)
         if self.misfit > 1.5:
             lines.append(
-                f"the model is off by {100.0 * self.model_floor:.2g} % of itself beyond the stated sigma; "
-                f"worst is {self.worst_shift!r}"
+                f"the model has an error of {100.0 * self.model_floor:.2g} % that the stated sigma do not explain; "
+                f"largest: {self.worst_shift!r}"
             )
         if self.inflation > 1.0:
-            lines.append(f"sigma of the parameters are {self.inflation:.2f} times what the stated ones give")
+            lines.append(
+                f"the residuals are {self.inflation:.2f} times what the stated sigma explain; all sigma of parameters "
+                f"were multiplied by {self.inflation:.2f}"
+            )
         if self.overstated:
             lines.append(
-                f"misfit {self.misfit:.2g}: the rows agree far better than their stated sigma; "
-                "these are too large, or the table comes from such a model"
+                f"misfit {self.misfit:.2g}: the residuals are much smaller than the stated sigma; "
+                "these are too large, or the table was computed with this model"
             )
         lines += self.outlier_words()
         lines.append(f"stopped: {self.stopped}")
@@ -349,11 +352,11 @@ class UpdateResult(Reported):
         lines += [f"saturated: {words}" for words in self.saturated]
         if self.lost:
             modes = ", ".join(str(int(self.table.mode[row])) for row in self.lost)
-            lines.append(f"a step was refused because mode {modes} of the table could not be followed")
+            lines.append(f"a step was rejected because mode {modes} of the table could not be followed")
         unseen = self.identifiability.unseen
         if unseen:
-            lines.append(f"the table hardly sees {', '.join(unseen)}")
-        lines += [f"the data do not separate {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
+            lines.append(f"the table contains almost no information on {', '.join(unseen)}")
+        lines += [f"the data cannot separate {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
         known = zip(self.parameters, self.prior_only, strict=True)
-        lines += [f"{p.name}: known from its prior only" for p, weak in known if weak]
+        lines += [f"{p.name}: only its prior determines it, not the data" for p, weak in known if weak]
         return "\n".join(lines)

@@ -43,7 +43,7 @@ def product_derivatives(
         return of_mesh(modes, vary, fields)
     assert own is not None
     if modes.shell.rotation is not None:
-        raise ModelError("rotation-update", "update: found a rotating shell")
+        raise ModelError("rotation-update", "update: found a rotating shell, expected one at rest")
     at = point_fields(modes.shell, modes.grid, fields, own)
     bare = remade(ShellParts, modes.shell)
     K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))
@@ -57,7 +57,7 @@ def product_derivatives(
 def of_mesh(modes: MeshModes, vary: Sequence[Parameter], fields: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The same derivatives for an imported part, by its assembled matrices; a rotating part is refused."""
     if rotation_of(modes.structure) is not None:
-        raise ModelError("rotation-update", "update: found a rotating part")
+        raise ModelError("rotation-update", "update: found a rotating part, expected one at rest")
     K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))
     for k, parameter in enumerate(vary):
         value = float(get_value(modes.structure, parameter.name))

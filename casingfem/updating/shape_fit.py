@@ -72,7 +72,7 @@ def matched(side: str) -> tuple[Column, ...]:
                format="d"),
         Column(f"mac_{side}", f"MAC of the shape and this mode {when}.",
                lambda fit: present(one.mac for one in found(fit)), head=f"MAC {side}", format=".3f"),
-        Column(f"plane_{side}", f"MAC of the planes of the pair {when}; its members may be turned in their plane.",
+        Column(f"plane_{side}", f"MAC of the planes that the two modes of the pair span, {when}.",
                lambda fit: present(one.plane for one in found(fit)), head=f"plane {side}", format=".3f"),
     )  # fmt: skip
 
@@ -128,7 +128,9 @@ class ShapeFit(Reported):
             lines[0] += f", least {plane:.3f} (mode {self.fit.table.mode[row]})"
         lines += table_lines(self.COLUMNS, self.records(), width=WIDE)
         if self.shapes.unused_hz:
-            lines.append(f"shapes of no row: {', '.join(f'{f:.2f}' for f in self.shapes.unused_hz)} Hz")
+            lines.append(
+                f"shapes without a row in the table: {', '.join(f'{f:.2f}' for f in self.shapes.unused_hz)} Hz"
+            )
         return "\n".join(lines)
 
 

@@ -59,14 +59,16 @@ def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) 
     """Error for shapes that fit no row: they come from another test, or their frequencies are not in Hz."""
     for unit, factor in UNITS.items():
         if np.mean(np.abs(np.log(factor * measured.freq_hz[:, None] / table.freq_hz)).min(axis=1) <= reach) > 0.5:
-            found = f"no shape of a row of {table.path}, whose freq_hz is {factor:.4g} times that of the shapes"
-            return measured.error(f"{found}, as of {unit}", "both in Hz")
+            found = f"frequencies that are 1/{factor:.4g} of those in {table.path}: they are probably in {unit}"
+            return measured.error(found, "frequencies of the shapes in Hz")
     gaps = np.abs(np.log(measured.freq_hz[:, None] / table.freq_hz))
     shape, row = np.unravel_index(int(gaps.argmin()), gaps.shape)
     near = f"{measured.freq_hz[shape]:.6g} Hz{labelled(int(measured.n[shape]))}"
     of = f"mode {table.mode[row]} of {table.path} at {table.freq_hz[row]:.6g} Hz{labelled(int(table.n[row]))}"
-    expected = f"a shape within {reach:.2g} of a row, of the same n"
-    return measured.error(f"no shape of a row of the table; the nearest has {near}, {of}", expected)
+    expected = f"a shape and a row of the same n, at most {100.0 * reach:.2g} % apart in frequency"
+    return measured.error(
+        f"no shape that belongs to a row; the nearest ones are the shape at {near} and {of}", expected
+    )
 
 
 def labelled(n: int) -> str:
@@ -90,15 +92,14 @@ def refuse_doubtful(apart: FloatArray, rows: IntArray, measured: MeasuredShapes,
                 first, last = sorted((row, other))
                 modes = f"{table.mode[first]} and {table.mode[last]} of {table.path}"
                 where = f"{table.freq_hz[first]:.6g} and {table.freq_hz[last]:.6g} Hz"
-                found = f"the shape at {measured.freq_hz[shape]:.6g} Hz near modes {modes}, {where}"
-                raise measured.error(
-                    found, "shapes that belong to one row: state their n, or use the table of the same test"
-                )
+                found = f"the shape at {measured.freq_hz[shape]:.6g} Hz, which fits modes {modes}, at {where}"
+                expected = "shapes that fit one row each: state their n, or use the table of the same test"
+                raise measured.error(found, expected)
         for other in np.flatnonzero(np.isfinite(apart[:, row]) & (rows < 0)).tolist():
             if apart[other, row] < SURE * own + EXACT:
                 both = " and ".join(f"{measured.freq_hz[k]:.6g}" for k in sorted((shape, other))) + " Hz"
-                found = f"two shapes, {both}, near mode {table.mode[row]} of {table.path}"
-                raise measured.error(found, "one shape for each row")
+                found = f"two shapes, {both}, that fit mode {table.mode[row]} of {table.path}"
+                raise measured.error(found, "one shape for each row: state their n, or remove one")
 
 
 def columns(values: FloatArray, rows: Sequence[int] | IntArray, count: int) -> FloatArray:

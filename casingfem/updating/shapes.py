@@ -90,10 +90,15 @@ class SensorShapes:
         norms = np.linalg.norm(self.shapes, axis=0)
         blank = np.isnan(self.shapes).all(axis=0)
         if not np.all(blank | (norms > 0.0)):
-            raise ValueError(f"shapes: column {int(np.argmin(blank | (norms > 0.0))) + 1} is zero or partly nan")
+            column = int(np.argmin(blank | (norms > 0.0))) + 1
+            raise ValueError(
+                f"shapes: found column {column} with only zeros or with some nan; expected a measured shape, or a "
+                "column of nan for a mode without one"
+            )
         spread = np.asarray(self.sigma, float)
         if spread.shape not in ((), norms.shape) or not np.all(blank | (spread > 0.0)):
-            raise ValueError(f"shapes: sigma must be positive, one or {len(norms)}, found {self.sigma!r}")
+            expected = f"expected one number above 0, or {len(norms)}, one for each shape"
+            raise ValueError(f"shapes: sigma: found {self.sigma!r}, {expected}")
         object.__setattr__(self, "sigma", frozen(np.where(blank, np.nan, spread)))
         object.__setattr__(self, "shapes", frozen(self.shapes / norms))
 
@@ -102,7 +107,7 @@ class SensorShapes:
         """Radial sensors at angles [rad] on an edge of a casing, like a circle of accelerometers."""
         held, end = shell.chart.edges.get(edge, (1, 0))
         if not shell.chart.periodic or held != 0:
-            raise ValueError(f"shapes: {edge!r} is no closed edge of this chart")
+            raise ValueError(f"shapes: found edge {edge!r}, expected an edge that runs around a closed casing")
         b = np.asarray(theta, dtype=float)
         a = np.full(b.shape, shell.chart.bounds[0][end])
         radial = shell.chart.directions(a, b)[0].T
@@ -138,7 +143,9 @@ class SensorShapes:
             `sensor-far` for a sensor that is not on the shell.
         """
         if sigma is None and np.isnan(measured.sigma).any():
-            raise measured.error("no uncertainty of the shapes", "a sigma, relative, for shapes whose file states none")
+            raise measured.error(
+                "no uncertainty of the shapes", "a relative sigma, as the file of the shapes states none"
+            )
         rows = rows_of_shapes(measured, table, reach=reach)
         a, b, _ = on_wall(shell, measured.points, measured.labels)
         spread = np.hypot(measured.sigma if sigma is None else np.full(len(measured), sigma), error)

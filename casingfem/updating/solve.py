@@ -78,13 +78,13 @@ def levenberg_marquardt(
         rms = math.sqrt(squares / len(r))
         tell(f"step {k + 1} of at most {max_evaluations}, rms {rms:.3g} sigma", k / max_evaluations, most=True)
         if squares < enough:
-            return x, f"converged: chi^2 is below {enough:g}"
+            return x, f"converged: chi^2 is below {enough:g}, which round-off explains"
         scale = np.maximum(scale, np.linalg.norm(J, axis=0))
         unit = np.where(scale > 0.0, scale, 1.0)
         step = bounded_step(r, J / unit, damping, (lower - x) * unit, (upper - x) * unit) / unit
         predicted = squares - float(np.sum((r + J @ step) ** 2))
         if predicted <= PREDICTED_DECREASE * squares + FLOOR:
-            return x, "converged: no step promises to lower chi^2"
+            return x, "converged: no step is predicted to lower chi^2"
         trial = np.clip(x + step, lower, upper)
         try:
             new = fun(trial)
@@ -95,7 +95,7 @@ def levenberg_marquardt(
             x, r, J = trial, new, jac(trial)
             damping, growth = damping * max(0.03, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
         elif np.all(np.abs(step) <= SMALL * (upper - lower)):
-            return x, "stuck: steps too small to matter do not lower chi^2"
+            return x, "not converged: even steps far below the range of the parameters do not lower chi^2"
         else:
             damping, growth = damping * growth, 2.0 * growth
     return x, f"not converged after {max_evaluations} evaluations"
@@ -116,8 +116,8 @@ def require_enough(residuals: int, parameters: int, without: str = "") -> None:
     """Refuse to fit more parameters than residuals, priors included; `without` names the omitted data."""
     if residuals < parameters:
         raise InputError(
-            f"{without}{residuals} residuals cannot determine {parameters} parameters: "
-            "measure more modes, vary less, or give priors"
+            f"{without}found {residuals} residuals for {parameters} parameters, expected at least as many: "
+            "measure more modes, vary fewer parameters, or give priors (sigma)"
         )
 
 

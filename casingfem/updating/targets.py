@@ -226,8 +226,8 @@ def with_model_error(table: FrequencyTable, model_error: float) -> FrequencyTabl
         row = int(large[0])
         raise InputError(
             "model_error",
-            found=f"{model_error!r}, which makes sigma_hz {sigma[row]:.4g} at the {table.freq_hz[row]:.4g} Hz "
-            f"of row {row + 1}",
-            expected="each sigma_hz below its frequency",
+            found=f"{model_error!r}, with which sigma_hz of row {row + 1} becomes {sigma[row]:.4g} Hz, at a frequency "
+            f"of {table.freq_hz[row]:.4g} Hz",
+            expected="a model_error with which each sigma_hz is below its frequency",
         )
     return replace(table, sigma_hz=sigma) if model_error else table

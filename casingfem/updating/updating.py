@@ -54,8 +54,8 @@ def require_few(table: FrequencyTable, count: int) -> None:
         beside = f", the next row {lower[-1]:.6g} Hz" if lower else ""
         raise InputError(
             table.path, column="freq_hz", where=f"mode {table.mode[table.freq_hz.argmax()]}",
-            found=f"{highest:.6g} Hz{beside}: some {count} modes to compute for {len(table)} rows",
-            expected=f"rows that at most {MOST_MODES} modes reach; or state the number, `count`, if these are meant",
+            found=f"{highest:.6g} Hz{beside}; up to it the model has about {count} modes, the table {len(table)} rows",
+            expected=f"at most {MOST_MODES} modes; correct the row, or give the number of modes (count) if it is right",
         )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def update(
     1.0201
     """
     if not vary:
-        raise InputError("vary: name at least one parameter")
+        raise InputError("vary: found no parameters, expected at least one")
     if not 0.0 <= model_error < 1.0:
         raise InputError(f"model_error must lie in [0, 1), found {model_error!r}")
     if not isinstance(structure, Shell):
@@ -172,7 +172,8 @@ def fitted(
     upper = np.array([p.to_internal(p.upper) for p in vary])
     before = problem.state(problem.start)
     if before.modes.rigid:
-        raise InputError(f"the structure has {before.modes.rigid} rigid motions: support it before updating")
+        found = f"found {before.modes.rigid} rigid-body modes of the structure, expected none"
+        raise InputError(f"update: {found}: support it before updating")
     require_enough(len(problem.fun(problem.start)), len(vary))
     if regularise is None:
         first = None if begin is None else stepped(problem, *begin)
@@ -214,9 +215,12 @@ def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> Freque
     If the table has angles, the warning `update-angles` is given.
     """
     if shapes is not None:
-        raise ModelError("structure-chart", "update: found shapes to fit on an imported part")
+        raise ModelError(
+            "structure-chart", "update: found shapes to fit to an imported part, expected frequencies alone"
+        )
     if np.isfinite(table.angle_deg).any():
-        found = f"{table.path}: {int(np.isfinite(table.angle_deg).sum())} angles of pairs on an imported part"
+        count = int(np.isfinite(table.angle_deg).sum())
+        found = f"{table.path}: found {count} angles of pairs, and an imported part"
         warn("update-angles", found)
         table = replace(table, angle_deg=np.full(len(table), np.nan))
     return table

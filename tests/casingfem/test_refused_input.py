@@ -63,13 +63,13 @@ REFUSED = {
         lambda: cf.geometry.PiecewiseMeridian(
             start=(0.3, 0.0), pieces=(cf.geometry.Piece(to=(0.3, 0.1), radius=0.05),)
         ),
-        "chart.piece[1].radius: found 0.05 m for a way of 0.1 m",
+        "chart.piece[1].radius: found 0.05 m for an arc whose ends are 0.1 m",
     ),
     "large fillets": (
         lambda: cf.geometry.PiecewiseMeridian(
             start=(0.3, 0.0), fillet=0.2, pieces=(cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.2, 0.1)))
         ),
-        "chart.piece[2].fillet: found 0.2 m, which does not fit between its pieces",
+        "chart.piece[2].fillet: found 0.2 m, expected a smaller radius, so that both pieces",
     ),
     "fillets that leave nothing between": (
         lambda: cf.geometry.PiecewiseMeridian(
@@ -81,7 +81,7 @@ REFUSED = {
                 cf.geometry.Piece(to=(0.2, 0.3)),
             ),
         ),
-        "chart.piece[2]: its fillets leave nothing of 0.1 m",
+        "chart.piece[2]: found fillets that are longer than the piece of 0.1 m",
     ),
     "a mesh too large": (lambda: cf.ShellMesh(order=20, rows=1000, around=10_000), "mesh: some 2e+10 unknowns"),
     "an unknown edge": (lambda: replace(PLATE, supports={"rim": cf.Clamped()}), "rim"),
@@ -133,7 +133,7 @@ REFUSED = {
     "a rule": (lambda: cf.updating.Regularisation(rule="strong"), "regularise: found 'strong', expected"),
     "a name that is not varied": (
         lambda: updated(regularise=cf.updating.Regularisation(names=("material.rho",))),
-        "regularise: 'material.rho' is not varied; varied are material.E",
+        "regularise: found 'material.rho', expected varied parameters: material.E",
     ),
     "what becomes of outliers": (
         lambda: updated(outliers="drop"),
@@ -166,9 +166,18 @@ INP = "*NODE\n" + "".join(
 )
 CELL = "*ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"
 FILES = {
-    "kinematic alone": (INP + CELL + "*KINEMATIC\n1, 3\n", "*KINEMATIC without *COUPLING before it"),
-    "distributing alone": (INP + CELL + "*DISTRIBUTING\n1, 3\n", "*DISTRIBUTING without *COUPLING before it"),
-    "too few numbers": (INP + "*ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7\n", "numbers, expected 9 an element"),
+    "kinematic alone": (
+        INP + CELL + "*KINEMATIC\n1, 3\n",
+        "*KINEMATIC without *COUPLING, expected *COUPLING before it",
+    ),
+    "distributing alone": (
+        INP + CELL + "*DISTRIBUTING\n1, 3\n",
+        "*DISTRIBUTING without *COUPLING, expected *COUPLING before it",
+    ),
+    "too few numbers": (
+        INP + "*ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7\n",
+        "numbers, expected a multiple of 9: element",
+    ),
     "no such surface": (
         INP + CELL + "*COUPLING, REF NODE=1, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n1, 3\n",
         "no surface",

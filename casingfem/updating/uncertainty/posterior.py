@@ -74,7 +74,7 @@ COLUMNS = (
     Column("log", "Whether the parameter varies in log10; both deviations are then in decades.",
            lambda found: found.log, head="in", format=mark("decades")),
     Column("sigma", "Standard deviation by the whole Hessian.", lambda found: found.sigma, format=".3g"),
-    Column("gauss_newton", "Standard deviation by Gauss and Newton's Hessian.", lambda found: found.gauss_newton,
+    Column("gauss_newton", "Standard deviation by the Gauss-Newton Hessian J^T J.", lambda found: found.gauss_newton,
            head="by J^T J", format=".3g"),
     Column("bend", "Largest departure of a residual from its tangent one standard deviation away, in its own sigma.",
            lambda found: found.bend, format=".3f"),
@@ -153,7 +153,8 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
     scaled = hessian * np.outer(unit, unit)
     lowest = float(np.linalg.eigvalsh(scaled)[0])
     if lowest <= 0.0:
-        raise InputError(f"posterior: the fit is no minimum (lowest curvature {lowest:.2g}): {weakest(fit, scaled)}")
+        found = f"found a fit that is not a minimum of chi^2 (lowest curvature {lowest:.2g}, expected above 0)"
+        raise InputError(f"posterior: {found}: {weakest(fit, scaled)}")
     C = np.linalg.inv(scaled) * np.outer(unit, unit)
     bend = np.array([0.5 * np.abs(near.H[:, k, k]).max() * fit.stated_sigma[k] ** 2 for k in range(len(fit.x))])
     return Laplace(

@@ -95,7 +95,7 @@ class LeftOut(Reported):
     def __repr__(self) -> str:
         """A row for each prediction, and the RMS."""
         lines = table_lines(self.COLUMNS, self.records())
-        lines.append(f"predicted without themselves: RMS {100.0 * self.rms:.3f} %, {self.rms_sigma:.2f} sigma")
+        lines.append(f"each row predicted from the others: RMS {100.0 * self.rms:.3f} %, {self.rms_sigma:.2f} sigma")
         return "\n".join(lines)
 
 
@@ -129,9 +129,9 @@ def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Pred
     """Predict the rows of one match by an update without them."""
     whole = fit.given
     left_out = whole.table.mode[list(match.rows)].tolist()
-    without = f"{whole.table.path}: without mode {' and '.join(map(str, left_out))}, "
+    without = f"{whole.table.path}: without mode {' and '.join(map(str, left_out))}: "
     if len(left_out) == len(whole.table):
-        raise InputError(f"{without}no row is left to predict it from: measure more modes")
+        raise InputError(f"{without}found no other row, expected rows from which to predict it: measure more modes")
     table = whole.table.without(*left_out)
     shapes = whole.shapes
     if shapes is not None:

@@ -36,7 +36,7 @@ COLUMNS = (
              head=f"{100 * level:g} %", format=".5g")
       for name, level in zip(("low", "median", "high"), LEVELS, strict=True)),
     Column("sigma", "Standard deviation of the samples.", lambda found: found.sigma, format=".3g"),
-    Column("gauss_newton", "Standard deviation by Gauss and Newton's Hessian.", lambda found: found.gauss_newton,
+    Column("gauss_newton", "Standard deviation by the Gauss-Newton Hessian J^T J.", lambda found: found.gauss_newton,
            head="by J^T J", format=".3g"),
 )  # fmt: skip
 
@@ -102,8 +102,8 @@ class PosteriorSamples(Reported):
         """Quantiles of each parameter, and the quality of the chains."""
         lines = ["posterior (emcee)", *table_lines(self.COLUMNS, self.records())]
         lines.append(
-            f"{len(self.samples)} samples, {self.acceptance:.0%} of moves taken, forgotten after "
-            f"{self.autocorrelation:.0f} steps; residuals of the parabolas right to {self.gap:.2g} sigma"
+            f"{len(self.samples)} samples, {self.acceptance:.0%} of the moves accepted, autocorrelation time "
+            f"{self.autocorrelation:.0f} steps; error of the quadratic model of the residuals: {self.gap:.2g} sigma"
         )
         return "\n".join(lines)
 
@@ -155,7 +155,10 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
     sampler.run_mcmc(emcee.State(first, random_state=state), steps, skip_initial_state_check=True)
     forgotten = float(np.max(sampler.get_autocorr_time(quiet=True, tol=0)))
     if not steps > 20.0 * forgotten:
-        raise InputError(f"posterior: chains of {steps} steps are correlated over {forgotten:.0f}; take more")
+        expected = (
+            f"expected at least {int(20.0 * forgotten) + 1}, 20 times their autocorrelation time: take more steps"
+        )
+        raise InputError(f"posterior: found chains of {steps} steps, {expected}")
     samples = sampler.get_chain(discard=steps // 3, thin=max(1, int(forgotten / 2.0)), flat=True)
     return PosteriorSamples(
         names=tuple(p.name for p in fit.parameters),

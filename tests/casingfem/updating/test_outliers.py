@@ -30,9 +30,9 @@ def test_a_wrong_row_is_named_and_set_aside(spoilt):
     assert abs(fit.x - reference.x)[0] < 3.0 * reference.stated_sigma[0]
     assert abs(fit.plain.x - reference.x)[0] > 3.0 * reference.stated_sigma[0]
     text = repr(fit)
-    assert "set aside: row 5" in text
+    assert "outlier, excluded: row 5" in text
     assert "% from what the other rows predict" in text
-    assert f"without: material.E = {fit.value[0]:.5g} (with it {fit.plain.value[0]:.5g})" in text
+    assert f"without outliers: material.E = {fit.value[0]:.5g} (with it {fit.plain.value[0]:.5g})" in text
     document = json.loads(json.dumps(fit.to_json()))
     assert document["outliers"][0]["modes"] == [5]
     assert document["with_outliers"] == list(fit.plain.value)
@@ -45,7 +45,7 @@ def test_all_rows_are_kept_where_that_is_asked(spoilt):
     assert kept.outliers == ()
     assert len(kept.table) == len(right)
     assert kept.worst()[0] == 5
-    assert "worst is row 5" in repr(kept)
+    assert "largest: row 5" in repr(kept)
     with pytest.raises(cf.errors.InputError, match="outliers: found 'drop'"):
         cf.update(blade(), right, vary("material.E"), outliers="drop")
 
@@ -55,11 +55,11 @@ def test_sigma_grows_with_a_misfit_and_a_misfit_too_small_is_called_so():
     loose = cf.update(blade(), table(0.01), vary("material.E"))
     assert loose.inflation == loose.misfit > 1.5
     assert loose.sigma[0] == pytest.approx(loose.misfit * loose.stated_sigma[0])
-    assert "times what the stated ones give" in repr(loose)
+    assert "times what the stated sigma explain" in repr(loose)
     exact = cf.update(blade(), table(), vary("material.E", "material.nu", "shell.thickness"))
     assert exact.inflation == 1.0
     assert exact.overstated
-    assert "agree far better than their stated sigma" in repr(exact)
+    assert "much smaller than the stated sigma" in repr(exact)
 
 
 @pytest.mark.campaign

@@ -74,7 +74,7 @@ def test_a_spring_leaves_the_pattern_it_shared(casing):
     changed = cf.updating.with_value(casing, "support.base.k_r.p4.cos", 0.5)
     values = [cf.updating.get_value(changed, f"support.base.{k}.p4.cos") for k in ("k_r", "k_face", "k_z")]
     assert values == [0.5, 0.2, 0.2]
-    with pytest.raises(cf.errors.InputError, match="the springs of this edge differ there; name one"):
+    with pytest.raises(cf.errors.InputError, match="the springs of this edge, expected one value for all; name one"):
         cf.updating.get_value(changed, "support.base.around.p4.cos")
     both = cf.updating.with_value(changed, "support.base.around.p4.sin", 0.3)
     assert (
@@ -112,22 +112,25 @@ def test_complex_values_pass(casing):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("E", "'E' is no parameter name"),
-        ("", "is no parameter name"),
-        ("material.G", "material has E, nu, rho, not 'G'"),
-        ("chart.radius", "chart has r_base, r_top, height, not 'radius'"),
-        ("shell.mesh", "shell has thickness, not 'mesh'"),
-        ("shell.thickness.p2", "expected nothing after it: it is one number"),
-        ("bolts.3.k", "0 edges have bolts"),
+        ("E", "a parameter"),
+        ("", "a parameter"),
+        ("material.G", r"'material\.G': found no 'G' in material, expected one of E, nu, rho"),
+        ("chart.radius", r"'chart\.radius': found no 'radius' in chart, expected one of r_base, r_top, height"),
+        ("shell.mesh", r"'shell\.mesh': found no 'mesh' in shell, expected one of thickness"),
+        ("shell.thickness.p2", "expected nothing after it, as it is one number"),
+        ("bolts.3.k", "0 edges with bolts"),
         ("radius.8.cos", "expected a harmonic such as p8.cos, found '8.cos'"),
         ("radius.p8.tan", "expected a harmonic such as p8.cos"),
         ("radius.p8", "starts with material"),
         ("support.base", "starts with material"),
-        ("support.base.E", "an elastic edge has k_r, k_theta, k_z, k_rot, k_face .did you mean support.base.k_z"),
-        ("support.base.k_face.p4", "an elastic edge has"),
+        (
+            "support.base.E",
+            r"an elastic edge, expected one of k_r, k_theta, k_z, k_rot, k_face \(did you mean support\.base\.k_z\?\)",
+        ),
+        ("support.base.k_face.p4", "an elastic edge"),
         ("support.base.k_face.4.cos", "expected a harmonic"),
-        ("support.rim.k_face", "edge 'rim' has no support"),
-        ("support.top.k_face", "edge 'top' has Clamped; only elastic edges"),
+        ("support.rim.k_face", "found no support"),
+        ("support.top.k_face", "edge 'top', expected an elastic edge"),
     ],
 )
 def test_names_that_are_none(casing, name, message):
@@ -148,7 +151,7 @@ class Ripple:
 
 def test_a_field_that_is_no_series_has_no_harmonics(frustum):
     shell = frustum(radius_defect=Ripple())
-    with pytest.raises(cf.errors.InputError, match="no Fourier series but Ripple"):
+    with pytest.raises(cf.errors.InputError, match=r"a Fourier series \(FourierField\)"):
         cf.updating.get_value(shell, "radius.p8.cos")
 
 
@@ -159,7 +162,7 @@ def test_a_field_that_is_no_series_has_no_harmonics(frustum):
         ({"lower": 1.0, "upper": 1.0}, "lower < upper"),
         ({"lower": float("nan"), "upper": 1.0}, "bounds must be finite"),
         ({"lower": 0.0, "upper": float("inf")}, "bounds must be finite"),
-        ({"lower": 0.0, "upper": 1.0, "log": True}, "a log parameter needs lower > 0"),
+        ({"lower": 0.0, "upper": 1.0, "log": True}, "found lower ="),
         ({"lower": 1.0, "upper": 2.0, "sigma": 0.0}, "sigma must be positive"),
         ({"lower": 1.0, "upper": 2.0, "sigma": -1.0}, "sigma must be positive"),
         ({"lower": 1.0, "upper": 2.0, "sigma": float("nan")}, "sigma must be positive"),
@@ -184,7 +187,7 @@ def test_a_profile_is_no_number(steel):
     bowl = cf.Shell(
         chart=cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0)), thickness=3e-3, material=steel
     )
-    with pytest.raises(cf.errors.InputError, match="chart has no numbers, not 'profile'"):
+    with pytest.raises(cf.errors.InputError, match=r"'chart\.profile': found no 'profile'"):
         cf.updating.get_value(bowl, "chart.profile")
 
 
@@ -197,6 +200,6 @@ def test_bolts_without_stiffness_have_none_to_change(frustum):
     some = cf.updating.with_value(bolted(frustum, (0.0, 0.0, 1e-9)), "support.base.k", 2.0)
     np.testing.assert_allclose(some.supports["base"].stiffness, [0.0, 0.0, 2.0])
     for name in ("support.base.k", "support.base.bolts.3.k"):
-        with pytest.raises(cf.errors.InputError, match=f"'{name}': bolts whose k is 0 have none to change"):
+        with pytest.raises(cf.errors.InputError, match=f"'{name}': found bolts with k = 0"):
             cf.updating.with_value(bolted(frustum, 0.0), name, 1e6)
     assert cf.updating.with_value(bolted(frustum, 0.0), "support.base.k_rot", 2e3).supports["base"].k_rot == 2e3

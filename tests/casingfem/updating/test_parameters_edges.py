@@ -47,17 +47,17 @@ def test_a_rectangle_stays_one():
 def test_a_section_by_its_numbers_changes_one_of_them():
     free = replace(cf.edge.Section.rectangle(width=0.03, depth=0.02), J=1e-8)
     assert free.with_number("width", 0.04) == replace(free, width=0.04)
-    with pytest.raises(KeyError, match="a section has width, depth, area"):
+    with pytest.raises(KeyError, match="a section are width, depth, area"):
         free.number("diameter")
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("mass.top.2.mass", "this shell has masses: 1 on 'base', 1 on 'top'"),
+        ("mass.top.2.mass", "this shell: 1 on 'base', 1 on 'top'"),
         ("mass.top.1.weight", "expected mass.<edge>.<number>.mass or .angle"),
-        ("support.base.section.colour", "a section has width"),
-        ("support.base.material.G", "this ring has section.width and the like, material.E"),
+        ("support.base.section.colour", "a section are width"),
+        ("support.base.material.G", "this ring are section.width, ..., material.E"),
     ],
 )
 def test_numbers_that_do_not_exist_are_refused(study, name, words):

@@ -15,7 +15,7 @@ def test_what_an_update_is_not_asked_for_rightly_is_refused_first():
     ):
         with pytest.raises(cf.errors.InputError, match=words):
             cf.update(blade(), table(rows=3), vary("material.E"), count=7, **more)
-    with pytest.raises(cf.errors.InputError, match="vary: name at least one parameter"):
+    with pytest.raises(cf.errors.InputError, match="vary: found no parameters, expected at least one"):
         cf.update(blade(), table(rows=3), [])
 
 

@@ -42,11 +42,11 @@ def test_shapes_are_scaled_to_unit_norm_and_have_a_sigma_each():
         ({"b": np.zeros(2)}, r"found 3 places, directions \(3, 3\), shapes \(3, 3\)"),
         ({"directions": np.eye(3)[:, :2]}, r"found 3 places, directions \(3, 2\)"),
         ({"a": np.zeros(2), "b": np.zeros(2), "directions": np.eye(3)[:2]}, "found 2 places"),
-        ({"shapes": ((1.0, 1.0), (1.0, NAN), (1.0, 1.0))}, "column 2 is zero or partly nan"),
-        ({"shapes": ((0.0, 1.0), (0.0, 1.0), (0.0, 1.0))}, "column 1 is zero or partly nan"),
-        ({"sigma": np.array([0.1, 0.2])}, "sigma must be positive, one or 3"),
-        ({"sigma": np.array([0.1, 0.1, 0.0])}, "sigma must be positive, one or 3"),
-        ({"sigma": NAN}, "sigma must be positive, one or 3"),
+        ({"shapes": ((1.0, 1.0), (1.0, NAN), (1.0, 1.0))}, "column 2 with only zeros or with some nan"),
+        ({"shapes": ((0.0, 1.0), (0.0, 1.0), (0.0, 1.0))}, "column 1 with only zeros or with some nan"),
+        ({"sigma": np.array([0.1, 0.2])}, "expected one number above 0, or 3"),
+        ({"sigma": np.array([0.1, 0.1, 0.0])}, "expected one number above 0, or 3"),
+        ({"sigma": NAN}, "expected one number above 0, or 3"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(changes, words):
@@ -65,7 +65,7 @@ def test_a_circle_of_sensors_measures_radially_on_its_edge():
     )
     plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=STEEL)
     for shell, edge in ((plate, "root"), (CASING, "rim")):
-        with pytest.raises(ValueError, match=f"{edge!r} is no closed edge"):
+        with pytest.raises(ValueError, match=f"{edge!r}, expected an edge that runs around"):
             cf.updating.SensorShapes.on_edge(shell, edge, THETA, np.ones((3, 1)), 0.2)
 
 

@@ -63,13 +63,13 @@ def test_many_harmonics_are_fixed_as_strongly_as_the_data_ask(rule):
         assert fit.chi2 == pytest.approx(fit.residuals, rel=0.15)
     assert np.linalg.norm(np.subtract(fit.value, true)) < np.linalg.norm(true)
     assert json.loads(json.dumps(fit.to_json()))["regularised"]["rule"] in ("discrepancy", "l-curve")
-    assert "regularised with weight" in repr(fit)
+    assert "regularised with a weight" in repr(fit)
 
 
 def test_regularising_nothing_is_refused():
-    with pytest.raises(cf.errors.InputError, match="no harmonic is varied"):
+    with pytest.raises(cf.errors.InputError, match="no harmonic among"):
         cf.update(blade(), table(), vary("material.E"), regularise=cf.updating.Regularisation())
-    with pytest.raises(cf.errors.InputError, match=r"'material.rho' is not varied"):
+    with pytest.raises(cf.errors.InputError, match=r"'material\.rho', expected varied"):
         cf.update(blade(), table(), vary("material.E"), regularise=cf.updating.Regularisation(names=("material.rho",)))
     with pytest.raises(cf.errors.InputError, match="expected discrepancy or l-curve"):
         cf.updating.Regularisation(rule="guess")
@@ -81,7 +81,7 @@ def test_left_out_rows_are_predicted_as_well_as_their_sigma_states(fit):
     assert [row.mode for row in left.rows] == list(range(1, 9))
     assert 0.3 < left.rms_sigma < 2.0
     assert left.rms > fit.rms_after
-    assert "predicted without themselves" in repr(left)
+    assert "each row predicted from the others" in repr(left)
 
 
 @pytest.mark.slow
@@ -101,8 +101,8 @@ def test_a_left_out_row_is_not_used():
 @pytest.mark.parametrize(
     ("rows", "names", "words"),
     [
-        (2, ("material.E", "shell.thickness"), "table: without mode 1, 1 residuals cannot determine 2 parameters"),
-        (1, ("material.E",), "table: without mode 1, no row is left to predict it from"),
+        (2, ("material.E", "shell.thickness"), "table: without mode 1: found 1 residuals for 2 parameters"),
+        (1, ("material.E",), "table: without mode 1: found no other row, expected rows from which to predict it"),
     ],
 )
 def test_rows_that_the_parameters_cannot_do_without_are_not_left_out(rows, names, words):
@@ -151,7 +151,7 @@ def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monk
     emcee = pytest.importorskip("emcee")
     monkeypatch.setattr(emcee.EnsembleSampler, "get_autocorr_time", lambda *_, **__: np.array([1.0, 2.5, 2.0]))
     assert cf.updating.sample_posterior(fit, steps=51, checks=1).autocorrelation == 2.5
-    with pytest.raises(cf.errors.InputError, match="chains of 50 steps are correlated over 2; take more"):
+    with pytest.raises(cf.errors.InputError, match="chains of 50 steps, expected at least 5"):
         cf.updating.sample_posterior(fit, steps=50, checks=1)
 
 
@@ -172,7 +172,7 @@ def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
     fit = cf.update(blade(), table(0.01), vary("material.E"))
     assert fit.misfit > 5.0
     assert 0.006 < fit.model_floor < 0.014
-    assert "beyond the stated sigma" in repr(fit)
+    assert "that the stated sigma do not explain" in repr(fit)
     again = cf.update(blade(), table(0.01), vary("material.E"), model_error=fit.model_floor)
     assert again.misfit == pytest.approx(1.0, abs=0.02)
     assert cf.update(blade(), table(1e-4), vary(*BOUNDS)).model_floor == 0.0

@@ -204,7 +204,7 @@ def test_a_prior_that_knows_more_than_the_data_is_named():
     fit = cf.update(blade(), blade_table(), vary)
     assert fit.value[0] == pytest.approx(206.85e9, rel=1e-5)
     assert fit.prior_only == (True,)
-    assert "known from its prior only" in repr(fit)
+    assert "only its prior determines it" in repr(fit)
 
 
 @pytest.mark.slow
@@ -217,7 +217,7 @@ def test_parameters_that_do_the_same_are_named():
     fit = cf.update(blade(), blade_table(), vary)
     assert [(a, b) for a, b, _ in fit.indistinct()] == [("material.rho", "material.E")]
     assert fit.correlation[0, 1] > 0.95
-    assert "do not separate" in repr(fit)
+    assert "cannot separate" in repr(fit)
     assert fit.value[0] / fit.value[1] == pytest.approx(200e9 / 7857.0, rel=1e-4)
 
 
@@ -240,7 +240,7 @@ def test_result_shows_before_after_and_how(exact_fit):
     text = repr(fit).splitlines()
     assert text[0].split() == ["parameter", "unit", "start", "value", "sigma", "sigma", "in"]
     assert len([line for line in text if line.lstrip()[:1].isdigit()]) == ROWS
-    assert any("do not separate" in line for line in text)  # E and thickness
+    assert any("cannot separate" in line for line in text)  # E and thickness
     np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
 
 
@@ -270,12 +270,12 @@ def test_rows_that_begin_to_pair_do_not_stop_the_solver(frustum, measured):
 
 def test_one_number_by_two_names_is_refused(frustum, measured):
     vary = [cf.Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_face", "around")]
-    with pytest.raises(cf.errors.InputError, match=r"k_face\.p4\.cos moves the same number"):
+    with pytest.raises(cf.errors.InputError, match=r"support\.base\.k_face\.p4\.cos, which changes the same number"):
         cf.update(truth(frustum), table_of(measured), vary)
 
 
 def test_bounds_that_reach_an_impossible_structure_are_refused(frustum, measured):
-    with pytest.raises(cf.errors.InputError, match=r"material\.nu: its upper bound is no possible value"):
+    with pytest.raises(cf.errors.InputError, match=r"material\.nu: upper = 0\.7 is not possible"):
         cf.update(truth(frustum), table_of(measured), [cf.Parameter(name="material.nu", lower=0.1, upper=0.7)])
 
 
@@ -298,14 +298,14 @@ def test_refuses_a_table_that_nothing_pairs_with():
 def test_refuses_fewer_residuals_than_parameters():
     bounds = {"material.E": (1e9, 1e12), "shell.thickness": (1e-4, 1e-2), "material.rho": (1e2, 1e5)}
     vary = [cf.Parameter(name=name, lower=low, upper=high) for name, (low, high) in bounds.items()]
-    with pytest.raises(cf.errors.InputError, match="2 residuals cannot determine 3 parameters"):
+    with pytest.raises(cf.errors.InputError, match="2 residuals for 3 parameters"):
         cf.update(blade(), blade_table(rows=2), vary)
 
 
 @pytest.mark.slow
 def test_refuses_a_structure_that_floats(frustum):
     table = cf.FrequencyTable.from_arrays(freq_hz=[8.0, 22.0], sigma_hz=0.1, n=[2, 3])
-    with pytest.raises(cf.errors.InputError, match="6 rigid motions"):
+    with pytest.raises(cf.errors.InputError, match="6 rigid-body"):
         cf.update(frustum(supports={}, mesh=MESH), table, VARY[:1])
 
 
@@ -321,25 +321,23 @@ def test_refuses_a_model_error_that_is_no_part(part):
 
 
 def test_a_model_error_as_large_as_a_frequency_is_named():
-    words = (
-        r"model_error: found 0.9999999999999999, which makes sigma_hz [\d.]+ at the [\d.]+ Hz of row 1; expected each"
-    )
+    words = r"model_error: found 0.9999999999999999, with which sigma_hz of row 1 becomes [\d.]+ Hz, at "
     with pytest.raises(cf.errors.InputError, match=words):
         cf.update(blade(), blade_table(), VARY[:1], model_error=0.9999999999999999)
 
 
 def test_refuses_a_parameter_named_twice():
-    with pytest.raises(cf.errors.InputError, match=r"material\.E is varied twice"):
+    with pytest.raises(cf.errors.InputError, match=r"material\.E: found this parameter a second time"):
         cf.update(blade(), blade_table(), [VARY[0], VARY[1], VARY[0]])
 
 
 def test_refuses_a_start_outside_its_bounds():
     with pytest.raises(
-        cf.errors.InputError, match=r"material\.E: the start 2\.0685e\+11 lies outside \[2\.2e\+11, 2\.5e\+11\]"
+        cf.errors.InputError, match=r"material\.E: found the value 2\.0685e\+11 .* bounds, 2\.2e\+11 to 2\.5e\+11"
     ):
         cf.update(blade(), blade_table(), [cf.Parameter(name="material.E", lower=220e9, upper=250e9)])
 
 
 def test_refuses_a_parameter_the_structure_does_not_have():
-    with pytest.raises(cf.errors.InputError, match="has Clamped"):
+    with pytest.raises(cf.errors.InputError, match="found Clamped"):
         cf.update(blade(), blade_table(), [cf.Parameter(name="support.root.k_face", lower=1.0, upper=2.0)])
