@@ -215,9 +215,9 @@ def caption(film: Any, scale: float) -> str:
         else f"{len(film.stretches)} stretches spread over the run, {len(film.time)} frames in all"
     )
     return (
-        f"The rim (line) and the tips before it (dots, dark red where they touch), seen along the axis; deflection, "
-        f"out-of-roundness and gap are drawn {scale:,.0f} times. {whole[0].upper()}{whole[1:]} at {rate:,.0f} frames a "
-        f"second, with the harmonics n = {listed(film.n.tolist())}. The tick on the rim turns with the "
-        "casing; beside, force and least gap of the whole run."
-        + (f" {film.left_out} tips before other lines of the rim are not drawn." if film.left_out else "")
+        f"The rim (line) and the tips near it (dots, dark red where they touch), seen along the axis; deflection, "
+        f"out-of-roundness and gap are magnified {scale:,.0f} times. {whole[0].upper()}{whole[1:]} at {rate:,.0f} "
+        f"frames a second, with the harmonics n = {listed(film.n.tolist())}. The tick on the rim turns with the "
+        "casing. The curves are the force and the least gap over the whole run."
+        + (f" {film.left_out} tips at other lines of the rim are not drawn." if film.left_out else "")
     )

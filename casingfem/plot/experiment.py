@@ -86,7 +86,7 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
     highest = max(float(spectrum[shown].max()), float(size.max()))
     axes.set_ylim(FLOOR * highest, 3.0 * highest)
     axes.set(xlabel="frequency [Hz]", ylabel="velocity [m/s]")
-    axes.set_title(f"Circle scan, {found.rate:.3g} turns/s: lines at f + n W")
+    axes.set_title(f"Circle scan at {60.0 * found.rate:.3g} rpm (W = {found.rate:.3g} Hz): lines at f + n W")
     figure.legend(loc="outside upper left", ncols=3)
     say_synthetic(figure, record.card)
     return figure

@@ -48,7 +48,7 @@ def figure_stabilisation(found: Identified) -> Figure:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(visible=False)
     rows[-1].set_xlabel("frequency [Hz]")
-    rows[0].set_title(f"Stabilisation: {len(found)} modes chosen without a hand", pad=27)
+    rows[0].set_title(f"Stabilisation: {len(found)} modes chosen automatically", pad=27)
     handles, labels = rows[0].get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=4)

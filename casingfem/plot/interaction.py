@@ -40,7 +40,7 @@ def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Fi
         at, freq_b = blade_over_speed(blade, n, *found.speed_hz)
         axes.plot(at, freq_b, color=BEFORE, zorder=3)
     _mark(axes, found)
-    for label, style in (("wave met, |f_c - n f|", "-"), ("f_c + n f", "--")):
+    for label, style in (("casing mode at the blade, |f_c - n f|", "-"), ("f_c + n f", "--")):
         axes.plot([], [], color=SKY, linestyle=style, label=label)
     axes.plot([], [], color=BEFORE, label="blade")
     axes.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
@@ -131,7 +131,7 @@ def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
         for _, at in found.crossings(order):
             axes.plot(at, order * at, "o", color=AFTER, markersize=5)
     axes.plot([], [], color=BEFORE, label="mode")
-    axes.plot([], [], "o", color=AFTER, markersize=5, label="engine order meets a mode")
+    axes.plot([], [], "o", color=AFTER, markersize=5, label="engine order coincides with a mode")
     axes.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
     axes.set(xlabel="speed [Hz]", ylabel="frequency in the rotating frame [Hz]", ylim=(0.0, top))
     axes.set_xlim(float(found.speed_hz[0]), float(found.speed_hz[-1]))

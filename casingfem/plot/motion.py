@@ -118,7 +118,7 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
     scale, name = time_unit(float(time[-1] - time[0]) if time.size else 1.0)
     axes.set(xlabel=f"time [{name}]", ylabel="frequency [Hz]")
     if len(starts) < 2 or not amplitude.max() > 0.0:
-        axes.text(0.5, 0.5, "too short a record for a waterfall", transform=axes.transAxes, ha="center")
+        axes.text(0.5, 0.5, "the record is too short for a spectrogram", transform=axes.transAxes, ha="center")
         return
     shown = freq <= top
     level = 20.0 * np.log10(np.maximum(amplitude[:, shown] / amplitude.max(), 1e-12))
@@ -127,7 +127,7 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
         middle, freq[shown], level.T, shading="nearest", rasterized=True, vmin=-FLOOR, vmax=0.0, cmap="magma"
     )
     axes.grid(visible=False)
-    figure.colorbar(drawn, ax=axes, label="level [dB of the loudest]", extend="min")
+    figure.colorbar(drawn, ax=axes, label="level [dB re maximum]", extend="min")
 
 
 @styled

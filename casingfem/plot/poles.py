@@ -42,8 +42,8 @@ def picking_diagram(found: Identified, name: str, caption: str, still: Picture, 
         "channels": [channel(found, k, at) for k in channels.tolist()],
     }
     left = len(found.measured) - len(channels)
-    more = f" The {len(channels)} strongest of {len(found.measured)} channels are here." if left else ""
-    part = f" Of {len(found.lines)} lines {len(at)} are drawn, those at peaks among them." if len(at) < len(
+    more = f" The {len(channels)} strongest of {len(found.measured)} channels are shown." if left else ""
+    part = f" {len(at)} of {len(found.lines)} lines are drawn, with those at the peaks." if len(at) < len(
         found.lines) else ""  # fmt: skip
     return Picture(island("poles", data, f'<div class="still">{still.html}</div>'), caption + more + part, ("poles",))
 

@@ -150,7 +150,7 @@ PICTURES: dict[str, Draw] = {
     "casingfem.modal.whirl.WhirlModes": over_modes("freq_hz", "frequency in the rotating frame [Hz]"),
     "casingfem.modal.campbell.Campbell": by_name("interaction", "figure_speeds"),
     "casingfem.modal.interaction.Interactions": partial(
-        columns, x="speed_hz", y="casing_hz", labels=("speed [turns/s]", "frequency of the casing that is met [Hz]")
+        columns, x="speed_hz", y="casing_hz", labels=("speed [Hz]", "frequency of the coinciding casing mode [Hz]")
     ),
     "casingfem.modal.mistuning.Mistuning": by_name("modes", "figure_splits"),
     "casingfem.modal.basis.ModalBasis": over_modes("freq_hz", "frequency [Hz]"),
@@ -173,16 +173,18 @@ PICTURES: dict[str, Draw] = {
     "casingfem.updating.uncertainty.sampling.PosteriorSamples": samples,
     "casingfem.updating.uncertainty.prediction.LeftOut": over_modes("deviation", "predicted - measured [sigma]"),
     "casingfem.updating.identifiability.Identifiability": partial(
-        columns, x="direction", y="singular", level=1.0, labels=("", "singular value: seen above 1")
+        columns, x="direction", y="singular", level=1.0, labels=("", "singular value: determined by the data above 1")
     ),
     "contact.result.Result": run,
     "contact.record.wear.Wear": by_name("contact", "figure_wear"),
     "contact.sweep.sweep.SweepResult": sweep,
     "contact.stability.growth_map.StabilityMap": by_name("interaction", "figure_stability"),
     "contact.stability.peaks.Peaks": partial(
-        columns, x="speed_hz", y="growth", labels=("speed [turns/s]", "growth of closed contact [1/s]")
+        columns, x="speed_hz", y="growth", labels=("speed [Hz]", "growth of closed contact [1/s]")
     ),
     "contact.interacting.Interactions": by_name("interaction", "figure_interactions"),
     "contact.cycles.result.Cycles": cycles,
-    "contact.cycles.basins.Basins": partial(columns, x="periods", y="share", labels=("periods", "share of the starts")),
+    "contact.cycles.basins.Basins": partial(
+        columns, x="periods", y="share", labels=("periods", "share of the initial states")
+    ),
 }

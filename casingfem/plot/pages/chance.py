@@ -48,8 +48,8 @@ def verdict(found: Any, runs: str) -> Verdict:
     chance = found.any_speed
     state = "good" if chance.high < LIKELY else "bad" if chance.low > LIKELY else "open"
     sure = (
-        "The intervals count what the number of draws leaves uncertain. Growth is that of a contact that stays closed, "
-        "with the mean frequency of each pair; runs in time decide whether the motion grows."
+        "The intervals include only the uncertainty from the number of draws. Growth is that of a contact that stays "
+        "closed, with the mean frequency of each pair; time simulations decide whether the motion grows."
     )
     further = (
         "Run the worst casings: `casingfem interactions worst/01/scene.toml`. More draws narrow the intervals: raise "

@@ -11,8 +11,8 @@ Rows = Sequence[Mapping[str, Any]]
 BRANCHES = (
     "Amplitude of every channel over the parameter: stable motions solid, unstable ones dashed, one colour a branch."
 )
-STROKES = " Strokes: a contact begins or ceases to close."
-BASINS = " Discs: motions that random starts reach at that value, with their share."
+STROKES = " Short lines: values at which a contact starts or stops closing."
+BASINS = " Discs: motions reached from random initial states at that value, with the share of these states."
 MULTIPLIERS = (
     "Left: the largest Floquet multipliers of every orbit and the unit circle. An orbit is stable where all lie "
     "inside. Right: the largest magnitude over the parameter, one colour a branch."
@@ -144,8 +144,8 @@ def further_words(found: Any, jumps: Sequence[Any]) -> str:
     if broken:
         return f"A branch ended inside the range: {broken[0].rstrip('.')}."
     if jumps:
-        return "At a fold, or where stability ends, the machine jumps: run the scene on both sides of that value."
-    return "Nothing jumps in this range: widen it, or raise the force."
+        return "The motion jumps at a fold, or where it becomes unstable: run the scene on both sides of that value."
+    return "The motion does not jump in this range: widen it, or raise the force."
 
 
 def stretches_table(found: Any) -> Table:
@@ -202,9 +202,9 @@ def reached_table(found: Any, reached: Rows) -> Table:
         for one in reached
     ]
     heads = (
-        "share of the starts",
+        "share of the initial states",
         "periods",
         *(f"{key.removeprefix('amplitude_').removesuffix('_m')} [m]" for key in sizes),
     )
     at = valued(found.name, float(reached[0][found.name]))
-    return Table(f"Motions that random starts reach at {at}.", heads, tuple(rows))
+    return Table(f"Motions reached from random initial states at {at}.", heads, tuple(rows))

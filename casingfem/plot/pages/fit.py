@@ -55,8 +55,9 @@ def comparison_caption(table: FrequencyTable, models: dict[str, Paired]) -> str:
     kind = "Synthetic test data" if table.synthetic else "Measured"
     return (
         f"{kind} against the {', '.join(models)} model: frequencies by nodal diameters, relative split of each "
-        "pair, and where the lower member of the pair has its antinode, as a part of 180°/n, after which the shape "
-        "repeats: 0 and 1 are one place. Where the split is small against the measurement, the place is open."
+        "pair, and the angle of the first antinode of its lower mode as a part of 180°/n, after which the shape "
+        "repeats (0 and 1 are the same angle). If the split is small compared with the measurement uncertainty, the "
+        "angle is not determined."
     )
 
 
@@ -154,7 +155,7 @@ def capital(words: str) -> str:
 def used_words(fit: UpdateResult) -> str:
     """Number of rows of the measured table that were used, and that were excluded."""
     rows, aside = sum(len(match.rows) for match in fit.pairing.matches), len(fit.set_aside)
-    return f"{rows} of {len(fit.measured)} measured rows" + (f" ({aside} set aside)" if aside else "")
+    return f"{rows} of {len(fit.measured)} measured rows" + (f" ({aside} excluded as outliers)" if aside else "")
 
 
 def misfit_words(fit: UpdateResult) -> str:
@@ -163,7 +164,7 @@ def misfit_words(fit: UpdateResult) -> str:
     if fit.overstated:
         return (
             f"The residuals are only {times} times what the stated uncertainty explains: the uncertainty is too large, "
-            "or the table comes from a model."
+            "or the table was computed with a model."
         )
     if fit.inflation == 1.0:
         return f"The stated uncertainty of the measurement explains the residuals ({times} times its size)."
@@ -180,11 +181,11 @@ def remedies(fit: UpdateResult) -> list[str]:
     weak = [p.name for p, known in zip(fit.parameters, fit.prior_only, strict=True) if known]
     words = [f"{', '.join(bounds)} ended on a bound: widen it, or search for what the model lacks."] if bounds else []
     words += [f"Fix {a} or {b}: the data cannot distinguish them." for a, b, _ in alike]
-    words += [f"Take {', '.join(weak)} out of the fit, or measure modes that depend on it: the data do not."
+    words += [f"Take {', '.join(weak)} out of the fit, or measure modes that depend on it: these data do not."
               ] if weak else []  # fmt: skip
     if fit.set_aside:
         what = f"modes {listed(fit.set_aside)}" if len(fit.set_aside) > 1 else f"mode {fit.set_aside[0]}"
-        words.append(f"Check {what} of the table: set aside, because all other rows contradict it.")
+        words.append(f"Check {what} of the table: excluded as an outlier, far from what the other rows predict.")
     if fit.inflation > 1.0:
         words.append(f"Check {worst_rows(fit)}: the measurement, or a part of the model that is not varied, is wrong.")
     return words or [
@@ -206,7 +207,7 @@ def shapes_section(found: ShapeFit) -> Section:
     """MAC before and after, sensors with the lowest agreement, and unpaired shapes on both sides."""
     caption = (
         "MAC of measured shapes (rows) with computed modes (columns) before and after the update; pairs are framed, "
-        "doublets as one: within a frame the members may be turned. Numbers: MAC in per cent, from 20 % on."
+        "with one frame for a doublet, whose shapes may be rotated in their plane. Numbers: MAC in per cent, from 20 %."
     )
     return Section(
         "Mode shapes",
@@ -221,23 +222,24 @@ def shape_words(found: ShapeFit) -> list[str]:
     table, after = found.fit.table, found.after
     words = [
         f"Shapes were measured at {len(found.shapes.a)} sensors for {len(after.rows)} of the table's "
-        f"{len(found.fit.measured)} rows and fitted beside the frequencies. The MAC of planes, in which the members of "
-        f"a doublet may be turned, is "
-        f"{found.before.mean_plane:.3f} in the mean before the update and {after.mean_plane:.3f} after it."
+        f"{len(found.fit.measured)} rows and fitted together with the frequencies. The mean MAC of planes, each "
+        f"spanned by the two shapes of a doublet, is {found.before.mean_plane:.3f} before the update and "
+        f"{after.mean_plane:.3f} after it."
     ]
     bare = [str(table.mode[row]) for row in range(len(table)) if row not in after.rows]
     words += [f"Without a shape: modes {', '.join(bare)} of the table."] if bare else []
     if found.fit.set_aside:
-        words.append(f"Set aside by the fit: modes {listed(found.fit.set_aside)} of the table.")
+        words.append(f"Excluded by the fit as outliers: modes {listed(found.fit.set_aside)} of the table.")
     if found.shapes.unused_hz:
-        words.append(f"Measured shapes of no row: {', '.join(f'{f:.2f}' for f in found.shapes.unused_hz)} Hz.")
+        without = ", ".join(f"{f:.2f}" for f in found.shapes.unused_hz)
+        words.append(f"Measured shapes without a row in the table: {without} Hz.")
     lost = [str(table.mode[row]) for row in after.pairing.unpaired_rows]
     words += [f"Measured, but paired with no computed mode: {', '.join(lost)}."] if lost else []
     top = float(table.freq_hz.max())
     extra = [mode for mode in after.pairing.unpaired_modes if after.modes.freq[mode] <= top]
     if extra:
         named = ", ".join(f"{mode + 1} ({after.modes.freq[mode]:.2f} Hz)" for mode in extra)
-        words.append(f"Computed below {top:.1f} Hz, but measured by nobody: modes {named}.")
+        words.append(f"Computed below {top:.1f} Hz, but not measured: modes {named}.")
     return words
 
 
@@ -254,7 +256,7 @@ def sensors_table(found: ShapeFit) -> Table:
               for k, cell in enumerate(one))
         for one in found.worst_sensors()
     ]  # fmt: skip
-    caption = "The sensors that agree least: COMAC over all paired shapes, 1 where all agree."
+    caption = "The sensors with the lowest COMAC over all paired shapes; 1 where measured and computed shapes agree."
     return Table(caption, ("sensor", "COMAC before", "after"), tuple(rows))
 
 

@@ -40,7 +40,7 @@ def identification_page(
     """
     captions = {
         "fit": "All lines: the mode indicator with sure (solid) and doubtful (dashed) modes, and the rms over the "
-        "channels of what was measured, fitted and left over" + (", and the coherence." if coherent else "."),
+        "channels of the measured responses, the fit and the residual" + (", and the coherence." if coherent else "."),
         "responses": "The channel with the largest response, measured and fitted.",
         "stabilisation": "Poles over model order, stable ones green; the grey curve behind is the mode indicator, "
         "lines are the modes chosen, numbers above them their nodal diameters.",
@@ -104,7 +104,7 @@ def identification_verdict(found: Identified) -> Verdict:
     pairs = f", {len(found.doublets)} pairs among them" if found.doublets else ""
     sure = f"{len(found) - doubtful} are sure, {doubtful} doubtful. "
     if np.isfinite(found.deviation):
-        sure += f"The fit leaves {100.0 * found.deviation:.2g} % of what was measured (rms)."
+        sure += f"The residual of the fit is {100.0 * found.deviation:.2g} % of the measured responses (rms)."
     if found.unresolved:
         further = "Excite another point or measure finer lines: some pairs could not be separated."
     elif doubtful:

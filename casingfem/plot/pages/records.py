@@ -10,8 +10,9 @@ from casingfem.plot.style import Drawn
 CAPTIONS = {
     "hit": "Left: the force of the first hit that was used, with its window. Right: size of the responses, each over"
     " its peak, with the exponential window.",
-    "frfs": "Responses of all channels, and below them the least coherence of a line.",
-    "hits": "Peak of the force and ringing left when the record ends, of every hit; crosses were left out.",
+    "frfs": "Responses of all channels, and below them the lowest coherence of all channels at each line.",
+    "hits": "Peak of the force of every hit, and the vibration that remains at the end of its record; crosses mark "
+    "hits that were excluded.",
 }
 SYNTHETIC = "SYNTHETIC: the records were made by a program; nobody measured them."
 

@@ -28,8 +28,8 @@ CAPTIONS = {
     "waves": "Full spectrum: waves of the rim by nodal diameter and frequency in the second half of the run. Right: "
     "their amplitude in both directions.",
     "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
-    "section": "Poincaré section: the first tip once a turn in the second half of the run. A motion with the period of "
-    "a turn is one point, one of k turns k points, a chaotic one a cloud.",
+    "section": "Poincaré section: the first tip once a revolution in the second half of the run. A motion with a "
+    "period of k revolutions gives k points, a chaotic motion a cloud of points.",
     "energy": "Energy into the bodies by source.",
 }
 OF_RUBS = {

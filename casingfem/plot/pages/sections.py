@@ -40,9 +40,11 @@ def inputs_section(study: Study | MeshStudy) -> Section:
         paragraphs.append(f"Mode shapes at {len(study.shapes.a)} sensors from {name}.")
     if study.table is not None:
         name = "Synthetic" if study.table.synthetic else "Measured"
-        paragraphs.append(f"{name} frequencies: {len(study.table)} rows of {Path(study.table.path).name}; its card:")
+        paragraphs.append(
+            f"{name} frequencies: {len(study.table)} rows of {Path(study.table.path).name}. Comment lines of the file:"
+        )
     card = "\n".join(study.table.card) if study.table is not None else ""
-    table = Table("The structure as the study describes it.", ("quantity", "value"), rows)
+    table = Table("The structure, as given in the study.", ("quantity", "value"), rows)
     return Section("Inputs", tuple(paragraphs), tables=(table,), preformatted=card)
 
 
@@ -62,7 +64,7 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
         own = "" if stiffener.material is None else f"; {material_words(stiffener.material)}"
         section, (r, z) = stiffener.section, stiffener.offset
         sides = f"{1e3 * section.width:.6g} x {1e3 * section.depth:.6g} mm"
-        place = f"its centre {1e3 * r:.6g}, {1e3 * z:.6g} mm from the wall's middle"
+        place = f"its centre {1e3 * r:.6g} mm (radial) and {1e3 * z:.6g} mm (axial) from the middle of the wall"
         rows.append((f"stiffener {k}", f"at {stiffener.at:g} m: {sides}, {place}{own}"))
     rows += support_rows(shell.supports)
     rows += [(f"edge {edge}", "free") for edge in shell.chart.edges if edge not in shell.supports]
@@ -140,7 +142,7 @@ def waves_of(pattern: object) -> str:
         stray = f", {off} stray points" if off else ""
         return (
             f"{pattern.points} points at {pattern.heights} heights of {Path(pattern.path).name}{stray}; harmonics to "
-            f"{pattern.max_harmonic}, {1e6 * pattern.residual_rms_m:.3g} µm (rms) left over"
+            f"{pattern.max_harmonic}, residual {1e6 * pattern.residual_rms_m:.3g} µm (rms)"
         )
     if not isinstance(pattern, FourierField):
         return spaced(pattern).lower()
@@ -151,7 +153,7 @@ def waves_of(pattern: object) -> str:
 
 def modes_section(found: ModeSet, reference: Modes | None) -> Section:
     """Frequencies by n, shapes, rims, and the table."""
-    counted = "could not be taken" if found.sturm_count is None else f"is {found.sturm_count}"
+    counted = "could not be computed" if found.sturm_count is None else f"is {found.sturm_count}"
     paragraphs = [
         f"{len(found)} modes of {found.dofs:,} unknowns. The Sturm count, the number of modes up to the last one by "
         f"inertia, {counted}."
@@ -174,7 +176,7 @@ def modes_section(found: ModeSet, reference: Modes | None) -> Section:
             "red outward and blue inward."
         )
         if isinstance(found, Modes) and found.shell.defects:
-            caption += " Beside them what sets the shell apart from a perfect one."
+            caption += " The other pictures show the imperfections of the shell."
         figures.append(turning_shapes(found, [group[0] for group in shown[:TURNED]], caption))
     if shown and isinstance(found, Modes) and closed:
         figures.append(
@@ -182,8 +184,8 @@ def modes_section(found: ModeSet, reference: Modes | None) -> Section:
                 figure_rim(found, shown[:8]),
                 "Radial displacement around the edge that moves most, seen along the axis: lower member of each pair "
                 "solid blue, upper dashed orange, the undeformed circle grey. Ticks outside and the angle in the "
-                "middle give the first antinode where a mode has an orientation of its own; equal frequencies leave "
-                "it open.",
+                "middle give the first antinode; they are left out where equal frequencies leave the orientation "
+                "undetermined.",
             )
         )
     table = Table.of(f"All {len(found)} modes", found.COLUMNS, found.records(), folded=True)
@@ -197,13 +199,13 @@ def campbell_section(structure: Shell | MeshStructure, count: int) -> Section:
     try:
         found = campbell(structure, np.linspace(0.0, 1.5 * abs(rotation.omega), SPEEDS), min(count, FOLLOWED))
     except ModelError as error:
-        return Section("Campbell diagram", (f"There is none: {error}.",))
+        return Section("Campbell diagram", (f"The diagram could not be computed: {error}.",))
     return Section(
         "Campbell diagram",
         figures=(
             Picture.of(found.plot(), "Frequencies over speed, without Coriolis forces; lines are engine orders."),
         ),
-        tables=(Table.of("Engine orders, each with the speed at which it meets a mode.", MODES, found.modes_met()),),
+        tables=(Table.of("Speeds at which an engine order coincides with a mode.", MODES, found.modes_met()),),
     )
 
 
@@ -213,10 +215,11 @@ def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:
         return "Frequencies in ascending order."
     words = "Frequencies by number of nodal diameters; a bar joins the two members of a pair, its length is the split."
     if reference is None:
-        return words + " Nothing varies around this shell, so its pairs are double."
+        return words + " This shell is axisymmetric, so the two modes of each pair have the same frequency."
     return (
-        words + " Grey: the same shell without imperfections, all its pairs double, one line for each number of waves "
-        "along the axis."
+        words
+        + " Grey: the same shell without imperfections, where the two modes of a pair have the same frequency; one "
+        "line for each m."
     )
 
 
@@ -231,8 +234,9 @@ def reduction_section(basis: ModalBasis, *, updated: bool) -> Section:
         ("share of S in the static compliance", f"{100.0 * basis.S.trace() / basis.compliance.trace():.2f} %"),
     )
     paragraph = (
-        f"The {which} structure reduced to what contact sees. S is the residual compliance: the static answer of "
-        "all modes left out, so that a static push gives the full model's answer."
+        f"The {which} structure, reduced to the channels at which contact acts. S is the residual compliance, the "
+        "static response of all omitted modes: with it, the static response to forces at the channels is that of the "
+        "full model."
     )
     return Section("Reduction", (paragraph,), tables=(Table("The modal basis.", ("quantity", "value"), rows),))
 
@@ -243,5 +247,5 @@ def provenance_section(study: Study | MeshStudy, seconds: dict[str, float]) -> S
     versions: tuple[tuple[Cell, ...], ...] = tuple(source["versions"].items())
     rows: tuple[tuple[Cell, ...], ...] = (("input", f"{source['study']}, sha256 {source['sha256']}"), *versions)
     times: tuple[tuple[Cell, ...], ...] = tuple((name, round(value, 2)) for name, value in seconds.items())
-    tables = (Table("What made this page.", ("", ""), rows), Table("Run times.", ("part", "seconds"), times))
+    tables = (Table("Input and versions.", ("", ""), rows), Table("Run times.", ("part", "seconds"), times))
     return Section("Provenance", tables=tables)

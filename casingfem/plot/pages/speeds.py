@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 NAMED = 4  # ranges that a sentence lists
 OF_SPEED = {
-    "interactions": "Top: Campbell diagram at the blade; marks: motions that closed contact can feed, with their n. "
+    "interactions": "Top: Campbell diagram at the blade; marks: motions that closed contact can drive, with their n. "
     "Middle: growth of closed contact (line) and of the runs. Bottom: rim deflection. Unstable speeds are shaded.",
     "map": "Interaction map at one speed. Where a triangle lies on a line of the blade, casing and blade interact.",
 }

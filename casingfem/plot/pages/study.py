@@ -151,9 +151,9 @@ def study_verdict(
     )
     name = study.path.name
     further = (
-        "Rub it: casingfem rub with the basis of casingfem reduce."
+        "Simulate a rub: casingfem rub, with the basis that casingfem reduce writes."
         if study.file.reduce is not None
-        else f"Measure it and fit the model: a table [update] in {name}; or reduce it for contact: a table [reduce]."
+        else f"Fit the model to a test: add a table [update] to {name}. Or reduce it for contact: add a table [reduce]."
     )
     return Verdict(found=lead(found), sure=f"{counted} A test has not confirmed this model.", further=further)
 
@@ -162,8 +162,8 @@ def lead(found: ModeSet) -> str:
     """Number of modes, and the first elastic one."""
     elastic = found.rigid
     if elastic >= len(found):
-        return f"{len(found)} rigid motions; ask for more modes to see elastic ones."
+        return f"{len(found)} rigid-body modes; raise modes.count to compute elastic ones."
     n = int(found.nodal_diameters[elastic])
     first = f"{found.freq[elastic]:.2f} Hz" + (f" with {n} nodal diameters" if n >= 0 else "")
-    rigid = f" {elastic} rigid motions come first." if elastic else ""
+    rigid = f" {elastic} rigid-body modes come first." if elastic else ""
     return f"{len(found)} modes up to {found.freq[-1]:.1f} Hz; the lowest elastic one at {first}.{rigid}"

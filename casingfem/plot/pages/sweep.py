@@ -20,7 +20,7 @@ OF_CURVES = (
     " Bars: 95 % interval of the growth. Shaded: values at which the motion grows, the run diverged, or the rim "
     "deflects by more than half of its wall."
 )
-OF_MAPS = " Colours span all but the outermost values."
+OF_MAPS = " The most extreme values lie outside the colour scale."
 FOLDED = 20  # runs from which their table is folded
 NAMED = 4  # ranges or codes in a sentence
 

@@ -45,7 +45,7 @@ def test_cycles_gives_points_folds_and_files(tmp_path):
     motions = document["basins"]["motions"]
     assert 0.0 < sum(one["share"] for one in motions) <= 1.0
     assert {"share", "periods", "amplitude_x_m"} == set(motions[0])
-    assert "Motions that random starts reach" in page
+    assert "Motions reached from random initial states" in page
     assert "<pre>" not in page
     assert not list((tmp_path / "out").glob("*.part.npz"))
 

@@ -45,7 +45,7 @@ def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
     np.testing.assert_allclose([mode["freq_hz"] for mode in document["modes"]], [200, 201, 230], rtol=1e-4)
     table = cf.FrequencyTable.from_csv(tmp_path / "out" / "identified.csv")
     page = (tmp_path / "out" / "identified.html").read_text(encoding="utf-8")
-    for words in ("How sure", "The fit leaves", "Modes found", "sha256"):
+    for words in ("How sure", "The residual of the fit", "Modes found", "sha256"):
         assert words in page, words
     assert table.n.tolist() == [3, 3, 0]
     assert table.angle_deg[0] == pytest.approx(np.degrees(0.1), abs=0.5)

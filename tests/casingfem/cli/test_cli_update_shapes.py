@@ -146,9 +146,9 @@ def test_print_and_page_give_the_means_of_the_document_and_name_what_is_left_ove
     first = re.search(r"shapes of 4 of 6 rows: MAC of planes ([\d.]+) -> ([\d.]+) in the mean, least ([\d.]+)", text)
     assert [float(first[1]), float(first[2])] == pytest.approx(means, abs=6e-4)
     assert float(first[3]) == pytest.approx(min(row["plane_after"] for row in rows), abs=6e-4)
-    assert f"shapes of no row: {found.freq[8]:.2f} Hz" in text
+    assert f"shapes without a row in the table: {found.freq[8]:.2f} Hz" in text
     page = (folder / "out" / "update.html").read_text(encoding="utf-8")
     assert "<h2>Mode shapes</h2>" in page
     assert "Without a shape: modes 5, 6 of the table" in page
-    assert f"Measured shapes of no row: {found.freq[8]:.2f} Hz" in page
-    assert f"{means[0]:.3f} in the mean before the update and {means[1]:.3f} after it" in page
+    assert f"Measured shapes without a row in the table: {found.freq[8]:.2f} Hz" in page
+    assert f"{means[0]:.3f} before the update and {means[1]:.3f} after it" in page

@@ -42,10 +42,10 @@ def test_a_hit_is_drawn_in_newtons_over_milliseconds_with_its_windows():
     near = np.abs(TIME) < 8.0 * 5e-3
     shown = found.shown
     assert np.array_equal(drawn(figure.axes[0], "force"), (1e3 * TIME[near], shown.force[near]))
-    x, y = drawn(figure.axes[0], "its window, times the peak")
+    x, y = drawn(figure.axes[0], "its window, scaled to the peak")
     assert np.array_equal((x, y), (1e3 * TIME[near], shown.force.max() * shown.force_window[near]))
     relative = np.abs(shown.responses) / np.abs(shown.responses).max(axis=1)[:, None]
-    x, y = drawn(figure.axes[1], "largest response, of its peak")
+    x, y = drawn(figure.axes[1], "largest response, relative to its peak")
     assert np.array_equal(x, TIME)
     assert np.allclose(y, relative.max(axis=0), rtol=1e-12)
     assert np.array_equal(drawn(figure.axes[1], "its window"), (TIME, shown.response_window))
