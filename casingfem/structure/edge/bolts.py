@@ -60,10 +60,16 @@ class Bolts:
     k_rot: Annotated[float, Key("rotational stiffness of one bolt [N m/rad]", "not negative")] = 0.0
     first_angle: Annotated[float, Key("angle of bolt 1 [degrees]", "turn", degrees=True)] = 0.0
     width: Annotated[
-        float | None, Key("width of the patch of a bolt [degrees]", degrees=True, least=1e-3, most=360.0)
+        float | None, Key("width of the patch on which a bolt acts [degrees]", degrees=True, least=1e-3, most=360.0)
     ] = None
     spacing: Annotated[
-        float | None, Key("angle between bolts [degrees]; else all around", degrees=True, least=1e-3, most=360.0)
+        float | None,
+        Key(
+            "angle between neighbouring bolts [degrees]; evenly all around if left out",
+            degrees=True,
+            least=1e-3,
+            most=360.0,
+        ),
     ] = None
     loose: Mapping[int, float] = field(default_factory=dict)
 
@@ -81,12 +87,15 @@ class Bolts:
             raise ModelError("bolt-stiffness", f"bolts.k must be one number or three, found {self.k!r}")
         values = np.real([*self.stiffness, self.k_rot, *self.loose.values()])
         if not (np.all(np.isfinite(values)) and np.all(values >= 0.0)):
-            raise ModelError("bolt-stiffness", "bolts.k, k_rot and factors must be finite and not negative")
+            bad = values[~(np.isfinite(values) & (values >= 0.0))][0]
+            raise ModelError(
+                "bolt-stiffness", f"bolts.k, k_rot and factors must be finite and not negative, found {bad:g}"
+            )
         if not np.any(values[:4]):
-            raise ModelError("bolt-stiffness", "bolts need k or k_rot above zero")
+            raise ModelError("bolt-stiffness", "bolts: found k = 0 and k_rot = 0, expected one of them above 0")
         for bolt in self.loose:
             if not 1 <= bolt <= self.count:
-                raise ModelError("bolt-number", f"loose bolt {bolt} is none of the bolts 1 to {self.count}")
+                raise ModelError("bolt-number", f"bolts.loose: found bolt {bolt}, expected 1 to {self.count}")
         if not np.isfinite(self.first_angle):
             raise ModelError("bolt-off-edge", f"bolts.first_angle must be finite, found {self.first_angle!r}")
         self._check_room()
@@ -95,14 +104,15 @@ class Bolts:
     def _check_room(self) -> None:
         pitch, width = self.pitch, self.patch
         if not (np.isfinite(pitch) and np.isfinite(width) and pitch > 0.0 and width > 0.0):
-            raise ModelError("bolt-overlap", "bolts.spacing and bolts.width must be positive and finite")
+            found = f"found {np.degrees(pitch):.4g} and {np.degrees(width):.4g} deg"
+            raise ModelError("bolt-overlap", f"bolts.spacing and width must be positive and finite, {found}")
         last = TURN - (self.count - 1) * pitch  # from the last bolt on to the first
         if last < 0.0:
-            found = f"{self.count} bolts {np.degrees(pitch):.4g} deg apart go round more than once"
+            found = f"found {self.count} bolts at a spacing of {np.degrees(pitch):.4g} deg, more than one full circle"
             raise ModelError("bolt-overlap", found)
         if width > min(pitch, last) * (1.0 + 1e-12):
             wide, apart = np.degrees(width), np.degrees(min(pitch, last))
-            found = f"patches of width {wide:.4g} deg on bolts at a spacing of {apart:.4g} deg overlap"
+            found = f"bolts.width: found {wide:.4g} deg at a spacing of {apart:.4g} deg, so that patches overlap"
             raise ModelError("bolt-overlap", found)
 
     @property
@@ -171,7 +181,7 @@ class Bolts:
             return replace(self, k_rot=value)
         largest = self.number(("k",))
         if not np.real(largest):
-            raise KeyError("bolts whose k is 0 have none to change")
+            raise KeyError("found bolts with k = 0, expected k above 0: a factor does not change 0")
         part = value / largest
         if path != ("k",):
             return replace(self, loose={**self.loose, self._bolt(path): part})
@@ -182,14 +192,15 @@ class Bolts:
         match path:
             case ("bolts", number, "k") if number.isdecimal() and 1 <= int(number) <= self.count:
                 return int(number)
-        raise KeyError(f"bolts have k, k_rot and bolts.1.k to bolts.{self.count}.k")
+        raise KeyError(f"the numbers of these bolts are k, k_rot and bolts.1.k to bolts.{self.count}.k")
 
     def require_on(self, span: tuple[float, float], closed: bool, edge: str) -> None:
         """Refuse patches that extend beyond an open edge."""
         low, high = self.angles[0] - 0.5 * self.patch, self.angles[-1] + 0.5 * self.patch
         if not closed and (low < span[0] - 1e-12 or high > span[1] + 1e-12):
-            found = f"patches from {low:.6g} to {high:.6g} on an edge from {span[0]:.6g} to {span[1]:.6g}"
-            raise ModelError("bolt-off-edge", f"support.{edge}: {found}")
+            found = f"found patches from {low:.6g} to {high:.6g} rad (m on a straight edge)"
+            expected = f"expected them on the edge, from {span[0]:.6g} to {span[1]:.6g}"
+            raise ModelError("bolt-off-edge", f"support.{edge}: {found}, {expected}")
 
     def points(self, breaks: Array, closed: bool, per_part: int) -> tuple[Array, Array, Array]:
         """Gauss points of the patches, split at element boundaries: positions, weights times density, bolt index."""

@@ -105,7 +105,7 @@ class Ring:
         names = getattr(self.support, "stiffness_names", ())
         if len(path) == 1 and path[0] in names:
             return getattr(self.support, path[0])
-        raise KeyError(f"this ring has section.width and the like, {', '.join(('material.E', *names))}")
+        raise KeyError(f"the numbers of this ring are {', '.join(('section.width, ...', 'material.E', *names))}")
 
     def with_number(self, path: tuple[str, ...], value: Any) -> "Ring":
         """The same ring with a named number replaced."""
@@ -163,9 +163,9 @@ class Stiffener:
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.at):
-            raise ModelError("stiffener-place", f"stiffener.at: found {self.at!r}")
+            raise ModelError("stiffener-place", f"stiffener.at: found {self.at!r}, expected a finite length")
         if not isinstance(self.offset, tuple | list):  # optional only for a ring on an edge
-            raise ModelError("ring-offset", f"stiffener.offset: found {self.offset!r}")
+            raise ModelError("ring-offset", f"stiffener.offset: found {self.offset!r}, expected two lengths")
         _ = self.ring  # refuses an offset that is not a pair of lengths
 
     @property
@@ -202,9 +202,11 @@ def check_stiffeners(stiffeners: Sequence[Stiffener], ends: tuple[float, float],
     slack = ON_LINE * (high - low)
     for k, stiffener in enumerate(stiffeners, 1):
         if not low + slack < stiffener.at < high - slack:
-            raise ModelError("stiffener-place", f"stiffener[{k}].at: found {stiffener.at:g} m, {low:g} to {high:g} m")
+            found = f"found {stiffener.at:g} m, expected a place between the edges at {low:g} and {high:g} m"
+            raise ModelError("stiffener-place", f"stiffener[{k}].at: {found}")
         if any(abs(other.at - stiffener.at) <= slack for other in stiffeners[: k - 1]):
-            raise ModelError("stiffener-place", f"stiffener[{k}].at: found a second one at {stiffener.at:g} m")
+            found = f"found a second stiffener at {stiffener.at:g} m, expected one at each place"
+            raise ModelError("stiffener-place", f"stiffener[{k}].at: {found}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -226,10 +228,11 @@ class EdgeMass:
     0.012
     """
 
-    angle: Annotated[float, Key("where it is [degrees]", "turn", degrees=True)]
+    angle: Annotated[float, Key("angle of the mass [degrees]", "turn", degrees=True)]
     mass: Annotated[float, Key("mass [kg]", "not negative")]
 
     def __post_init__(self) -> None:
         mass = np.real(self.mass)
         if not (np.isfinite(mass) and mass >= 0.0 and np.isfinite(np.real(self.angle))):
-            raise ModelError("mass-value", f"a mass of {self.mass!r} kg at {self.angle!r} rad")
+            found = f"found a mass of {self.mass!r} kg at {self.angle!r} rad, expected finite numbers, the mass from 0"
+            raise ModelError("mass-value", f"masses: {found}")

@@ -74,7 +74,7 @@ class Section:
         if name == "diameter" and self == Section.circle(diameter=self.width):
             return self.width
         if name not in NUMBERS:
-            raise KeyError(f"a section has {', '.join(NUMBERS)}, and a circle diameter")
+            raise KeyError(f"the numbers of a section are {', '.join(NUMBERS)}; of a circle, diameter too")
         value: float = getattr(self, name)
         return value
 

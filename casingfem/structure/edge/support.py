@@ -85,10 +85,14 @@ class ElasticEdge:
     (1.2, None)
     """
 
-    k_r: Annotated[float, Key("radial springs [N/m per m]", "not negative")] = 0.0
-    k_theta: Annotated[float, Key("tangential springs [N/m per m]", "not negative")] = 0.0
-    k_z: Annotated[float, Key("axial springs [N/m per m]", "not negative")] = 0.0
-    k_rot: Annotated[float, Key("rotational springs [N m/rad per m]", "not negative")] = 0.0
+    k_r: Annotated[float, Key("stiffness of radial springs per length of edge [N/m per m]", "not negative")] = 0.0
+    k_theta: Annotated[float, Key("stiffness of tangential springs per length of edge [N/m per m]", "not negative")] = (
+        0.0
+    )
+    k_z: Annotated[float, Key("stiffness of axial springs per length of edge [N/m per m]", "not negative")] = 0.0
+    k_rot: Annotated[
+        float, Key("stiffness of rotational springs per length of edge [N m/rad per m]", "not negative")
+    ] = 0.0
     k_face: Annotated[float, Key("foundation modulus of the end face [N/m^3]", "not negative")] = 0.0
     around: Field | Mapping[str, Field] | None = None
 
@@ -104,7 +108,7 @@ class ElasticEdge:
             if not (np.isfinite(value) and value >= 0.0):
                 raise ModelError("support-springs", f"support.{name} must be finite and not negative, found {value!r}")
         if not any(values.values()):
-            raise ModelError("support-no-springs", "an elastic support with all of its springs zero")
+            raise ModelError("support-no-springs", "found an elastic support whose stiffnesses are all 0")
         if isinstance(self.around, Mapping):
             known = ", ".join(self.stiffness_names)
             for name in self.around:

@@ -74,7 +74,7 @@ class SumField:
     def __post_init__(self) -> None:
         flat = [part for own in self.fields for part in (own.fields if isinstance(own, SumField) else (own,))]
         if not flat:
-            raise ModelError("field-coefficients", "SumField needs at least one field")
+            raise ModelError("field-coefficients", "SumField: found no fields, expected at least one")
         object.__setattr__(self, "fields", tuple(flat))
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:

@@ -71,17 +71,17 @@ class FourierField:
     def __post_init__(self) -> None:
         p, cos, sin = _harmonics(self.p), _coefficients("cos", self.cos), _coefficients("sin", self.sin)
         if cos.shape != sin.shape or cos.shape[0] != p.size:
-            found = f"cos {cos.shape} and sin {sin.shape} must both be (harmonics, degrees)"
-            each = f"with one row for each of the {p.size} harmonics"
-            raise ModelError("field-coefficients", f"FourierField: {found}, {each}")
+            found = f"found cos of shape {cos.shape} and sin of shape {sin.shape}"
+            expected = f"expected one row for each of the {p.size} harmonics, (harmonics, degrees), in both"
+            raise ModelError("field-coefficients", f"FourierField: {found}, {expected}")
         if self.spline is not None and cos.shape[1] != self.spline.size:
-            found = f"cos {cos.shape} for a spline of {self.spline.size} functions"
+            found = f"found cos of shape {cos.shape}, expected ({p.size}, {self.spline.size}), as the spline has"
             raise ModelError("field-coefficients", f"FourierField: {found}")
         if np.any(sin[p == 0]):
             found = "FourierField: sin at p = 0 multiplies sin(0) = 0; use cos for the mean"
             raise ModelError("field-harmonics", found)
         if not (np.isfinite(self.z_mid) and np.isfinite(self.z_half) and self.z_half > 0.0):
-            found = f"need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}"
+            found = f"found z_mid = {self.z_mid!r}, z_half = {self.z_half!r}, expected finite numbers, z_half above 0"
             raise ModelError("field-coefficients", f"FourierField: {found}")
         for name, array in (("p", p), ("cos", cos), ("sin", sin)):
             array.setflags(write=False)
@@ -98,7 +98,8 @@ class FourierField:
         """
         pairs = [c if isinstance(c, tuple) else (c, 0.0) for c in harmonics.values()]
         if any(len(pair) != 2 for pair in pairs):
-            found = "FourierField.of: each harmonic is one number (cos) or a pair (cos, sin)"
+            bad = next(pair for pair in pairs if len(pair) != 2)
+            found = f"FourierField.of: found {bad}, expected one number (cos) or a pair (cos, sin) for each harmonic"
             raise ModelError("field-coefficients", found)
         table = np.array(pairs).reshape(len(pairs), 2, 1)
         return cls(p=np.array(list(harmonics)), cos=table[:, 0], sin=table[:, 1])

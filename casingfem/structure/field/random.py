@@ -56,12 +56,14 @@ class Spectrum:
     def __post_init__(self) -> None:
         p, median, high = np.array(self.p, dtype=np.int64), *(np.array(x, float) for x in (self.median, self.high))
         if p.ndim != 1 or not p.shape == median.shape == high.shape or not p.size:
-            found = f"p {p.shape}, median {median.shape}, high {high.shape} must be lists alike"
-            raise ModelError("field-spectrum", f"Spectrum: {found}")
+            found = f"found p of shape {p.shape}, median {median.shape}, high {high.shape}"
+            raise ModelError("field-spectrum", f"Spectrum: {found}, expected three lists of equal length")
         if p[0] < 1 or np.any(np.diff(p) <= 0):
             raise ModelError("field-spectrum", f"Spectrum: harmonics must ascend from 1 or more, found {p.tolist()}")
         if not (np.all(np.isfinite(high)) and np.all(median > 0.0) and np.all(high >= median)):
-            raise ModelError("field-spectrum", "Spectrum: need 0 < median <= high < inf at every harmonic")
+            k = int(np.argmin(np.isfinite(high) & (median > 0.0) & (high >= median)))
+            found = f"found median = {median[k]:g} and high = {high[k]:g} at p = {p[k]}"
+            raise ModelError("field-spectrum", f"Spectrum: {found}, expected 0 < median <= high < inf")
         for name, array in (("p", p), ("median", median), ("high", high)):
             object.__setattr__(self, name, frozen(array))
 
@@ -100,7 +102,7 @@ class Spectrum:
         measured = [(p, a) for each in fields for p, a in _amplitudes(each) if p > 1 and a > 0.0]
         if len({p for p, _ in measured}) < 2 or len(measured) < 3:
             found = f"{len(measured)} amplitudes above zero from p = 2 on"
-            raise ModelError("field-spectrum", f"Spectrum: found {found}, expected at least 3 of 2 harmonics")
+            raise ModelError("field-spectrum", f"Spectrum: found {found}, expected at least 3, of 2 or more harmonics")
         p, a = np.array(measured).T
         design = np.column_stack([np.ones(len(p)), -np.log(p)])
         (c, b), *_ = np.linalg.lstsq(design, np.log(a), rcond=None)
@@ -175,7 +177,7 @@ class RandomField(SeriesBehind):
     def __post_init__(self) -> None:
         if min(self.seed, self.draw, self.stream) < 0:
             found = f"seed {self.seed}, draw {self.draw}, stream {self.stream}"
-            raise ModelError("field-seed", f"RandomField: found {found}")
+            raise ModelError("field-seed", f"RandomField: found {found}, expected numbers of 0 or more")
         rng = np.random.default_rng([self.seed, self.stream, self.draw])
         size, turn = rng.random((self.spectrum.p.size, 2)).T  # row by row: more harmonics leave the first ones alone
         amplitude, phase = self.spectrum.amplitudes(size), 2.0 * np.pi * turn

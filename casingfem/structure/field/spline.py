@@ -51,8 +51,9 @@ class Spline:
     def __post_init__(self) -> None:
         ordered = np.isfinite(self.z_low) and np.isfinite(self.z_high) and self.z_low < self.z_high
         if not ordered or self.intervals < 1 or self.degree < 2 or (self.natural and self.degree != 3):
-            found = f"ends {self.z_low!r}, {self.z_high!r}, {self.intervals} intervals, degree {self.degree}"
-            raise ModelError("field-spline", f"Spline: found {found}{', natural' if self.natural else ''}")
+            found = f"z_low = {self.z_low!r}, z_high = {self.z_high!r}, intervals = {self.intervals}"
+            natural = ", natural = True" if self.natural else ""
+            raise ModelError("field-spline", f"Spline: found {found}, degree = {self.degree}{natural}")
 
     @property
     def size(self) -> int:

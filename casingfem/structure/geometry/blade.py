@@ -34,7 +34,7 @@ class TwistedPlate(Open):
 
     length: Annotated[float, Key("length from root to tip [m]", "length", "reach")]
     width: Annotated[float, Key("width [m]", "length", "reach")]
-    twist: Annotated[float, Key("twist of the tip against the root [degrees]", "turn", degrees=True)]
+    twist: Annotated[float, Key("twist of the tip relative to the root [degrees]", "turn", degrees=True)]
 
     def __post_init__(self) -> None:
         require_positive("chart", length=self.length, width=self.width)
@@ -144,11 +144,17 @@ class Blade(Open):
 
     length: Annotated[float, Key("span from root to tip [m]", "length", "reach")]
     chord: Annotated[
-        Law, Key("chord [m], one number or [root, tip] or more stations", "length", "reach", stations=MOST)
+        Law,
+        Key(
+            "chord [m], one number, or values at equally spaced stations from root to tip",
+            "length",
+            "reach",
+            stations=MOST,
+        ),
     ]
-    camber: Annotated[Law, Key("opening angle of the section's arc [degrees]", "turn", degrees=True, stations=MOST)] = (
-        0.0
-    )
+    camber: Annotated[
+        Law, Key("camber as the opening angle of the section's arc [degrees]", "turn", degrees=True, stations=MOST)
+    ] = 0.0
     twist: Annotated[Law, Key("angle of the section about the span [degrees]", "turn", degrees=True, stations=MOST)] = (
         0.0
     )

@@ -67,8 +67,11 @@ def check_axisymmetry(chart: Chart, surface: Surface, points: tuple[Array, Array
         part = off / max(float(np.abs(there).max()), np.finfo(float).tiny)
         if part.max() > ROUND:
             k = int(part.argmax())
-            found = f"its {name} at ({a[k]:.4g}, {b[k]:.4g}) is {part[k]:.2g} off that at b = 0 turned about z by b"
-            raise ModelError("chart-axisymmetric", f"the chart states axisymmetric = True, but {found}")
+            found = f"its {name} at (a, b) = ({a[k]:.4g}, {b[k]:.4g}) differs by {part[k]:.2g}"
+            raise ModelError(
+                "chart-axisymmetric",
+                f"the chart states axisymmetric = True, but {found} from {name} at (a, 0) rotated about z by b",
+            )
 
 
 def check_derivatives(chart: Chart, surface: Surface, points: tuple[Array, Array], spans: FloatArray) -> None:
@@ -110,4 +113,5 @@ def check_symmetry(chart: Chart, edge: str) -> None:
     across = across / np.linalg.norm(across, axis=0)
     lean = float(np.abs(across - across[:, :1]).max())
     if lean > SLANT:
-        raise ModelError("symmetry-slanted", f"support.{edge}: directions across this edge differ by {lean:.2g} rad")
+        found = f"found normals of this edge, in the surface, that differ along it by up to {lean:.2g} rad"
+        raise ModelError("symmetry-slanted", f"support.{edge}: {found}, expected one direction")

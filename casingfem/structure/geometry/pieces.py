@@ -169,11 +169,12 @@ def unjoined(start: Point, pieces: Sequence[Piece]) -> list[Bend]:
         chord = np.array(piece.to, dtype=float) - here
         size, phi = float(np.linalg.norm(chord)), float(np.arctan2(chord[1], chord[0]))
         if not (np.isfinite(size) and size > 0.0):
-            raise ModelError("meridian-pieces", f"chart.piece[{number}]: found no length from {here.tolist()} m")
+            found = f"found a piece of length 0 at [r, z] = {here.tolist()} m"
+            raise ModelError("meridian-pieces", f"chart.piece[{number}]: {found}")
         if piece.radius is None:
             bends.append(Bend(here, phi, 0.0, size))
         elif not abs(piece.radius) > 0.5 * size:
-            found = f"chart.piece[{number}].radius: found {piece.radius:g} m for a way of {size:g} m"
+            found = f"chart.piece[{number}].radius: found {piece.radius:g} m for an arc whose ends are {size:g} m apart"
             raise ModelError("meridian-pieces", found)
         else:
             half = float(np.arcsin(0.5 * size / piece.radius))
@@ -200,7 +201,7 @@ def joined(own: Sequence[Bend], fillets: Sequence[float | None]) -> tuple[list[B
     reached = begun = 0.0
     for k, bend in enumerate(own):
         if not last[k] - first[k] > 0.0:
-            left = f"chart.piece[{k + 1}]: its fillets leave nothing of {bend.length:g} m"
+            left = f"chart.piece[{k + 1}]: found fillets that are longer than the piece of {bend.length:g} m"
             raise ModelError("meridian-pieces", left)
         bends.append(bend.between(first[k], last[k]))
         reached += bends[-1].length
@@ -230,5 +231,5 @@ def fillet_between(one: Bend, other: Bend, rho: float, turn: float, where: str) 
     phi = one.phi + one.kappa * leaves
     swept = float((other.phi + other.kappa * reaches - phi + np.pi) % (2.0 * np.pi) - np.pi)
     if not (0.0 < leaves <= one.length and 0.0 <= reaches < other.length and swept * turn > 0.0):
-        raise ModelError("meridian-pieces", f"{where}, which does not fit between its pieces")
+        raise ModelError("meridian-pieces", f"{where}, expected a smaller radius, so that both pieces reach the fillet")
     return Bend(feet[0], phi, 1.0 / side, abs(swept) * rho), leaves, reaches

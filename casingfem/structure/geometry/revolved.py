@@ -69,9 +69,9 @@ class Arc:
     """
 
     radius: Annotated[float, Key("radius of the meridian [m]", "length", "reach")]
-    start: Annotated[float, Key("phi at the base [degrees], 0 at the equator", "turn", degrees=True)]
-    end: Annotated[float, Key("phi at the top [degrees]", "turn", degrees=True)]
-    r0: Annotated[float, Key("distance of the meridian's centre from the axis [m]", "place", "reach")] = 0.0
+    start: Annotated[float, Key("angle of the meridian at the base [degrees], 0 at the equator", "turn", degrees=True)]
+    end: Annotated[float, Key("angle of the meridian at the top [degrees], 0 at the equator", "turn", degrees=True)]
+    r0: Annotated[float, Key("distance of the centre of the meridian's arc from the axis [m]", "place", "reach")] = 0.0
     z0: float = 0.0
 
     def __post_init__(self) -> None:

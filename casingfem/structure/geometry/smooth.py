@@ -50,7 +50,7 @@ class SmoothMeridian:
         places = np.array(self.points, dtype=float)
         if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2 or not np.isfinite(places).all():
             found = f"{len(self.points)} points" if len(self.points) < 2 else f"an array {places.shape}"
-            raise ModelError("meridian-points", f"chart.points: found {found}, expected two or more of r and z")
+            raise ModelError("meridian-points", f"chart.points: found {found}, expected two points [r, z] or more")
         steps = np.diff(places, axis=0)
         sizes = np.linalg.norm(steps, axis=1)
         if not np.all(sizes > 0.0):
@@ -60,7 +60,7 @@ class SmoothMeridian:
         if turns.size and np.abs(turns).max() > CORNER:
             k = int(np.abs(turns).argmax()) + 2
             found = f"a corner of {np.degrees(np.abs(turns).max()):.3g} degrees at point {k}"
-            raise ModelError("meridian-points", f"chart.points: found {found}, expected at most 30")
+            raise ModelError("meridian-points", f"chart.points: found {found}, expected at most 30 degrees")
         object.__setattr__(self, "points", tuple((float(r), float(z)) for r, z in places))
         from scipy.interpolate import CubicSpline
 

@@ -90,10 +90,12 @@ class Taper:
     [0.5]
     """
 
-    along: Annotated[Law, Key("factors from root to tip, or base to top [-]", least=1e-3, most=1e3, stations=MOST)] = (
-        1.0
-    )
-    across: Annotated[Law, Key("factors from left to right [-]", least=1e-3, most=1e3, stations=MOST)] = 1.0
+    along: Annotated[
+        Law, Key("factor on the thickness from root to tip, or base to top [-]", least=1e-3, most=1e3, stations=MOST)
+    ] = 1.0
+    across: Annotated[
+        Law, Key("factor on the thickness from left to right [-]", least=1e-3, most=1e3, stations=MOST)
+    ] = 1.0
 
     def __post_init__(self) -> None:
         for name in ("along", "across"):

@@ -35,9 +35,9 @@ class Strip:
     [False, True]
     """
 
-    start: Annotated[float, Key("where it begins along the axis or span [m]", "place", "reach", alias="from")]
-    end: Annotated[float, Key("where it ends [m]", "place", "reach", alias="to")]
-    thickness: Annotated[float, Key("its wall thickness [m]", "length", "thickness")]
+    start: Annotated[float, Key("start along the axis or span [m]", "place", "reach", alias="from")]
+    end: Annotated[float, Key("end along the axis or span [m]", "place", "reach", alias="to")]
+    thickness: Annotated[float, Key("wall thickness of this part [m]", "length", "thickness")]
     material: Material | None = None
 
     def __post_init__(self) -> None:
@@ -75,7 +75,7 @@ def check_strips(strips: Sequence[Strip], ends: tuple[float, float], lines: Floa
     for place, k in enumerate(order):
         strip, name = strips[k], f"strip[{k + 1}] from {strips[k].start:g} to {strips[k].end:g} m"
         if strip.start < low - slack or strip.end > high + slack:
-            raise ModelError("strip-outside", f"{name} leaves the shell, {low:g} to {high:g} m")
+            raise ModelError("strip-outside", f"{name} reaches beyond the shell, which has {low:g} to {high:g} m")
         if place and strip.start < strips[order[place - 1]].end - slack:
             raise ModelError("strip-overlap", f"{name} overlaps strip[{order[place - 1] + 1}]")
         for end in (strip.start, strip.end):

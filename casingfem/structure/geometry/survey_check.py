@@ -45,10 +45,9 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     at, radial = chart.profile.at(s), points.quantity == "radius"
     if not (radial or np.all(np.real(at.z1) > 0.0) or np.all(np.real(at.z1) < 0.0)):
         found = (
-            f"{Path(points.path).name}: found thicknesses by height on a meridian with flat parts, where the height "
-            "does not determine the point"
+            f"{Path(points.path).name}: found thicknesses at heights z, and a meridian that has a height more than once"
         )
-        raise ModelError("survey-other", f"{found}, expected a meridian that is steep everywhere")
+        raise ModelError("survey-other", f"{found}; expected a meridian that rises everywhere, so that z names a point")
     weight = np.array([ASIDE if radial else 0.0, 1.0])
     line, slope = weight * np.real([at.r, at.z]).T, weight * np.real([at.r1, at.z1]).T
     place = weight * np.column_stack([points.value, points.z])
@@ -59,8 +58,10 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     if (flat := np.abs(np.real(at.z1[near])) < FLAT).any():
         first = points.at(flat)
         where = f"theta {np.degrees(first.theta[0]):.4g} deg, z {first.z[0]:.4g} m"
-        found = f"{Path(points.path).name}: found {len(first)} points where the meridian is flat, the first at {where}"
-        raise ModelError("survey-other", f"{found}, expected points on its steep parts only")
+        found = (
+            f"{Path(points.path).name}: found {len(first)} points on a radial part of the meridian, first at {where}"
+        )
+        raise ModelError("survey-other", f"{found}; expected points only where the height changes along the meridian")
     radii = np.real(chart.profile.at(np.clip(along, s[0], s[-1])).r)
     return replace(points, z=along, value=points.value * mean_radius(chart) / radii)
 
@@ -92,7 +93,8 @@ def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickn
     if part <= (-ALIKE if survey.heights == 1 else 0.0):
         raise ModelError("survey-other", f"{name}: found {over(survey, chart)}, expected points on the shell")
     if survey.heights > 1 and part < MOST and survey.outside == "fit":
-        raise ModelError("survey-part", f"{name}: found {over(survey, chart)}, expected at least half of it or a rule")
+        expected = "expected at least half of the height, or a rule for the rest (outside)"
+        raise ModelError("survey-part", f"{name}: found {over(survey, chart)}, {expected}")
 
 
 def axial(chart: Chart, s: float) -> float:
@@ -153,5 +155,5 @@ def with_rule(survey: SurveyField, outside: Outside | None, chart: Chart | None)
         outside = "fit"
     rule = outside or ("fit" if part >= MOST else "nearest")
     if part < MOST:
-        warn("survey-part", f"{name}: found {over(survey, chart)}; outside, {WORDS[rule]}", stacklevel=4)
+        warn("survey-part", f"{name}: found {over(survey, chart)}; beyond them, {WORDS[rule]}", stacklevel=4)
     return survey.bounded(rule)

@@ -197,7 +197,9 @@ class MeshSystem:
         alone = np.flatnonzero(~own)[~turns.any(axis=0)]  # turns that move no node: known by statics
         if self.M.diagonal()[alone].any():
             source = self.structure.mesh.source
-            raise ModelError("mesh-attachment", f"{source}: found a turn with inertia that moves no node")
+            raise ModelError(
+                "mesh-attachment", f"{source}: found rotary inertia on a rotation that moves no other node"
+            )
         if len(alone):
             found[alone] = -np.linalg.solve(self.K[:, alone][alone].toarray(), self.K[alone] @ found)
         return found

@@ -60,7 +60,7 @@ def repeated_nodes(mesh: MeshData) -> list[Finding]:
         for kind, rows, slots in natives(mesh):
             own = np.count_nonzero(distinct(mesh.cells[rows][:, slots]) >= 0, axis=1)
             bad[rows] |= (own < KINDS[kind].nodes) | (kept[rows] > own)
-    return where("mesh-collapsed-cell", bad, lambda k: f"{cells_named(mesh, k)} with a node twice")
+    return where("mesh-collapsed-cell", bad, lambda k: f"{cells_named(mesh, k)} that contain a node twice")
 
 
 def extremes(mesh: MeshData, *, nodes: bool) -> tuple[FloatArray, FloatArray]:
@@ -103,8 +103,8 @@ def bad_cells(mesh: MeshData) -> list[Finding]:
     mixed = ~flat & ~inverted & ((least <= 0.0) | stray_middles(mesh))
     return [
         *where("mesh-flat-cell", flat, lambda k: f"{cells_named(mesh, k)} without volume or area"),
-        *where("mesh-inverted-cell", inverted, lambda k: f"{cells_named(mesh, k)} inside out"),
-        *where("mesh-scrambled-cell", mixed, lambda k: f"{cells_named(mesh, k)} folded: nodes out of order"),
+        *where("mesh-inverted-cell", inverted, lambda k: f"{cells_named(mesh, k)} with negative volume"),
+        *where("mesh-scrambled-cell", mixed, lambda k: f"{cells_named(mesh, k)} folded, with nodes in a wrong order"),
     ]
 
 
@@ -165,7 +165,8 @@ def parts(mesh: MeshData) -> list[Finding]:
         return []
     largest = ", ".join(map(str, np.sort(sizes)[::-1][:SHOWN]))
     alone = cells_named(mesh, np.flatnonzero(part != sizes.argmax()))
-    return [Finding("mesh-parts", f"{len(sizes)} parts of {largest} cells, apart from the largest: {alone}")]
+    found = f"{len(sizes)} parts that do not touch, of {largest} cells; not in the largest: {alone}"
+    return [Finding("mesh-parts", found)]
 
 
 def overlaps(mesh: MeshData) -> list[Finding]:
@@ -182,7 +183,7 @@ def overlaps(mesh: MeshData) -> list[Finding]:
     back = given.facets[given.ahead < -np.cos(np.radians(FLAT))]
     over = np.isin(np.arange(len(mesh.cells)), back[:, :, 0])
     at = nodes_named(mesh, np.unique(mesh.facet_nodes(back[:, 0])))
-    beside = f"lie over another cell beside an edge that they share, at {at}"
+    beside = f"overlap a neighbour, folded back at their common edge, at {at}"
     return where("mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} {beside}")
 
 
@@ -205,7 +206,8 @@ def split_facets(mesh: MeshData) -> list[Finding]:
     _, inverse, counts = np.unique(full, axis=0, return_inverse=True, return_counts=True)
     alike = counts[inverse.ravel()].reshape(len(mesh.cells), count)
     bad = ((alike != mesh.sharing) & (mesh.sharing > 0)).any(axis=1)
-    return where("mesh-hanging-node", bad, lambda k: f"{cells_named(mesh, k)} share corners of a facet, not its middle")
+    what = "share the corners of a facet with a neighbour, but not its middle nodes"
+    return where("mesh-hanging-node", bad, lambda k: f"{cells_named(mesh, k)} {what}")
 
 
 def normals(mesh: MeshData) -> list[Finding]:
@@ -220,7 +222,7 @@ def normals(mesh: MeshData) -> list[Finding]:
     given = neighbours(mesh)
     pairs = given.facets[one_wall(given, FOLDED)]
     bad = np.isin(np.arange(len(mesh.cells)), pairs[against(mesh, pairs), :, 0])
-    return where("mesh-flipped-shell", bad, lambda k: f"{cells_named(mesh, k)} with the normal against a neighbour's")
+    return where("mesh-flipped-shell", bad, lambda k: f"{cells_named(mesh, k)} with a normal opposite to a neighbour's")
 
 
 def orphans(mesh: MeshData) -> list[Finding]:
@@ -236,7 +238,7 @@ def slender(mesh: MeshData) -> list[Finding]:
     ratio = edges.max(axis=1) / edges.min(axis=1)
     least, most = extremes(mesh, nodes=True)
     lowest = np.where(mesh.collapsed & (mesh.kind not in NATIVE), 1.0, least / most)
-    long = f"longest to shortest edge up to {ratio.max():.3g}"
+    long = f"ratio of longest to shortest edge up to {ratio.max():.3g}"
     return [
         *where("mesh-aspect", ratio > ASPECT, lambda k: f"{cells_named(mesh, k)}, {long}"),
         *where("mesh-distorted-cell", lowest < DISTORTED, lambda k: f"{cells_named(mesh, k)} nearly folded"),
@@ -262,8 +264,8 @@ def thin_and_curved(mesh: MeshData) -> list[Finding]:
     volume = volumes(mesh)
     if volume[ratio > BOW].sum() <= SMALL * volume.sum():
         return []
-    worst = f"bow up to {ratio.max():.2g} of the thickness"
-    return where("mesh-thin-curved", ratio > BOW, lambda k: f"{cells_named(mesh, k)} thin and curved, {worst}")
+    worst = f"whose edges are curved by up to {ratio.max():.2g} of the thickness"
+    return where("mesh-thin-curved", ratio > BOW, lambda k: f"{cells_named(mesh, k)} {worst}")
 
 
 def volumes(mesh: MeshData) -> FloatArray:
@@ -277,7 +279,7 @@ def volumes(mesh: MeshData) -> FloatArray:
 def linear(mesh: MeshData) -> list[Finding]:
     """Warn of linear solids, which lock in bending."""
     if mesh.kind in ("tetra", "hexahedron"):
-        return [Finding("mesh-linear-cells", f"{len(mesh.cells)} cells of kind {mesh.kind}")]
+        return [Finding("mesh-linear-cells", f"{len(mesh.cells)} linear cells ({mesh.kind})")]
     return []
 
 
@@ -290,17 +292,20 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
     for name in names:
         if name not in mesh.groups:
             known = [repr(group) for group in mesh.groups]
-            found = f"no group {name!r}{hint(repr(name), known, most=3)}; its groups: {', '.join(known) or 'none'}"
+            found = (
+                f"found no group {name!r}{hint(repr(name), known, most=3)}; its groups: {', '.join(known) or 'none'}"
+            )
             raise ModelError("mesh-no-group", f"{mesh.source}: {found}")
         if not np.isin(mesh.groups[name].nodes, mesh.present).any():
-            raise ModelError("mesh-group-empty", f"{mesh.source}: group {name!r} has no node of a cell")
+            raise ModelError("mesh-group-empty", f"{mesh.source}: found a group {name!r} without a node of a cell")
 
 
 def check_units(mesh: MeshData, material: Material) -> None:
     """Warn of sizes that suggest millimetres, and of implausible materials."""
     speed, size = float(np.sqrt(material.E / material.rho)), mesh.size
     if size > LARGE and SOUND[0] <= speed <= SOUND[1]:
-        warn("mesh-units", f"{mesh.source}: {size:.4g} m across with E = {material.E:.3g} Pa", stacklevel=4)
+        found = f"found a part of {size:.4g} m across, with E = {material.E:.3g} Pa"
+        warn("mesh-units", f"{mesh.source}: {found}", stacklevel=4)
     if not SOUND[0] <= speed <= SOUND[1]:
-        found = f"E = {material.E:.3g} Pa and rho = {material.rho:.3g} kg/m^3, sound at {speed:.3g} m/s"
+        found = f"E = {material.E:.3g} Pa and rho = {material.rho:.3g} kg/m^3 give a speed of sound of {speed:.3g} m/s"
         warn("material-units", found, stacklevel=4)

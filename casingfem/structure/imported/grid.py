@@ -65,7 +65,7 @@ def cube_cells(kind: str, dim: int) -> FloatArray:
     """Nodes of the cells that fill the unit cube or square, (cells, nodes, dim)."""
     if not kind.startswith("tetra"):
         if KINDS[kind].dim != dim:
-            raise ValueError(f"{kind} has {KINDS[kind].dim} dimensions, counts has {dim}")
+            raise ValueError(f"counts: found {dim} numbers, expected {KINDS[kind].dim} for cells of kind {kind}")
         return KINDS[kind].places[None]
     corners = []
     for order in permutations(range(3)):

@@ -54,7 +54,8 @@ class NodeLoad:
         mesh = structure.mesh
         place = mesh.present[mesh.node_numbers[mesh.present] == self.node]
         if not len(place):
-            raise ModelError("load-place", f"{mesh.source}: load at node {self.node}, which no cell has")
+            found = f"found a load at node {self.node}, expected a node of a cell"
+            raise ModelError("load-place", f"{mesh.source}: {found}")
         loads = np.zeros_like(mesh.points)
         loads[place[0]] = self.force
         return loads
@@ -75,7 +76,7 @@ class FacetPressure:
         """Nodal forces [N], (nodes, 3)."""
         mesh = structure.mesh
         if mesh.cell_kind.dim != 3:
-            raise ModelError("load-edge", f"{mesh.source}: a FacetPressure on a shell, expected a Pressure on its wall")
+            raise ModelError("load-edge", f"{mesh.source}: found a FacetPressure on a shell, expected a Pressure")
         loads = np.zeros_like(mesh.points)
         for on, nodes in group_facets(mesh, self.group):
             normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])  # of the size of the area
@@ -100,7 +101,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
             loads = weight(structure, load.acceleration)
             for mass in mesh.attachments.masses:
                 if any(mass.offset):
-                    found = f"{mesh.source}: Gravity on the {mass.where}, which is too far from its node"
+                    found = f"{mesh.source}: found Gravity and {mass.where} beside its node, expected it at the node"
                     raise ModelError("load-edge", found)
                 loads[mass.node, :3] += mass.mass * np.asarray(load.acceleration)
             return loads
@@ -116,7 +117,8 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
                 force = np.asarray(load.force) if isinstance(load, SurfaceLoad) else load.pressure * unit
                 loads += spread(mesh, on, nodes, force)
             return loads
-    raise ModelError("load-edge", f"{mesh.source}: a {type(load).__name__} on an imported mesh of {mesh.kind} cells")
+    found = f"found a {type(load).__name__}, which cannot act on a mesh of {mesh.kind} cells"
+    raise ModelError("load-edge", f"{mesh.source}: {found}")
 
 
 def weight(structure: MeshStructure, acceleration: Vector) -> FloatArray:
@@ -134,7 +136,7 @@ def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
     check_groups(mesh, [name])
     facets = mesh.group_facets(name)
     if not len(facets):
-        raise ModelError("mesh-group-no-facets", f"{mesh.source}: load on {name!r}")
+        raise ModelError("mesh-group-no-facets", f"{mesh.source}: found a load on group {name!r} without facets")
     nodes = mesh.facet_nodes(facets)
     parts = [(kind, nodes[rows][:, slots]) for kind, rows, slots in native(mesh.cell_kind.facet, nodes)]
     return [(mapped(kind, mesh.points, own), own) for kind, own in parts]
@@ -187,7 +189,7 @@ class MeshDeflection(Reported):
         mesh = self.structure.mesh
         place = mesh.present[mesh.node_numbers[mesh.present] == node]
         if not len(place):
-            raise ModelError("load-place", f"{mesh.source}: displacement at node {node}, which no cell has")
+            raise ModelError("load-place", f"{mesh.source}: found node {node}, expected a node of a cell")
         return np.asarray(self.fields[place[0], :3])
 
 

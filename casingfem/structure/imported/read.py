@@ -76,13 +76,13 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
     draft = reader(file)
     if draft.metre != 1.0:
         if scale != 1.0 or units is not None:
-            found = f"{file.name} states its unit of length, {draft.metre:g} m, beside scale or units"
-            raise ModelError("mesh-scale", f"{found}, expected neither of them")
+            found = f"{file.name}: found scale or units, although the file states its unit of length, {draft.metre:g} m"
+            raise ModelError("mesh-scale", f"{found}; expected neither of them")
         length = draft.metre
     mesh = build(draft, file.name)
     if mesh.attachments.weighed and units is None and scale != 1.0:
         found = f"{file.name}: found {mesh.attachments} and scale = {scale:g}"
-        raise ModelError("mesh-scale", f"{found}, expected units such as mm-t-s")
+        raise ModelError("mesh-scale", f"{found}, which does not scale masses and springs; expected units")
     mesh = replace(mesh, points=length * mesh.points, attachments=mesh.attachments.in_si(length, mass, time))
     return joined(mesh, join) if join > 0.0 else mesh
 
@@ -121,7 +121,9 @@ def blocks_of(mesh: Any, file: Path) -> list[Block]:
         cells = np.asarray(block.data, dtype=np.int64)
         if cells.size and (cells.min() < 0 or cells.max() >= len(mesh.points)):
             bad = start + int(np.flatnonzero((cells < 0).any(axis=1) | (cells >= len(mesh.points)).any(axis=1))[0])
-            raise ModelError("mesh-file", f"{file.name}: cell {bad} names a node that is not given")
+            raise ModelError(
+                "mesh-file", f"{file.name}: found a cell, {bad}, with a node that the file does not define"
+            )
         blocks.append(Block(block.type, cells, np.arange(start, start + len(cells))))
         start += len(cells)
     return blocks
@@ -132,7 +134,8 @@ def read_gmsh(file: Path) -> Draft:
     content = read_bytes(regular_file(file))
     for section in (b"Nodes", b"Elements"):
         if b"$" + section not in content or b"$End" + section not in content:
-            raise ModelError("mesh-file", f"{file.name}: ${section.decode()} is missing or not closed: cut short?")
+            found = f"found no complete section ${section.decode()}: cut short?"
+            raise ModelError("mesh-file", f"{file.name}: {found}")
     require_modest(content, file)
     mesh = from_meshio(file, "gmsh")
     blocks = blocks_of(mesh, file)
@@ -156,7 +159,8 @@ def require_modest(content: bytes, file: Path) -> None:
     """Refuse a file for which meshio would fill the memory; meshio allocates for the largest node number."""
     title = content.partition(b"$PhysicalNames")[2].partition(b"$EndPhysicalNames")[0]
     if len(max(title.split(b"\n"), key=len)) > LONGEST:
-        raise ModelError("mesh-file", f"{file.name}: $PhysicalNames: a line of more than {LONGEST} characters")
+        found = f"found a line that is too long, expected at most {LONGEST} characters"
+        raise ModelError("mesh-file", f"{file.name}: $PhysicalNames: {found}")
     if re.search(rb"\$MeshFormat\s+\S+\s+1\b", content[:1000]):  # binary
         if fault := fault_of(file, "meshio.gmsh", "read"):
             raise ModelError("mesh-file", f"{file.name}: cannot be read ({fault})")
@@ -164,7 +168,7 @@ def require_modest(content: bytes, file: Path) -> None:
     most = max(10**7, len(content))
     for number in re.findall(rb"(?<!\S)-?\d{8,}(?!\S)", content):
         if abs(int(number[:30])) > most:
-            found = f"the number {number[:30].decode()} in a file of {len(content)} bytes"
+            found = f"found the number {number[:30].decode()} in a file of {len(content)} bytes"
             raise ModelError("mesh-file", f"{file.name}: {found}, expected at most {most}")
 
 
@@ -188,14 +192,15 @@ def read_vtu(file: Path) -> Draft:
     """VTK's unstructured grid; groups are the integer arrays on cells or points that contain only 0 and 1."""
     pieces = re.findall(rb"<Piece\b[^>]*>", read_bytes(regular_file(file)))
     if len(pieces) != 1:
-        raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
+        raise ModelError("mesh-file", f"{file.name}: found {len(pieces)} pieces, expected one")
     stated = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}
     mesh = from_meshio(file, "vtu")
     blocks = blocks_of(mesh, file)
     for name, found in (("Points", len(mesh.points)), ("Cells", sum(len(b.cells) for b in blocks))):
         if stated.get(name) != found:
-            why = "some kinds cannot be read" if name == "Cells" else "cut short?"
-            raise ModelError("mesh-file", f"{file.name}: {found} of {stated.get(name)} {name.lower()} were read: {why}")
+            why = "other kinds cannot be read" if name == "Cells" else "is the file cut short?"
+            what = f"found {found} {name.lower()} that can be read, expected {stated.get(name)} as stated: {why}"
+            raise ModelError("mesh-file", f"{file.name}: {what}")
     flags = {name: np.flatnonzero(values) for name, values in mesh.point_data.items() if is_flag([values])}
     marked = {name: parts for name, parts in mesh.cell_data.items() if is_flag(parts)}
     sets = {name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)] for name, parts in marked.items()}

@@ -116,7 +116,7 @@ class BladeSections:
             found = ", ".join(f"{name} {array.shape}" for name, array in zip(COLUMNS, arrays, strict=True))
             raise InputError("sections", found=found, expected="four arrays (sections, stations) of one shape")
         if bad := [name for name, array in zip(COLUMNS, arrays, strict=True) if not np.isfinite(array).all()]:
-            raise InputError("sections", found=f"{bad[0]} with nan or inf", expected="finite numbers")
+            raise InputError("sections", found=f"nan or inf in {bad[0]}", expected="finite numbers")
         parts = list(zip(*arrays, strict=True))
         return built(parts, [np.zeros(len(part[0]), dtype=np.int64) for part in parts], (), "sections")
 
@@ -197,7 +197,7 @@ def check_units(table: StrictCsv, columns: dict[str, FloatArray]) -> None:
         far = np.flatnonzero(np.abs(columns[quantity]) > TURN)
         if len(far):
             found = f"{columns[quantity][far[0]]:g} rad"
-            expected = f"at most one turn; does the column hold {quantity}_deg?"
+            expected = f"at most 2 pi rad; are these degrees (a column {quantity}_deg)?"
             wrong.append(table.refuse(row=int(far[0]), column=written[quantity], found=found, expected=expected))
     if wrong:
         raise together(wrong)
@@ -219,9 +219,9 @@ def built(
     for end, name in enumerate(("first", "last")):
         if meets[:, end].any() and not meets[:, end].all():
             open_ones = ", ".join(str(k + 1) for k in np.flatnonzero(~meets[:, end]))
-            found = f"surfaces that meet at the {name} station of some sections, and not of {open_ones}"
+            found = f"surfaces that meet at the {name} station of some sections, but not of {open_ones}"
             wrong.append(
-                InputError(source, found=found, expected="surfaces that meet there in all sections or in none")
+                InputError(source, found=found, expected="surfaces that meet there in all sections, or in none")
             )
     if wrong:
         raise together(wrong)
@@ -240,7 +240,7 @@ def problems(number: int, part: Sequence[FloatArray], lines: IntArray, source: s
         return InputError(source, line=int(lines[row]) or None, where=where, found=found, expected=expected)
 
     if len(z) < LEAST_STATIONS:
-        return [wrong(0, f"{len(z)} stations", f"at least {LEAST_STATIONS}, from one edge to the other")]
+        return [wrong(0, f"{len(z)} stations", f"at least {LEAST_STATIONS} stations, from one edge to the other")]
     found = [wrong(int(row), f"a radius of {r[row]:g} m", "a radius above 0") for row in np.flatnonzero(r <= 0.0)[:1]]
     middle = np.stack([z, r, r * 0.5 * (first + second)], axis=1)
     step = np.linalg.norm(np.diff(middle, axis=0), axis=1)
@@ -250,11 +250,11 @@ def problems(number: int, part: Sequence[FloatArray], lines: IntArray, source: s
     size = np.abs(thick).max()
     sign = np.sign(thick.sum())
     for row in np.flatnonzero(sign * thick < -CLOSED * size)[:1]:
-        cross = f"surfaces that cross: a thickness of {1e3 * sign * thick[row]:.4g} mm"
-        found.append(wrong(int(row), cross, "each surface on one side at all stations"))
+        cross = f"surfaces that cross, with a thickness of {1e3 * sign * thick[row]:.4g} mm"
+        found.append(wrong(int(row), cross, "each surface on the same side at all stations"))
     inner = np.abs(thick[1:-1]) <= CLOSED * size
     for row in np.flatnonzero(inner)[:1]:
-        found.append(wrong(int(row) + 1, "surfaces that meet inside of the section", "a thickness there"))
+        found.append(wrong(int(row) + 1, "surfaces that meet between the edges", "a thickness above 0 there"))
     return found
 
 

@@ -173,11 +173,13 @@ def check_layers(shell: MeshShell) -> None:
     direction = np.asarray(shell.angle_from, dtype=float)
     size = float(np.linalg.norm(direction))
     if not (np.isfinite(size) and size > 0.0):
-        raise ModelError("shell-plies", f"shell.angle_from: found {shell.angle_from!r}, expected a direction")
+        expected = "expected a vector of three finite numbers that is not 0"
+        raise ModelError("shell-plies", f"shell.angle_from: found {shell.angle_from!r}, {expected}")
     seen = 1.0 - np.abs(cell_normals(shell.mesh) @ direction).max(axis=1) / size
     if seen.min() < ACROSS:
-        found = f"{cells_named(shell.mesh, np.flatnonzero(seen < ACROSS))} lie across it"
-        raise ModelError("shell-plies", f"shell.angle_from: found {shell.angle_from!r}, {found}")
+        normal = f"which is normal to {cells_named(shell.mesh, np.flatnonzero(seen < ACROSS))}"
+        expected = "expected a direction along the wall"
+        raise ModelError("shell-plies", f"shell.angle_from: found {shell.angle_from!r}, {normal}; {expected}")
 
 
 def with_centres(mesh: MeshData) -> MeshData:

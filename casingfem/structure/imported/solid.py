@@ -118,7 +118,7 @@ class Solid(SolidCells):
         from casingfem.structure.imported.solid_spin import steady_state
 
         if self.rotation is None:
-            raise ModelError("rotation-none", "steady_shape: found a structure without rotation")
+            raise ModelError("rotation-none", "steady_shape: found a structure without rotation, expected one with")
         at_rest = replace(self, rotation=None).assembled()
         linear = self.spin(at_rest, self.rotation).fields
         return steady_state(at_rest, self, self.rotation, self.rotation.omega**2 * linear).fields

@@ -195,7 +195,10 @@ def steady_state(system: MeshSystem, solid: SolidCells, rotation: Rotation, star
             K, _ = tangent(solid, fields)
             return SteadyState(fields, csc_array(on_free(csc_array(K - soft), system.free) - at_rest))
     turns = omega / (2.0 * np.pi)
-    raise NumericsError(f"rotation: found no steady state at {turns:.4g} turns a second in {STEPS} steps")
+    found = (
+        f"rotation: Newton's method found no steady state at {60.0 * turns:.4g} rpm ({turns:.4g} Hz) in {STEPS} steps"
+    )
+    raise NumericsError(f"{found}; use a lower speed")
 
 
 def tangent(solid: SolidCells, fields: FloatArray) -> tuple[csc_array, FloatArray]:

@@ -166,8 +166,8 @@ class MeshTurning:
             return products_of(added)
         part = aside(square * added.nonlinear)
         low, high = (np.sqrt([1.0 - part, 1.0 + part]) * np.sqrt(square)).tolist()
-        hz = f"{low / (2.0 * np.pi):.4g} to {high / (2.0 * np.pi):.4g} turns a second"
-        warn("reduce-steady", f"rotation: the stiffness over speed is that from {hz}")
+        hz = f"{low / (2.0 * np.pi):.4g} to {high / (2.0 * np.pi):.4g} Hz of rotation"
+        warn("reduce-steady", f"rotation: the stiffness is valid from {hz} only")
         apart = part * square
         below, here, above = (added.steady(float(np.sqrt(square + side * apart))) for side in (-1.0, 0.0, 1.0))
         slope, bend = (above - below) / (2.0 * apart), (above - 2.0 * here + below) / (2.0 * apart**2)

@@ -43,5 +43,5 @@ def rotation_of(structure: Shell | MeshStructure) -> Rotation | None:
     if rotation is None or isinstance(structure, Shell | TurningStructure):
         return rotation
     lacking = [name for name in ("spin", "turning") if not hasattr(structure, name)]
-    found = f"found a {type(structure).__name__} with a rotation and without {' and '.join(lacking)}"
+    found = f"rotation: found a rotating {type(structure).__name__} without {' and '.join(lacking)}"
     raise ModelError("structure-unknown", f"{found}, expected the members of cf.imported.TurningStructure")

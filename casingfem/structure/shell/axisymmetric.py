@@ -125,8 +125,8 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
         If anything varies around the shell.
     """
     if not shell.axisymmetric:
-        wanted = "a casing at rest on which nothing varies around"
-        raise ModelError("modes-method", f"one problem per harmonic needs {wanted}")
+        found = "found a shell that rotates or varies around, expected an axisymmetric casing at rest"
+        raise ModelError("modes-method", f'method "fourier": {found}')
     order = shell.mesh.order
     (z0, z1), _ = shell.chart.bounds
     lines = z0 + (z1 - z0) * shell.mesh.breaks

@@ -49,10 +49,10 @@ def check_parts(shell: ShellParts) -> None:
             raise ModelError("support-kind", f"support.{edge}: expected {expected}, found {type(support).__name__}")
         held, _ = known[edge]
         if isinstance(support, Ring) and held != 0:
-            raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
+            raise ModelError("ring-edge", f"support.{edge}: found a ring on an edge that runs along the axis")
         across = [other for other in shell.supports if known[other][0] != 0 and shell.supports[other].held]
         if isinstance(support, Ring) and across:  # the ring's own turn at the corner would be free
-            raise ModelError("ring-edge", f"support.{edge}: a ring ends on the fixed edge {across[0]!r}")
+            raise ModelError("ring-edge", f"support.{edge}: found a ring that ends on the fixed edge {across[0]!r}")
         if isinstance(support, Symmetry):
             check_symmetry(shell.chart, edge)
         holding = outer_support(support)
@@ -61,7 +61,8 @@ def check_parts(shell: ShellParts) -> None:
             holding.require_on((low, high), shell.chart.periodic and held == 0, edge)
     for edge, masses in shell.masses.items():
         if edge not in known or not all(isinstance(mass, EdgeMass) for mass in masses):
-            raise ModelError("mass-edge", f"masses.{edge}: expected masses on one of {', '.join(known)}")
+            expected = f"expected values EdgeMass, on one of {', '.join(known)}"
+            raise ModelError("mass-edge", f"masses.{edge}: found {masses!r}, {expected}")
     check_strips(shell.strips, shell.chart.bounds[0], None)
     check_stiffeners(shell.stiffeners, shell.chart.bounds[0], shell.chart.periodic)
 
@@ -71,13 +72,15 @@ def check_plies(shell: ShellParts) -> None:
     if not shell.plies:
         return
     if not all(isinstance(ply, Ply) for ply in shell.plies):
-        raise ModelError("shell-plies", "shell.plies: expected plies (cf.shell.Ply)")
+        raise ModelError("shell-plies", f"shell.plies: found {shell.plies!r}, expected values cf.shell.Ply")
     if shell.wall != "linear":
         raise ModelError("shell-plies", f'shell.plies: found wall {shell.wall!r}, expected "linear"')
     if any(strip.material is not None for strip in shell.strips):
         raise ModelError("shell-plies", "shell.plies: found a strip with a material of its own")
     if not mirrored(shell.plies) and any(isinstance(support, Symmetry) for support in shell.supports.values()):
-        raise ModelError("shell-plies", "shell.plies: found a plane of symmetry beside plies that are not in balance")
+        raise ModelError(
+            "shell-plies", "shell.plies: found a plane of symmetry and plies that are not balanced about it"
+        )
 
 
 def check_on_mesh(shell: ShellParts) -> None:
@@ -88,10 +91,11 @@ def check_on_mesh(shell: ShellParts) -> None:
     slack = ON_LINE * float(np.real(end - start))
     for name, at in shell.stations.items():
         if np.abs(np.real(lines) - at).min() > slack:
-            raise ModelError("stiffener-off-line", f"mesh.rows: no element line at {at:g} m, {name}")
+            raise ModelError("stiffener-off-line", f"mesh.rows: found no element line at {at:g} m, the place of {name}")
     for line in chart_lines(shell.chart):
         if np.abs(np.real(lines) - line).min() > slack:
-            raise ModelError("meridian-off-line", f"mesh.rows: no element line at s = {line:g} m of the meridian")
+            found = f"found no element line at s = {line:g} m along the meridian, where two pieces meet"
+            raise ModelError("meridian-off-line", f"mesh.rows: {found}")
     for quantity, defect in shell.defects.items():
         check_field(shell, f"{quantity}_defect", defect)
         for survey in surveys(defect):
@@ -114,9 +118,9 @@ def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
     ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
     split = spurious_split(bolts, shell.mesh, ratio)
     if split > SEEN:
-        found = f"{bolts.count} bolts on {shell.mesh.around} elements around"
-        said = f"{found} split pairs that equal bolts keep whole by some {split:.0e}"
-        warn("bolt-mesh", f"support.{edge}: {said}", stacklevel=6)
+        found = f"found {bolts.count} bolts on {shell.mesh.around} elements around"
+        effect = f"they split pairs of modes, which equal bolts would not, by about {split:.0e} of the frequency"
+        warn("bolt-mesh", f"support.{edge}: {found}; {effect}", stacklevel=6)
 
 
 def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
@@ -128,8 +132,8 @@ def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
     for spring in (name for name in support.patterns if getattr(support, name)):
         lowest = float(np.real(support.factor(spring, *ends)).min())
         if not lowest >= 0.0:
-            named = f"support.{edge}.around, by its cos and sin, makes {spring} negative"
-            raise ModelError("springs-negative", f"{named} (factor {lowest:.3g})")
+            found = f"found cos and sin that multiply {spring} by {lowest:.3g} at one place, expected 0 or more"
+            raise ModelError("springs-negative", f"support.{edge}.around: {found}")
 
 
 def check_field(shell: ShellParts, name: str, defect: Field) -> None:
@@ -141,7 +145,7 @@ def check_field(shell: ShellParts, name: str, defect: Field) -> None:
         raise ModelError("field-not-finite", f"{name}: the field is not finite everywhere on the surface")
     if values.min() <= -0.9 or values.max() > 9.0:
         reached = values.min() if values.min() <= -0.9 else values.max()
-        raise ModelError("field-range", f"{name}: the field reaches {reached:.3g}, it may run from -0.9 to 9")
+        raise ModelError("field-range", f"{name}: the field reaches {reached:.3g}, expected values from -0.9 to 9")
     nodes = shell.mesh.order * shell.mesh.around
     finest = finest_harmonic(shell, defect) if shell.chart.periodic else 0
     if 2 * finest > nodes:

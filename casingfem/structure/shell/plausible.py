@@ -76,12 +76,16 @@ def check_wall(shell: ShellParts) -> None:
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
     if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness represents a corner
-        raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
+        raise ModelError(
+            "shell-thickness-size", f"the wall thickness is {bent:.3g} times its smallest radius of curvature"
+        )
     short = sampled(shell, stretches(shell))
     bent = float((short.thickness * short.curvature).max())
     if bent > FOLDED + 1e-9:
         raise ModelError(
-            "shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, so it overlaps itself"
+            "shell-thickness-size",
+            f"the wall thickness is {bent:.3g} times the radius of curvature of a bend, so that the wall overlaps "
+            "itself",
         )
     thickest = float(size.thickness.max())
     if thickest >= (longest := size.sides.max()):
@@ -126,7 +130,7 @@ def warnings_of(material: Material) -> Iterator[Concern]:
     if E == rho == 1.0:  # a problem without units
         return
     if not SOUND[0] <= speed <= SOUND[1]:
-        yield "material-units", f"E = {E:.3g} Pa and rho = {rho:.3g} kg/m^3, sound at {speed:.3g} m/s"
+        yield "material-units", f"E = {E:.3g} Pa and rho = {rho:.3g} kg/m^3 give a speed of sound of {speed:.3g} m/s"
     if WEIGHTLESS <= rho < DENSITY[0] or rho > DENSITY[1]:
         yield "material-density-units", f"material.rho = {rho:.3g} kg/m^3"
     if nu < 0.0:
@@ -162,12 +166,12 @@ def wall_warnings(shell: ShellParts) -> Iterator[Concern]:
     bent = float((size.thickness * size.curvature).max())
     stout = float(size.thickness.max() / size.sides.min())
     if bent > THICK:
-        yield "shell-thick", f"the wall is {bent:.2g} of its smallest radius of curvature"
+        yield "shell-thick", f"the wall thickness is {bent:.2g} of its smallest radius of curvature"
     elif stout > STOUT:
-        yield "shell-thick", f"the wall is {stout:.2g} of the shortest side"
+        yield "shell-thick", f"the wall thickness is {stout:.2g} of the shortest side"
     thin = float(size.thickness.min() / size.diagonal)
     if thin < THIN:
-        yield "shell-thin", f"the wall is {thin:.2g} of the structure's diagonal"
+        yield "shell-thin", f"the wall thickness is {thin:.2g} of the structure's diagonal"
     factor = 1.0 if shell.shear_correction is None else float(np.real(shell.shear_correction))
     if not (SHEAR[0] <= factor <= SHEAR[1] or factor >= SHEAR[2]):
         yield "shear-correction", f"shell.shear_correction = {factor:g}"
@@ -181,14 +185,14 @@ def spring_warnings(shell: ShellParts) -> Iterator[Concern]:
             line = max(float(np.real(k)) for k in (support.k_r, support.k_theta, support.k_z))
             ratio = max(line, float(np.real(support.k_face)) * t, float(np.real(support.k_rot)) / t**2) / E
             if ratio < SOFT:
-                yield "support-soft", f"support.{edge}: springs of {ratio:.2g} E"
+                yield "support-soft", f"support.{edge}: found springs of at most {ratio:.2g} E per metre of edge"
 
 
 def mass_warnings(shell: ShellParts) -> Iterator[Concern]:
     """Warnings about masses on an edge that does not move."""
     for edge, masses in shell.masses.items():
         if masses and isinstance(shell.supports.get(edge), Clamped):
-            yield "mass-held", f"masses.{edge}: found {len(masses)} on a clamped edge"
+            yield "mass-held", f"masses.{edge}: found {len(masses)} masses on a clamped edge"
 
 
 LOOKS = (material_warnings, chart_warnings, wall_warnings, spring_warnings, mass_warnings)

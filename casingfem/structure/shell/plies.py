@@ -37,12 +37,12 @@ class Lamina:
     [[140.91, 3.02, 0.0], [3.02, 10.06, 0.0], [0.0, 0.0, 5.0]]
     """
 
-    E1: Annotated[float, Key("modulus along the fibres [Pa]", "positive", "E")]
-    E2: Annotated[float, Key("modulus across them [Pa]", "positive", "E")]
-    nu12: Annotated[float, Key("contraction across by stretch along the fibres [-]")]
-    G12: Annotated[float, Key("shear modulus in the layer [Pa]", "positive", "E")]
-    G13: Annotated[float, Key("shear modulus along the fibres, through the wall [Pa]", "positive", "E")]
-    G23: Annotated[float, Key("shear modulus across the fibres, through the wall [Pa]", "positive", "E")]
+    E1: Annotated[float, Key("Young's modulus along the fibres [Pa]", "positive", "E")]
+    E2: Annotated[float, Key("Young's modulus across the fibres [Pa]", "positive", "E")]
+    nu12: Annotated[float, Key("Poisson's ratio, contraction across over strain along the fibres [-]")]
+    G12: Annotated[float, Key("shear modulus in the plane of the layer [Pa]", "positive", "E")]
+    G13: Annotated[float, Key("transverse shear modulus along the fibres [Pa]", "positive", "E")]
+    G23: Annotated[float, Key("transverse shear modulus across the fibres [Pa]", "positive", "E")]
     rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
 
     def __post_init__(self) -> None:
@@ -84,8 +84,12 @@ class Ply:
     True
     """
 
-    thickness: Annotated[float, Key("its thickness [m]; all add up to that of the shell", "length", "thickness")]
-    angle_deg: Annotated[float, Key("of its fibres, from axis or span to around or chord [deg]", "turn")] = 0.0
+    thickness: Annotated[
+        float, Key("thickness of the ply [m]; the plies add up to the shell's thickness", "length", "thickness")
+    ]
+    angle_deg: Annotated[
+        float, Key("angle of the fibres from the axis or span towards the circumference or chord [deg]", "turn")
+    ] = 0.0
     lamina: Lamina | None = None
 
     def __post_init__(self) -> None:

@@ -83,7 +83,7 @@ class Spin:
         """
         part = omega**2 * self.nonlinear
         if part > LINEAR:
-            found = f"quadratic strains of {part:.2g} times the linear ones"
+            found = f"quadratic strains {part:.2g} times as large as the linear ones"
             warn("rotation-large", f"rotation: found {found}", stacklevel=4)
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
 

@@ -78,7 +78,8 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -
     rigid = np.sum(projected**2, axis=0) > SHARE * np.diag(kinetic)[k:]
     first = min(int(np.argmin(np.append(rigid, False))), expected)
     if 0 < first < expected:
-        warn("modes-rigid", f"{expected} rigid motions are free, {first} modes show them", stacklevel=5)
+        found = f"found {first} rigid-body modes, expected {expected}, as many as the supports leave free"
+        warn("modes-rigid", found, stacklevel=5)
     return first
 
 

@@ -87,7 +87,8 @@ def centred_points(points: SurveyPoints, fitted: Fit) -> tuple[SurveyPoints, Axi
     The search for outliers, by far the longest part, is made once; the axis is then that of the other points.
     """
     if points.quantity != "radius":
-        raise InputError(points.path, found="a thickness to be centred", expected="radii: a wall has no axis")
+        expected = "a survey of radii; leave centred out for a thickness, which has no axis"
+        raise InputError(points.path, found="centred = true for a survey of thickness", expected=expected)
     axis = settled_axis(points, rough_axis(points), fitted, search=False)
     fit = fitted(axis.seen_from(points), True)
     if fit.stray is not None:
@@ -118,8 +119,8 @@ def refuse_outside(points: SurveyPoints) -> None:
     axis = rough_axis(points)
     radius = float(np.median(axis.seen_from(points).value))
     if points.quantity == "radius" and abs(axis.offset) > FAR * radius:
-        found = f"points whose middle lies {axis}, their median radius being {radius:.4g} m"
-        raise InputError(points.path, found=found, expected="points about the part's axis, or centred = true")
+        found = f"points with their centre {axis} and a median radius of {radius:.4g} m"
+        raise InputError(points.path, found=found, expected="points about the axis of the part, or centred = true")
 
 
 def eccentric(fit: SurveyFit, points: SurveyPoints) -> Axis | None:

@@ -66,16 +66,17 @@ def fit_points(
     d = (0 if heights == 1 else 1 if heights < 4 else 2) if degree is None else degree
     unknowns = (2 * n + 1) * (d + 1)
     if len(points) * unknowns > _MOST_NUMBERS:
-        every, expected = math.ceil(len(points) * unknowns / _MOST_NUMBERS), f"{_MOST_NUMBERS / unknowns:,.0f} at most"
+        every, most = math.ceil(len(points) * unknowns / _MOST_NUMBERS), _MOST_NUMBERS / unknowns
         found = f"{len(points):,} points for {unknowns} unknowns"
-        raise InputError(points.path, found=found, expected=f"{expected}: keep one line in {every}")
+        expected = f"at most {most:,.0f} points; keep one line of every {every}, or fit fewer harmonics (n_max)"
+        raise InputError(points.path, found=found, expected=expected)
     while not (problem := _Problem(points, heights, n, d)).determined(margin=n_max is None):
         if degree is None and d > 0:
             d -= 1
         elif n_max is None and n > 1:
             n -= 1
         else:
-            expected = f"more points, or less than n_max = {n}, degree = {d}"
+            expected = f"more points, or a fit with n_max below {n} or degree below {d}"
             raise InputError(points.path, found=problem.weakness(), expected=expected)
     whole, design = SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights), problem.design(1.0)
     if not search:
@@ -88,12 +89,12 @@ def fit_points(
     weights = robust_weights(design, whole.residual)
     kept = weights > 0.0
     if np.mean(kept) < _LEAST_KEPT:
-        found = f"{np.sum(~kept)} of {len(points)} points far off any smooth surface"
-        raise InputError(points.path, found=found, expected=f"at least {_LEAST_KEPT:.0%} of them on one")
+        found = f"{np.sum(~kept)} of {len(points)} points far from the smooth surface through the others"
+        raise InputError(points.path, found=found, expected=f"at least {_LEAST_KEPT:.0%} of the points close to it")
     remaining = points.at(kept)
     if not _Problem(remaining, heights, n, d).determined(margin=False):
-        found = f"{np.sum(~kept)} points set aside, and too few left where they were"
-        raise InputError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
+        found = f"{np.sum(~kept)} outliers, and too few other points near them for n_max = {n}, degree = {d}"
+        raise InputError(points.path, found=found, expected="more points there, or a lower n_max or degree")
     return SurveyFit(*problem.solved(weights), kept, remaining.coverage()[0], heights)
 
 
@@ -103,7 +104,7 @@ def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree:
             raise ValueError(f"{name} must be a whole number >= {least}, not {value!r}")
     if gap > _WIDEST_GAP_DEG:
         hint = " (are these radians?)" if gap > 350.0 else ""
-        expected = f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
+        expected = f"points all around, with gaps of at most {_WIDEST_GAP_DEG:g} deg"
         raise InputError(points.path, found=f"a gap of {gap:.4g} deg in theta{hint}", expected=expected)
     if n_max is not None and gap > 360.0 / (2 * n_max) * (1 + 1e-9):
         expected = f"at most {180.0 / n_max:.4g} deg for n_max = {n_max}"
@@ -138,7 +139,7 @@ class _Problem:
         points, unknowns = self.design(1.0).shape
         if points < unknowns:
             return f"{points} points for {unknowns} unknowns"
-        return f"{points} points at places that do not determine {unknowns} unknowns apart"
+        return f"{points} points at places that do not determine {unknowns} unknowns"
 
     def determined(self, margin: bool) -> bool:
         """Whether the points are enough and well distributed, from the condition of the normal matrix."""

@@ -48,7 +48,7 @@ class SurveyPoints:
         arrays = {name: np.array(getattr(self, name), float) for name in ("theta", "z", "value")}
         if len({array.shape for array in arrays.values()}) != 1 or arrays["z"].ndim != 1 or not len(self):
             found = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-            raise InputError(self.path, found=found, expected="arrays of one common length >= 1")
+            raise InputError(self.path, found=found, expected="arrays of one equal length of at least 1")
         for name, array in arrays.items():
             bad = ~np.isfinite(array) | ((array <= 0.0) if name == "value" else False)
             if np.any(bad):
@@ -174,7 +174,7 @@ def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, s
 
 def _check_angle_unit(table: StrictCsv, theta: FloatArray) -> None:
     for row in np.flatnonzero(np.abs(theta) > 4 * np.pi)[:1]:
-        expected = "at most two turns (4 pi); degrees belong in a column theta_deg"
+        expected = "at most 4 pi rad (two turns); give degrees in a column theta_deg"
         raise table.refuse(row=row, column="theta_rad", found=f"{theta[row]:g} rad", expected=expected)
 
 

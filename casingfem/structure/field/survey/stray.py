@@ -204,5 +204,5 @@ def passes_words(points: SurveyPoints) -> str:
     drifts = drift * np.sqrt(len(apart)) > SURE and scatter > 1e-9
     if not (offset or drifts):
         return ""
-    what = f"by {1e6 * mean:+.3g} um on average" if offset else f"by {1e6 * scatter:.3g} um, not at random"
-    return f"the second measurements of {len(apart)} places differ from the first {what}"
+    what = f"{1e6 * mean:+.3g} um on average" if offset else f"{1e6 * scatter:.3g} um (rms), and not at random"
+    return f"{len(apart)} places were measured twice; the second measurements differ from the first by {what}"

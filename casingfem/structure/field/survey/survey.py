@@ -21,7 +21,7 @@ from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read
 from casingfem.structure.field.survey.stray import passes_words, pure_error
 
 WORDS: dict[Outside, str] = {
-    "fit": "the fitted polynomial goes on",
+    "fit": "the fitted polynomial continues",
     "nearest": "the shape of the nearest height continues",
     "zero": "the shape goes down to zero over a quarter of the measured heights",
 }
@@ -177,12 +177,12 @@ class SurveyField(SeriesBehind):
             warn("survey-outliers", f"{name}: {stray_words(set_aside, len(points))}", stacklevel=4)
         if fit.without is not None:
             effect = largest_change(fit.field, fit.without)
-            said = f"{stray_words(doubted, len(points), 'contradict all others')}; {effect}"
+            said = f"{stray_words(doubted, len(points), 'are outliers')}; {effect}"
             warn("survey-stray", f"{name}: {said}", stacklevel=4)
         if words := passes_words(points.at(fit.kept)):
             warn("survey-passes", f"{name}: {words}", stacklevel=4)
         if axis is None and (beside := eccentric(fit, points)) is not None:
-            warn("survey-eccentric", f"{name}: the part was {beside}", stacklevel=4)
+            warn("survey-eccentric", f"{name}: found a part {beside}", stacklevel=4)
         residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,
@@ -260,8 +260,8 @@ class SurveyField(SeriesBehind):
         if self.set_aside:
             lines.append(f"  outliers  {stray_words(self.set_aside, self.points)}")
         if self.without is not None:
-            lines.append(f"  doubted   {stray_words(self.doubted, self.points, 'contradict all others')}")
-            lines.append(f"            {largest_change(self.fit, self.without)}: a robust fit sets them aside")
+            lines.append(f"  outliers  {stray_words(self.doubted, self.points, 'included in the fit')}")
+            lines.append(f"            {largest_change(self.fit, self.without)}; robust = true leaves them out")
         return "\n".join([*lines, repr(self.fit)])
 
 
@@ -271,7 +271,7 @@ def largest_change(plain: FourierField, without: FourierField) -> str:
     return f"harmonic {p} is {plain.amplitude(p):.3g} with them, {without.amplitude(p):.3g} without"
 
 
-def stray_words(stray: Sequence[tuple[float, float, float]], points: int, what: str = "set aside") -> str:
+def stray_words(stray: Sequence[tuple[float, float, float]], points: int, what: str = "left out") -> str:
     """Number of outliers that were excluded, and the places of the worst."""
     worst = sorted(stray, key=lambda point: -abs(point[2]))[:5]
     places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {r:+.2e}" for theta, z, r in worst)

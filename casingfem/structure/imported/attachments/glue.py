@@ -47,9 +47,11 @@ class Gluing:
     0.0001
     """
 
-    follower: Annotated[str, Key("group whose nodes follow: the smaller face, or the finer mesh")]
-    master: Annotated[str, Key("group whose facets they follow")]
-    tolerance: Annotated[float | None, Key("largest gap [m]; a twentieth of a facet if left out", "positive")] = None
+    follower: Annotated[str, Key("group whose nodes follow, on the smaller face or that with the finer mesh")]
+    master: Annotated[str, Key("group of facets that these nodes follow")]
+    tolerance: Annotated[
+        float | None, Key("largest gap that is tied [m]; 1/20 of the facet size if left out", "positive")
+    ] = None
     where: str = "tie"
 
 
@@ -87,10 +89,10 @@ def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
     where = f"{mesh.source}: {gluing.where}"
     for name in (gluing.follower, gluing.master):
         if name not in mesh.groups:
-            raise ModelError("mesh-tie", f"{where}: no group {name!r}{hint(name, list(mesh.groups), most=3)}")
+            raise ModelError("mesh-tie", f"{where}: found no group {name!r}{hint(name, list(mesh.groups), most=3)}")
     kind, facets = faces_of(mesh, gluing.master)
     if not len(facets):
-        raise ModelError("mesh-tie", f"{where}: group {gluing.master!r} has no facets")
+        raise ModelError("mesh-tie", f"{where}: found a group {gluing.master!r} without facets, expected a face")
     earlier = [tie.nodes for tie in mesh.attachments.glued]
     apart = np.setdiff1d(mesh.groups[gluing.follower].nodes, np.concatenate([facets.ravel(), *earlier]))
     if not len(apart):
@@ -110,11 +112,11 @@ def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
         x[apart[own]] = np.where(far[own, None], x[apart[own]], places.x[own])
     if far.all():
         least = min(float(places.distance.min()) for places in found)
-        message = f"{where}: {gluing.follower!r} is {least:.3g} m from {gluing.master!r} or farther"
+        message = f"{where}: found a gap of {least:.3g} m or more between {gluing.follower!r} and {gluing.master!r}"
         raise ModelError("mesh-tie", message)
     if far.any():
-        message = f"{nodes_named(mesh, apart[far])} of {gluing.follower!r} off {gluing.master!r}"
-        warn("mesh-tie-loose", f"{where}: {message}", stacklevel=4)
+        message = f"{nodes_named(mesh, apart[far])} of {gluing.follower!r} beyond the tolerance from {gluing.master!r}"
+        warn("mesh-tie-loose", f"{where}: found {message}", stacklevel=4)
     weights[np.abs(weights) < 1e-12] = 0.0
     tie = Tie(nodes=apart[~far], others=others[~far], weights=weights[~far], where=gluing.where)
     attachments = replace(mesh.attachments, glued=(*mesh.attachments.glued, tie))

@@ -147,7 +147,7 @@ def warn_floating(mesh: MeshData, held: IntArray) -> None:
     floating = [node for node in alone.tolist() if len(ends[node]) == 1 and -1 not in ends[node]]
     if floating:
         found = nodes_named(mesh, np.array(floating))
-        warn("mesh-floating-spring", f"{mesh.source}: found {found} at the end of springs", stacklevel=6)
+        warn("mesh-floating-spring", f"{mesh.source}: found {found} with springs to one other node only", stacklevel=6)
 
 
 def enlarged(A: csc_array, size: int) -> csc_array:
@@ -173,7 +173,7 @@ def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
     """Refuse motions that a support fixes and a connection prescribes; motions tied to a fixed node are fixed too."""
     for dof in held.tolist():
         if dof in rows.owner and dof not in rows.own:
-            found = "a support on it, expected one on the node that it follows"
+            found = "a support on a node that follows another one, expected the support on that other node"
             raise motions.fault(rows.owner[dof], motions.place(dof)[0], found)
 
 
@@ -189,7 +189,7 @@ def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArra
         size = sum(block / max(float(np.trace(block)), np.finfo(float).tiny) for block in both)
         scale = 1.0 / np.sqrt(np.diagonal(size))
         if np.linalg.eigvalsh(scale[:, None] * size * scale)[0] < LOOSE:
-            found = "a motion with neither stiffness nor mass, expected nodes that are not in a line, or a mass there"
+            found = "a rotation with neither stiffness nor mass, expected connected nodes that are not all in one line"
             raise motions.fault("connections", node, found)
 
 

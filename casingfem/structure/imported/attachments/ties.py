@@ -27,7 +27,7 @@ from casingfem.structure.imported.mesh.mesh_data import MeshData
 LEVELS = 6  # squarings: connections that hang on one another, 64 deep
 FLAT = 1e-10  # least over largest spread of nodes below which their mean turn is not defined
 ALIGNED = 0.9  # least cosine between the walls of tied shells
-DIRECTIONS = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
+DIRECTIONS = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -72,7 +72,8 @@ class Motions:
         if (turn := self.turn(node)) >= 0:
             return {turn + component - 3: 1.0}
         if self.joints is None:
-            raise self.fault(where, node, f"the {DIRECTIONS[component]}, and nodes of solids do not turn")
+            found = f"the {DIRECTIONS[component]}, expected x, y or z: nodes of solids have no rotations"
+            raise self.fault(where, node, found)
         return {self.dofs * node + 3 + a: float(axis[component - 3]) for a, axis in self.turns(node)}
 
     def turns(self, node: int) -> list[tuple[int, FloatArray]]:
@@ -118,7 +119,8 @@ class Rows:
     def add(self, dof: int, node: int, of: dict[int, float], where: str) -> None:
         """Make a dof the sum of others."""
         if dof in self.owner:
-            raise self.motions.fault(where, node, f"it tied already by {self.owner[dof]}")
+            found = f"a motion that {self.owner[dof]} already prescribes, expected one connection for it"
+            raise self.motions.fault(where, node, found)
         self.owner[dof] = where
         self.entries += [(dof, other, value) for other, value in of.items() if value]
 
@@ -145,11 +147,12 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
     turning = [c for c in rigid.components if c > 2]
     of_shell = motions.joints is not None and bool(np.isin(reference, mesh.cells))
     if of_shell and dofs * reference + 3 not in rows.owner:
-        tie_director(rows, reference, pivot, f"its turns as the reference of {rigid.where}")
+        tie_director(rows, reference, pivot, f"the rotation of the reference node of {rigid.where}")
         rows.own |= {dofs * reference + 3 + a for a, _ in motions.turns(reference)}
     for node, arm in zip(rigid.nodes.tolist(), arms, strict=True):
         if node == reference:
-            raise motions.fault(rigid.where, node, "it among the nodes that follow it")
+            found = "the reference node among the nodes that follow it, expected other nodes"
+            raise motions.fault(rigid.where, node, found)
         for c in (c for c in rigid.components if c < 3):
             turned = {pivot + k: float(arm[c, k]) for k in range(3)}
             rows.add(dofs * node + c, node, {dofs * reference + c: 1.0} | turned, rigid.where)
@@ -159,7 +162,7 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
                 rows.add(own + c - 3, node, {pivot + c - 3: 1.0}, rigid.where)
         elif turning and motions.joints is not None:
             if len(turning) < 3:
-                found = "some of the turns of a shell's node, expected all three or none"
+                found = "one or two rotations of a shell's node, expected all three or none"
                 raise motions.fault(rigid.where, node, found)
             tie_director(rows, node, pivot, rigid.where)
 
@@ -177,7 +180,8 @@ def take_mean(rows: Rows, mean: Mean) -> None:
     pivot = motions.turn(mean.reference)
     for c in mean.components:
         if c > 2 and pivot < 0:
-            raise motions.fault(mean.where, mean.reference, "turns of a node on cells, expected x, y, z alone")
+            found = "rotations of a node that belongs to cells, expected x, y, z alone"
+            raise motions.fault(mean.where, mean.reference, found)
         dof = dofs * mean.reference + c if c < 3 else pivot + c - 3
         of = {dofs * node + k: float(fit[c, j, k]) for j, node in enumerate(mean.nodes.tolist()) for k in range(3)}
         rows.add(dof, mean.reference, of, mean.where)
@@ -207,8 +211,9 @@ def take_equation(rows: Rows, equation: Equation) -> None:
     motions, (first, *others) = rows.motions, equation.terms
     own = motions.row(first.node, first.component, equation.where)
     if first.coefficient == 0.0 or len(own) > 1:
-        found = "a coefficient of 0" if first.coefficient == 0.0 else "a turn of a shell's node"
-        raise motions.fault(equation.where, first.node, f"{found} in the first term, expected a motion to solve for")
+        found = "a coefficient of 0" if first.coefficient == 0.0 else "a rotation of a shell's node"
+        expected = "expected a term that the equation can be solved for"
+        raise motions.fault(equation.where, first.node, f"{found} in the first term, {expected}")
     of = motions.combined([t._replace(coefficient=-t.coefficient / first.coefficient) for t in others], equation.where)
     rows.add(next(iter(own)), first.node, of, equation.where)
 
@@ -264,5 +269,5 @@ def eliminated(rows: Rows) -> csr_array:
     left = R.indices[dependent[R.indices]]
     if not len(left):
         return csr_array(R)
-    found = f"{rows.owner[int(left[0])]}: found connections that hang on one another in a ring"
+    found = f"{rows.owner[int(left[0])]}: found connections that depend on one another in a circle"
     raise ModelError("mesh-attachment", f"{rows.motions.mesh.source}: {found}")

@@ -55,7 +55,7 @@ def check_support(mesh: MeshData, name: str, support: MeshSupport) -> None:
         if any((support.k_r, support.k_theta, support.k_z, support.k_rot)) or support.pattern("k_face") is not None:
             raise ModelError("mesh-support", f"{where}: found line springs or a pattern around, expected k_face alone")
         if not len(mesh.group_facets(name)):
-            raise ModelError("mesh-group-no-facets", where)
+            raise ModelError("mesh-group-no-facets", f"{where}: found k_face on a group without facets")
     elif not isinstance(support, Clamped | Fixed):
         raise ModelError("mesh-support", f"{where}: found {type(support).__name__}")
 
@@ -81,7 +81,7 @@ def by_group(mesh: MeshData, common: Constants, own: Mapping[str, Constants]) ->
     for name, numbers in own.items():
         cells = mesh.groups[name].cells
         if not len(cells):
-            raise ModelError("mesh-group-no-cells", f"{mesh.source}: material of group {name!r}")
+            raise ModelError("mesh-group-no-cells", f"{mesh.source}: found a material for group {name!r} without cells")
         taken = cells[owner[cells] != ""]
         if len(taken):
             found = f"cell {mesh.cell_numbers[taken[0]]} has the materials of {owner[taken[0]]!r} and {name!r}"

@@ -13,6 +13,7 @@ from casingfem.structure.imported.mesh.mesh_data import MeshData, find_facets
 MATCH = 1e-3  # of the shortest edge: how far apart paired nodes may be
 NEAR = 0.25  # of the shortest edge: nodes that miss each other by less were meant to be paired
 ALIKE = 1e-3  # relative error of the angle between two faces
+SEVERAL = "interior nodes lie on other nodes: found several sectors, expected one"
 
 
 class Turn(NamedTuple):
@@ -42,7 +43,7 @@ class Turn(NamedTuple):
     def __str__(self) -> str:
         """The rotation in words."""
         axis, point = (f"({x:g}, {y:g}, {z:g})" for x, y, z in (self.axis, self.point))
-        return f"turned by {np.degrees(self.angle):.6g} degrees about {axis} through {point}"
+        return f"rotated by {np.degrees(self.angle):.6g} degrees about {axis} through {point}"
 
 
 class Pairs(NamedTuple):
@@ -80,9 +81,9 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
     own = pairs.low != pairs.high
     both = names is None and turn.angle >= np.pi  # a half turn lays each face on the other
     if not both and len(np.intersect1d(pairs.low[own], pairs.high[own])):
-        raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, the part repeats itself within")
+        raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, {SEVERAL}")
     if not own.any():
-        raise ModelError("cyclic-faces", f"{mesh.source}: {turn}, found no nodes of faces but those on the axis")
+        raise ModelError("cyclic-faces", f"{mesh.source}: {turn}, only nodes on the axis match")
     require_facets(mesh, pairs)
     return one_way(mesh, turn, pairs) if both else pairs
 
@@ -100,7 +101,7 @@ def one_way(mesh: MeshData, turn: Turn, pairs: Pairs) -> Pairs:
     owners = facets[on, 0], find_facets(mesh, turned[on])[:, 0]
     here, there = (mesh.points[mesh.cells[cells]].mean(axis=1) for cells in owners)
     if np.sum((turn.places(here) - middle) * (there - middle)) > 0.0:
-        raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, the part repeats itself within")
+        raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, {SEVERAL}")
     once = pairs.low <= pairs.high
     return Pairs(pairs.low[once], pairs.high[once])
 
@@ -128,16 +129,16 @@ def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> P
     low, high = (np.intersect1d(mesh.groups[name].nodes, mesh.used) for name in names)
     if len(low) != len(high):
         found = f"{len(low)} nodes in {names[0]!r}, {len(high)} in {names[1]!r}"
-        raise ModelError("cyclic-faces", f"{mesh.source}: found {found}")
+        raise ModelError("cyclic-faces", f"{mesh.source}: found {found}, expected equal numbers")
     first, last = (turn.across(mesh.points[nodes]).sum() for nodes in (low, high))
     apart = float(np.angle(last / first)) if first != 0.0 else np.nan
     if abs(apart + turn.angle) <= ALIKE * turn.angle:
         low, high, apart = high, low, -apart
     if not abs(apart - turn.angle) <= ALIKE * turn.angle and turn.angle < np.pi:
         would = round(2.0 * np.pi / abs(apart)) if apart else 0
-        found = f"faces {abs(np.degrees(apart)):.6g} degrees apart about the axis and point, as {would} sectors have"
-        wanted = f"{round(2.0 * np.pi / turn.angle)} sectors, {np.degrees(turn.angle):.6g} degrees each"
-        raise ModelError("cyclic-sectors", f"{mesh.source}: found {found}, beside {wanted}")
+        found = f"an angle of {abs(np.degrees(apart)):.6g} degrees between the faces, that of {would} sectors"
+        wanted = f"{np.degrees(turn.angle):.6g} degrees, that of {round(2.0 * np.pi / turn.angle)} sectors"
+        raise ModelError("cyclic-sectors", f"{mesh.source}: found {found}, expected {wanted}")
     distance, partner = cKDTree(mesh.points[high]).query(turn.places(mesh.points[low]))
     worst = int(distance.argmax())
     if distance[worst] > reach or len(np.unique(partner)) < len(partner):
@@ -148,7 +149,7 @@ def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> P
 
 def miss(mesh: MeshData, node: int, partner: int, distance: float) -> str:
     """The text of a message about a node that does not match its partner."""
-    return f"node {mesh.labels[node]} comes to lie {distance:.3g} m from the nearest, {mesh.labels[partner]}"
+    return f"node {mesh.labels[node]} lies {distance:.3g} m from the nearest node, {mesh.labels[partner]}"
 
 
 def partners(mesh: MeshData, pairs: Pairs) -> IntArray:
@@ -167,6 +168,6 @@ def require_facets(mesh: MeshData, pairs: Pairs) -> None:
     alone = [row for row in turned.tolist() if tuple(row) not in own]
     if not len(turned) or alone:
         what = (
-            f"a facet comes to lie on nodes {mesh.labels[alone[0]].tolist()}, which are no facet" if alone else "none"
+            f"a facet lies on nodes {mesh.labels[alone[0]].tolist()}, which form no facet" if alone else "no facet fits"
         )
-        raise ModelError("cyclic-faces", f"{mesh.source}: facets of the faces: found {what}")
+        raise ModelError("cyclic-faces", f"{mesh.source}: one face, rotated onto the other: {what}")

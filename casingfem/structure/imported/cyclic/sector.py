@@ -80,14 +80,15 @@ class CyclicSector:
         for name, support in self.structure.supports.items():
             across = np.diag(np.isin(np.arange(3), support.held).astype(float))
             if isinstance(support, Fixed) and not np.allclose(self.turn.matrix @ across, across @ self.turn.matrix):
-                found = f"fixes {', '.join(support.directions)}, another direction in each sector"
-                raise ModelError("cyclic-support", f"cyclic: support.{name} {found}")
+                found = f"found fixed {', '.join(support.directions)}, which differ from sector to sector"
+                raise ModelError("cyclic-support", f"cyclic: support.{name}: {found}")
         require_axis(self.structure.rotation, self.turn)
         if attached := self.structure.mesh.attachments:
-            raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: a sector of a wheel with {attached}")
+            found = f"found a sector with {attached}, expected none on a sector"
+            raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: {found}")
         if isinstance(part, MeshShell) and len(meeting := walls_apart(part.mesh, FOLDED).meeting):
-            found = f"walls that meet at an angle, at {nodes_named(part.mesh, meeting)}"
-            raise ModelError("mesh-branch", f"{part.mesh.source}: a sector of a wheel with {found}")
+            found = f"found a sector with walls that meet at an angle, at {nodes_named(part.mesh, meeting)}"
+            raise ModelError("mesh-branch", f"{part.mesh.source}: {found}")
         pairs = paired_faces(self.structure.mesh, self.turn, self.faces, self.tolerance)
         object.__setattr__(self, "pairs", Pairs(frozen(pairs.low), frozen(pairs.high)))
         if isinstance(self.structure, MeshShell):
@@ -116,8 +117,8 @@ def require_axis(rotation: Rotation | None, turn: Turn) -> None:
     own = Rotation(omega=0.0, axis=turn.axis, centre=turn.point)
     away = own.plane @ (np.asarray(rotation.centre) - np.asarray(turn.point))
     if abs(own.direction @ rotation.direction) < 1.0 - CLOSE or np.linalg.norm(away) > CLOSE:
-        found = f"axis {rotation.axis} through {rotation.centre} beside {turn.axis} through {turn.point}"
-        raise ModelError("cyclic-axis", f"rotation: found {found}")
+        found = f"found axis {rotation.axis} through {rotation.centre}"
+        raise ModelError("cyclic-axis", f"rotation: {found}, expected {turn.axis} through {turn.point}, as in cyclic")
 
 
 def joint_directors(mesh: MeshData, pairs: Pairs, turn: Turn) -> FloatArray:

@@ -98,7 +98,7 @@ def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str
         check_groups(mesh, [group])
         cells = mesh.groups[group].cells
         if not len(cells):
-            raise ModelError("mesh-group-no-cells", f"{mesh.source}: blade {group!r}")
+            raise ModelError("mesh-group-no-cells", f"{mesh.source}: found a blade group {group!r} without cells")
     nodes = mesh.cells[cells]
     if isinstance(structure, Solid):
         matrices = cell_stiffness(mesh.kind, mesh.points, nodes, structure.constants()[:, cells])

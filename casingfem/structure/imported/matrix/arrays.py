@@ -43,14 +43,14 @@ def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
     roles = roles_of(list(square), path.name)
     if dofs is None:
         if "dofs" not in tables:
-            raise ModelError("matrix-dofs", f"{path.name}: found no array dofs")
+            raise ModelError("matrix-dofs", f"{path.name}: found no array named dofs")
         dofs = whole_numbers(tables["dofs"], 2, "matrix-dofs", f"{path.name}: dofs").astype(np.int64)
     nodes = whole_numbers(tables.get("nodes", np.zeros((0, 4))), 4, "matrix-file", f"{path.name}: nodes", numbered=1)
     turned = whole_numbers(tables.get("axes", np.zeros((0, 7))), 7, "matrix-file", f"{path.name}: axes", numbered=1)
     matrices = {role: fitting(f"{path.name}: {name}", square[name]) for role, name in roles.items()}
     if odd := [name for role, name in roles.items() if matrices[role].dtype.kind == "c"]:
-        said = f"{odd[0]} of complex numbers, expected K, M and C, each of real ones"
-        raise ModelError("matrix-file", f"{path.name}: found {said}")
+        found = f"found complex numbers in {odd[0]}, expected real K, M and C"
+        raise ModelError("matrix-file", f"{path.name}: {found}")
     named = {role: A.astype(float) for role, A in matrices.items()}
     points = {int(row[0]): row[1:] for row in nodes}
     left_out = tuple(name for name in numeric if name not in roles.values())
@@ -72,9 +72,10 @@ def axes_of(table: Array, path: Path) -> dict[int, Array]:
 def whole_numbers(table: Array, width: int, code: str, what: str, numbered: int = 2) -> Array:
     """A table of finite numbers, the first `numbered` columns being whole numbers."""
     if table.ndim != 2 or table.shape[1] != width:
-        raise ModelError(code, f"{what} have shape {table.shape}, expected (n, {width})")
+        raise ModelError(code, f"{what}: found the shape {table.shape}, expected (n, {width})")
     if table.dtype.kind not in "iuf" or not np.isfinite(table).all() or np.any(table[:, :numbered] % 1):
-        raise ModelError(code, f"{what}: found {table.dtype}, not all of them finite or whole, expected numbers")
+        expected = f"expected finite numbers, and whole ones in the first {numbered} columns"
+        raise ModelError(code, f"{what}: found other values (of type {table.dtype}), {expected}")
     return table
 
 
@@ -82,11 +83,11 @@ def fitting(what: str, given: Any, **options: Any) -> csc_array:
     """A compressed-column matrix, after a check of its row indices and column starts; scipy checks them later."""
     try:
         if isinstance(given, tuple) and any(part.dtype.kind not in "iu" for part in given[1:]):
-            raise ValueError("found row numbers or starts of columns that are not whole numbers")
+            raise ValueError("found indices or indptr of real numbers, expected whole numbers")
         A = csc_array(given, **options)
         A.check_format(full_check=True)
         if np.any(A.indptr[1:] < A.indptr[:-1]):  # scipy asks their differences, which overflow
-            raise ValueError("found starts of columns that do not ascend")
+            raise ValueError("found an indptr that decreases, expected it to ascend")
     except (ValueError, TypeError) as error:
         raise ModelError("matrix-file", f"{what}: {error}") from None
     return A
@@ -102,7 +103,8 @@ def put_together(path: Path, stored: dict[str, Any]) -> dict[str, Any]:
     for name in [key.removesuffix("_indptr") for key in stored if key.endswith("_indptr")]:
         parts = [stored.pop(f"{name}_{part}", None) for part in ("data", "indices", "indptr")]
         if any(part is None for part in parts):
-            raise ModelError("matrix-file", f"{path.name}: {name}: expected {name}_data, {name}_indices, {name}_indptr")
+            expected = f"expected {name}_data, {name}_indices and {name}_indptr"
+            raise ModelError("matrix-file", f"{path.name}: {name}: found only a part of the arrays, {expected}")
         size = np.size(parts[2]) - 1
         shape = tuple(np.ravel(stored.pop(f"{name}_shape", (size, size))).tolist())
         stored[name] = fitting(f"{path.name}: {name}", tuple(parts), shape=shape)
@@ -145,7 +147,7 @@ def of_child(path: Path, form: str, reader: str) -> dict[str, Any]:
     try:
         return put_together(path, dict(arrays_of(path, __name__, reader)))
     except UnreadableError as error:
-        raise ModelError("matrix-file", f"{path.name}: no readable {form} file ({error})") from None
+        raise ModelError("matrix-file", f"{path.name}: found no readable {form} file ({error})") from None
 
 
 def hdf5_arrays(path: Path) -> dict[str, Any]:

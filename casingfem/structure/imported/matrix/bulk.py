@@ -73,7 +73,7 @@ def read_bulk(paths: Sequence[Path]) -> Bulk:
     points = dict[int, FloatArray]()
     for number, *x in parser.grids:
         if number in points and not np.array_equal(points[number], x):
-            raise parser.fault(named[number], f"found grid {number} again, at another place, expected it once")
+            raise parser.fault(named[number], f"found grid {number} at two places, expected it once")
         points[number] = np.array(x)
     axes = {n: parser.systems.axes(named[n], system, points[n]) for n, system in parser.turned.items()}
     labels = np.array(rows, dtype=np.int64) if rows else None

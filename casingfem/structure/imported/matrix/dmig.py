@@ -42,7 +42,9 @@ class Dmig:
         if name in self.others:
             return
         if name not in self.entries:
-            raise parser.fault(card, f"found a column of {name} before its header")
+            raise parser.fault(
+                card, f"found a column of {name} before its header, expected the header (DMIG {name} 0 ...) first"
+            )
         node, component = parser.integer(card, fields[1]), parser.integer(card, fields[2] or "0")
         for k in range(4, len(fields), 4):
             row = fields[k : k + 4]

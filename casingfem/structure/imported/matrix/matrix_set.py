@@ -81,14 +81,15 @@ class MatrixSet:
         shapes = {name: A.shape for name, A in self.named.items()}
         n = len(self.dofs)
         if set(shapes.values()) != {(n, n)}:
-            found = ", ".join(f"{name} {shape[0]} x {shape[1]}" for name, shape in shapes.items())
-            raise ModelError("matrix-size", f"{self.source}: found {found} and {n} dofs")
+            found = ", ".join(f"{name} of {shape[0]} x {shape[1]}" for name, shape in shapes.items())
+            raise ModelError("matrix-size", f"{self.source}: found {found}, and {n} dofs")
         if not n:
             raise fault(self.source, "found no entries and no dofs")
         rows, counts = np.unique(self.dofs, axis=0, return_counts=True)
         if counts.max() > 1:
             node, direction = rows[counts.argmax()].tolist()
-            raise ModelError("matrix-dofs", f"{self.source}: found direction {direction} of node {node} twice")
+            found = f"found direction {direction} of node {node} in two rows, expected it in one"
+            raise ModelError("matrix-dofs", f"{self.source}: {found}")
 
     @property
     def named(self) -> dict[str, csc_array]:
@@ -125,7 +126,8 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
             fitting = [name for name in fitting if OF_A_SET.fullmatch(name.upper())] or fitting
         if len(fitting) > 1 or (not fitting and role in NEEDED):
             have = ", ".join(names) or "none"
-            raise ModelError("matrix-names", f"{source}: found the matrices {have}, {len(fitting)} of them for {role}")
+            found = f"found the matrices {have}; {len(fitting)} of these names mean {role}, expected one"
+            raise ModelError("matrix-names", f"{source}: {found}")
         if fitting:
             found[role] = fitting[0]
     return found

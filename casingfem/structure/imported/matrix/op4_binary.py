@@ -56,7 +56,7 @@ def read_binary(content: bytes, source: str) -> dict[str, csc_array]:
         length = int.from_bytes(content[at : at + 4], "little" if layout.order == "<" else "big", signed=True)
         end = at + 8 + length
         if length < 0 or end > len(content) or content[at : at + 4] != content[end - 4 : end]:
-            raise fault(source, f"byte {at}: found no whole record: cut short?")
+            raise fault(source, f"byte {at}: found an incomplete record: cut short?")
         start, at = at, end
         return content[start + 4 : end - 4]
 
@@ -64,7 +64,7 @@ def read_binary(content: bytes, source: str) -> dict[str, csc_array]:
     while at < len(content):
         head = record()
         if len(head) != 6 * size:
-            raise fault(source, f"byte {start}: found a header of {len(head)} bytes, expected {6 * size}")
+            raise fault(source, f"byte {start}: found {len(head)} bytes, expected the header of a matrix, {6 * size}")
         columns, rows, _, kind = layout.integers(head, 4)
         entries = begun(source, name_of(head[4 * size :], size), columns, rows, kind)
         while True:
@@ -107,7 +107,7 @@ def binary_parts(
         left = (len(data) - at) // size
         if not 0 < length <= left or length % each:
             found = f"a string of {length} words in column {column}"
-            raise ValueError(f"{found}, expected {each} a value and {left} at most")
+            raise ValueError(f"{found}, expected a multiple of {each} and at most {left}")
         parts.append((column, first, np.frombuffer(data[at : at + size * length], kind).astype(float)))
         at += size * length
     return parts

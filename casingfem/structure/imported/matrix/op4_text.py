@@ -40,7 +40,10 @@ def header(line: str, at: int, source: str) -> tuple[Entries, int]:
     numbers, name, form = line[:wide], line[wide : wide + 8], line[wide + 8 :]
     width = FORMAT.search(form)
     if len(numbers.split()) != 4 or (width is None and form.strip()):
-        raise fault(source, f"line {at + 1}: found {line[:48]!r}, expected columns, rows, form, type, name")
+        raise fault(
+            source,
+            f"line {at + 1}: found {line[:48]!r}, expected the header of a matrix: columns, rows, form, type, name",
+        )
     columns, rows, _, kind = integers(numbers, at, source)
     return begun(source, name.strip(), columns, rows, kind), PLAIN_WIDTH if width is None else int(width[1])
 
@@ -103,5 +106,5 @@ def check_column(source: str, at: int, entries: Entries, column: int, wanted: in
     strings = [len(values) for _, _, values in takewhile(lambda part: part[0] == column, reversed(entries.parts))]
     found = sum(strings)
     if column and not found <= wanted <= entries.words * found + 4 * len(strings):
-        message = f"{entries.name}: found {found} values in column {column}, announced {wanted} words"
+        message = f"{entries.name}: found {found} values in column {column}, expected {wanted} words as announced"
         raise fault(source, f"line {at}: {message}{': cut short?' if found < wanted else ''}")

@@ -84,7 +84,8 @@ def of_others(files: Sequence[Path], rows: IntArray | None, bulk: Bulk | None) -
     """Matrices of files other than bulk data; the bulk data may not contain matrices too."""
     if bulk is not None and (again := [name for name in bulk.dmig.names if role_of(name) in ("K", "M")]):
         names = ", ".join(file.name for file in files)
-        raise fault(bulk.source, f"found DMIG {again[0]}, beside the matrices of {names}, expected one or the other")
+        found = f"found the matrix {again[0]} on DMIG cards, and matrices in {names} too"
+        raise fault(bulk.source, f"{found}, expected matrices in one of them")
     ending = files[0].suffix.lower()
     if ending in CALCULIX:
         return read_calculix(files[0])
@@ -100,12 +101,14 @@ def of_op4(paths: Sequence[Path], dofs: IntArray | None) -> MatrixSet:
     for path in paths:
         matrices = read_op4(path)
         if again := [name for name in matrices if name in every and role_of(name)]:
-            raise fault(path.name, f"found the matrix {again[0]}, which another of the files has too, expected it once")
+            raise fault(
+                path.name, f"found the matrix {again[0]}, which another of the files contains too, expected one"
+            )
         every |= matrices
     square = without_null(every)
     roles = roles_of(list(square), source)
     if dofs is None:
-        raise ModelError("matrix-dofs", f"{source}: an OP4 file has no dofs")
+        raise ModelError("matrix-dofs", f"{source}: found OP4 files alone, which contain no dofs")
     left_out = tuple(name for name, A in every.items() if name not in roles.values() and A.count_nonzero())
     named = {role: square[name] for role, name in roles.items()}
     return MatrixSet(**named, dofs=dofs, source=source, left_out=left_out)

@@ -30,7 +30,7 @@ def nodes_and_axes(path: Path) -> tuple[dict[int, FloatArray], dict[int, FloatAr
     values, first = np.unique(numbers, return_index=True)
     if len(values) < len(numbers):
         again = int(np.setdiff1d(np.arange(len(numbers)), first)[0])
-        raise table.refuse(row=again, column="node", found=f"node {numbers[again]} again", expected="each once")
+        raise table.refuse(row=again, column="node", found=f"node {numbers[again]} again", expected="each node once")
     points = dict(zip(numbers.tolist(), np.stack([table.numbers(axis) for axis in "xyz"], axis=1), strict=True))
     axes: dict[int, FloatArray] = {}
     if not set(OF_AXES) & set(table.header):
@@ -73,7 +73,9 @@ def read_dofs(path: Path) -> IntArray:
     for k, (node, word) in enumerate(zip(table.cells["node"], table.cells["direction"], strict=True)):
         direction = DIRECTIONS.get(word.strip().lower())
         if direction is None or not node.strip().isdecimal():
-            raise table.refuse(row=k, found=f"{node}, {word}", expected=f"a node, and {', '.join(DIRECTIONS)}")
+            raise table.refuse(
+                row=k, found=f"{node}, {word}", expected=f"the number of a node, and one of {', '.join(DIRECTIONS)}"
+            )
         rows.append((int(node), direction))
     return np.array(rows, dtype=np.int64)
 

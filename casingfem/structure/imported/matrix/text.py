@@ -65,24 +65,26 @@ def read_market(path: Path) -> csc_array:
         return dense_market(path, symmetric=head[4] == "symmetric")
     table = numbers(path, 3)
     if not len(table):
-        raise fault(path.name, "found no rows, columns and entries: cut short?")
+        raise fault(path.name, "found no line with the numbers of rows, columns and entries: cut short?")
     size, columns, count = whole(table[0], path).tolist()
     entries = table[1:]
     check_square(path, size, columns)
     check_count(path, len(entries), count)
     places = whole(entries[:, :2], path) - 1
     if count and not (places.min() >= 0 and places.max() < size):
-        raise fault(path.name, f"found an entry outside of {size} x {size}")
+        raise fault(path.name, f"found an entry outside the matrix, expected rows and columns 1 to {size}")
     rows, columns = places.T
     A = coo_array((entries[:, 2], (rows, columns)), shape=(size, size))
     if head[4] == "general":
         return csc_array(A)
     if head[4] == "skew-symmetric":
         if np.any(columns >= rows):
-            raise fault(path.name, "found entries on or above the diagonal of a skew-symmetric matrix")
+            found = "found entries on or above the diagonal of a skew-symmetric matrix"
+            raise fault(path.name, f"{found}, expected entries below it alone")
         return csc_array(A - A.T)
     if np.any(columns > rows):
-        raise fault(path.name, "found entries above the diagonal of a symmetric matrix")
+        found = "found entries above the diagonal of a symmetric matrix"
+        raise fault(path.name, f"{found}, expected entries on and below it alone")
     return from_triples(rows, columns, entries[:, 2], size)
 
 
@@ -112,7 +114,7 @@ def dense_market(path: Path, *, symmetric: bool) -> csc_array:
     lines = read_loose_text(path).splitlines()[1:]
     words = " ".join(line for line in lines if not line.startswith("%")).split()
     if len(words) < 2 or not all(word.isdecimal() and len(word) < 16 for word in words[:2]):
-        raise fault(path.name, f"found {' '.join(words[:2])!r}, expected rows and columns, whole numbers")
+        raise fault(path.name, f"found {' '.join(words[:2])[:60]!r}, expected the numbers of rows and columns")
     size, columns = (int(word) for word in words[:2])
     check_square(path, size, columns)
     check_count(path, len(words) - 2, size * (size + 1) // 2 if symmetric else size * size)
@@ -141,7 +143,7 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
     if dofs is None and any(own is None for _, own in read.values()):
         beside = named[roles["K"]].with_suffix(".dof")
         if not beside.exists():
-            raise ModelError("matrix-dofs", f"{source}: found no {beside.name} beside it")
+            raise ModelError("matrix-dofs", f"{source}: found no file {beside.name} beside them")
         dofs = read_dof(beside)
     K, wanted = labelled(read["K"], dofs)
     others = {role: aligned(*labelled(read[role], dofs), wanted, source) for role in read if role != "K"}
@@ -162,12 +164,14 @@ def aligned(A: csc_array, labels: IntArray, wanted: IntArray, source: str) -> cs
     if np.array_equal(labels, wanted):
         return A
     if A.shape[0] != len(labels):
-        found = f"mass or damping of {A.shape[0]} rows and a list of {len(labels)} dofs"
+        found = f"a mass or damping matrix of {A.shape[0]} rows, and {len(labels)} dofs"
         raise ModelError("matrix-size", f"{source}: found {found}")
     place = {tuple(dof): k for k, dof in enumerate(wanted.tolist())}
     missing = [tuple(dof) for dof in labels.tolist() if tuple(dof) not in place]
     if missing:
-        raise ModelError("matrix-size", f"{source}: dof {missing[0]} has mass or damping and no stiffness")
+        node, direction = missing[0]
+        found = f"found mass or damping but no stiffness at node {node}, direction {direction}"
+        raise ModelError("matrix-size", f"{source}: {found}")
     rows = np.array([place[tuple(dof)] for dof in labels.tolist()])
     entries = A.tocoo()
     return csc_array((entries.data, (rows[entries.row], rows[entries.col])), shape=(len(wanted), len(wanted)))
@@ -191,13 +195,13 @@ def read_calculix(path: Path) -> MatrixSet:
     parts = {suffix: path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")}
     for part in parts.values():
         if not part.exists():
-            raise fault(path.name, f"found no {part.name} beside it")
+            raise fault(path.name, f"found no file {part.name} beside it, expected .sti, .mas and .dof together")
     dofs = read_dof(parts[".dof"])
     matrices = []
     for suffix in (".sti", ".mas"):
         table = numbers(parts[suffix], 3)
         places = whole(table[:, :2], parts[suffix]) - 1
         for outside in places[(places < 0) | (places >= len(dofs))][:1]:
-            raise ModelError("matrix-size", f"{parts[suffix].name}: found row {outside + 1} of {len(dofs)} dofs")
+            raise ModelError("matrix-size", f"{parts[suffix].name}: found row {outside + 1}, and {len(dofs)} dofs")
         matrices.append(from_triples(places[:, 0], places[:, 1], table[:, 2], len(dofs)))
     return MatrixSet(K=matrices[0], M=matrices[1], dofs=dofs, source=path.name)

@@ -97,9 +97,9 @@ class MeshData:
         points, cells = np.asarray(self.points, dtype=float), np.asarray(self.cells, dtype=np.int64)
         wanted = KINDS[self.kind].nodes
         if points.ndim != 2 or points.shape[1] != 3:
-            raise ValueError(f"{self.source}: points have shape {points.shape}, expected (nodes, 3)")
+            raise ValueError(f"{self.source}: found points of shape {points.shape}, expected (nodes, 3)")
         if cells.ndim != 2 or cells.shape[1] != wanted or not len(cells):
-            raise ValueError(f"{self.source}: cells have shape {cells.shape}, expected (at least 1, {wanted})")
+            raise ValueError(f"{self.source}: found cells of shape {cells.shape}, expected (at least 1, {wanted})")
         if cells.min() < 0 or cells.max() >= len(points):
             raise ValueError(f"{self.source}: cells refer to nodes outside 0 to {len(points) - 1}")
         if self.attachments and not 0 <= self.attachments.nodes[0] <= self.attachments.nodes[-1] < len(points):

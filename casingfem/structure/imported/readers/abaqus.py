@@ -44,7 +44,7 @@ class AbaqusAttachments:
         """Read one card of `PROPERTIES` or `CONNECTIONS`."""
         for name in REFUSED:
             if name in card.parameters and not (name == "ELSET" and card.keyword in PROPERTIES):
-                raise self.names.fault(card.line, f"*{card.keyword}: found {name}, which is not read here")
+                raise self.names.fault(card.line, f"*{card.keyword}: found {name}, which this program does not read")
         if card.keyword in PROPERTIES:
             self.properties.append((card, self.names.elements_of(card.parameters.get("ELSET", ""), card.line)))
             if card.keyword == "DISTRIBUTING COUPLING":
@@ -110,7 +110,7 @@ class AbaqusAttachments:
         """The *COUPLING before a card; each *COUPLING has one such card."""
         coupling, self.coupling = self.coupling, None
         if coupling is None:
-            raise self.names.fault(card.line, f"*{card.keyword} without *COUPLING before it")
+            raise self.names.fault(card.line, f"found *{card.keyword} without *COUPLING, expected *COUPLING before it")
         return coupling
 
     def take_kinematic(self, card: Card) -> None:
@@ -136,7 +136,7 @@ class AbaqusAttachments:
                 raise self.names.fault(line, f"*{card.keyword}: found the weight {weight:g}, expected one above 0")
             weights.append(np.full(len(nodes[-1]), weight))
         if not nodes:
-            raise self.names.fault(card.line, f"*{card.keyword}: found no nodes")
+            raise self.names.fault(card.line, f"*{card.keyword}: found no nodes, expected one or more")
         return np.concatenate(nodes), np.concatenate(weights)
 
     def take_distributing(self, card: Card) -> None:
@@ -202,7 +202,8 @@ class AbaqusAttachments:
             for number in numbers.tolist():
                 if number not in self.elements or self.elements[number][0] not in PROPERTIES[card.keyword]:
                     expected = " or ".join(PROPERTIES[card.keyword])
-                    raise self.names.fault(card.line, f"*{card.keyword} on element {number}, expected {expected}")
+                    found = f"found element {number} of another type, expected {expected}"
+                    raise self.names.fault(card.line, f"*{card.keyword}: {found}")
                 kind, nodes, _ = self.elements[number]
                 owned.add(number)
                 where = f"{kind} {number} (line {card.line})"
@@ -216,7 +217,8 @@ class AbaqusAttachments:
         if missing := sorted(set(self.elements) - owned):
             kind, _, line = self.elements[missing[0]]
             needed = next(key for key, kinds in PROPERTIES.items() if kind in kinds)
-            raise self.names.fault(line, f"element {missing[0]} of type {kind} without *{needed}")
+            found = f"found element {missing[0]} of type {kind} without a property, expected *{needed} for it"
+            raise self.names.fault(line, found)
         found = Attachments(
             masses=tuple(masses),
             springs=tuple(springs),
@@ -235,7 +237,7 @@ class AbaqusAttachments:
         if card.keyword == "MASS":
             return PointMass(node=node, mass=values[0], where=where)
         if len(values) < 3 or any(values[3:]):
-            found = f"*ROTARY INERTIA: found {', '.join(cells)}, expected I11, I22, I33 without products"
+            found = f"*ROTARY INERTIA: found {', '.join(cells)}, expected I11, I22, I33 alone (no I12, I13, I23)"
             raise self.names.fault(line, found)
         return PointMass(node=node, mass=0.0, inertia=np.diag(values[:3]), where=where)
 
@@ -243,7 +245,7 @@ class AbaqusAttachments:
         """*SPRING: degrees of freedom (SPRING1, SPRING2), then the stiffness."""
         rows = self.rows(card)
         if len(rows) != (1 if kind == "SPRINGA" else 2):
-            expected = "the stiffness" if kind == "SPRINGA" else "degrees of freedom, then the stiffness"
+            expected = "1 (the stiffness)" if kind == "SPRINGA" else "2 (degrees of freedom, then the stiffness)"
             raise self.names.fault(card.line, f"*SPRING: found {len(rows)} data lines, expected {expected}")
         line, cells = rows[-1]
         stiffness = self.number(line, cells[0])
@@ -252,15 +254,18 @@ class AbaqusAttachments:
         if kind != "SPRINGA":
             along = [self.component(rows[0][0], cell) for cell in rows[0][1][: len(nodes)]]
             if len(along) != len(nodes) or len({c > 2 for c in along}) > 1:
-                found = f"*SPRING: found {', '.join(rows[0][1])}, expected {len(nodes)} of one kind"
-                raise self.names.fault(rows[0][0], found)
+                found = f"*SPRING: found the degrees of freedom {', '.join(rows[0][1])}"
+                expected = f"expected {len(nodes)}, all displacements (1 to 3) or all rotations (4 to 6)"
+                raise self.names.fault(rows[0][0], f"{found}, {expected}")
             signs = zip(nodes.tolist(), along, (1.0, -1.0), strict=False)
             return Spring(terms=tuple(Term(*term) for term in signs), stiffness=stiffness, where=where)
         axis = places[1] - places[0]
         length = float(np.linalg.norm(axis))
         if not length > 0.0:
             which = where.removesuffix(f" (line {card.line})")
-            raise self.names.fault(card.line, f"{which}: found two nodes at one place, which have no line between them")
+            raise self.names.fault(
+                card.line, f"{which}: found two nodes at one place, expected a distance between them"
+            )
         ends = zip(nodes.tolist(), (1.0, -1.0), strict=True)
         terms = [Term(node, c, sign * float(axis[c] / length)) for node, sign in ends for c in range(3) if axis[c]]
         return Spring(terms=tuple(terms), stiffness=stiffness, where=where)

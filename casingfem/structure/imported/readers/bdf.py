@@ -89,7 +89,7 @@ class Parser(Numbers):
         if fields[1] not in ("", "0"):
             self.placed.append((len(self.grids), self.integer(card, fields[1]), card))
         if card.room < 5:
-            raise self.fault(card, f"grid {fields[0]} ends before z, expected a second line")
+            raise self.fault(card, f"found grid {fields[0]} without z, expected it on a second line")
         x, y, z = (self.real(card, text) for text in fields[2:5])
         number = self.integer(card, fields[0])
         self.grids.append((number, x, y, z))
@@ -109,7 +109,8 @@ class Parser(Numbers):
         beyond = sum(text not in ("", "0") for text in card.fields[2 + places :]) if card.name in PLACES else 0
         if len(given) < corners or not {"", "0"}.isdisjoint(given[:corners]) or beyond:
             count = sum(text not in ("", "0") for text in given) + beyond
-            raise self.fault(card, f"element {number} has {count} nodes, expected {corners} corners, middles between")
+            expected = f"expected {corners} corners, then middle nodes or none"
+            raise self.fault(card, f"found element {number} with {count} nodes, {expected}")
         middles = sum(text not in ("", "0") for text in given[corners:])
         given = given + [""] * (places - len(given)) if middles else given[:corners]
         kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
@@ -125,7 +126,10 @@ class Parser(Numbers):
         """Read SPC (set, grid, components, value, ...) or SPC1 (set, components, grids or first THRU last)."""
         fields = card.fields
         if len(fields) < 3 or "" in fields[: 2 if card.name == "SPC1" else 1]:
-            raise self.fault(card, f"found the fields {', '.join(fields) or 'none'}, expected a set, components, grids")
+            raise self.fault(
+                card,
+                f"found the fields {', '.join(fields) or 'none'}, expected the number of a set, components and grids",
+            )
         if card.name == "SPC":
             for k in range(1, len(fields) - 1, 3):
                 if fields[k]:

@@ -64,7 +64,9 @@ class Archive:
         """Widths of the integers on a line, and of the reals after them."""
         found = COLUMNS.match(self.lines[at].strip()) if at < len(self.lines) else None
         if found is None:
-            raise self.fault(min(at, len(self.lines) - 1), "expected the columns of a block, such as (19i9)")
+            at = min(at, len(self.lines) - 1)
+            found = self.lines[at].strip()
+            raise self.fault(at, f"found {found!r}, expected the columns of a block, such as (19i9)")
         fields = [(int(times or 1), int(width)) for times, width in INTEGERS.findall(found[1])]
         if not all(0 < times < WIDEST and 0 < width < WIDEST for times, width in fields):
             raise self.fault(at, f"found {self.lines[at].strip()!r}, expected columns such as (19i9)")
@@ -97,7 +99,8 @@ def read_cdb(path: Path) -> Draft:
         elif head in ("CE", "CP", "CERIG", "RBE3") and archive.lines[at][:1] not in "/!":
             archive.left_out[f"constraints ({head})"] += 1
         elif head in ("N", "E", "EN") and len(fields) > 1 and not fields[0].startswith("R5."):
-            raise archive.fault(at, f"found {head}, a node or element by itself, expected blocks (CDWRITE, DB)")
+            found = f"found the command {head} for a single node or element"
+            raise archive.fault(at, f"{found}, expected blocks, as CDWRITE,DB writes them")
         at += 1
     return draft(archive)
 
@@ -107,14 +110,15 @@ def check_count(archive: Archive, at: int, fields: list[str], found: int) -> Non
     wanted = int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() else 0
     if wanted and found != wanted:
         short = ": cut short?" if found < wanted else ""
-        raise archive.fault(at, f"found {found} of the {wanted} items that the block announces{short}")
+        raise archive.fault(at, f"found {found} items, expected {wanted}{short}")
 
 
 def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
     """Read NBLOCK; returns the line after it."""
     begun, (widths, real) = at, archive.layout(at + 1)
     if not real:
-        raise archive.fault(at + 1, "expected columns of whole numbers and reals, such as (3i9,6e21.13e3)")
+        found = f"found {archive.lines[at + 1].strip()!r}"
+        raise archive.fault(at + 1, f"{found}, expected columns of whole and real numbers, such as (3i9,6e21.13e3)")
     at += 2
     first = len(archive.nodes)
     while at < len(archive.lines):
@@ -125,14 +129,16 @@ def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
         start = sum(widths)
         parts = [line[start + k * real : start + (k + 1) * real] for k in range(3)]
         if (len(line) - start) % real and len(line) > start:
-            raise archive.fault(at, f"found {len(line)} characters, expected columns of {widths[0]} and {real}")
+            raise archive.fault(
+                at, f"found a line of {len(line)} characters, expected columns of {widths[0]} and {real} characters"
+            )
         try:
             x, y, z = (float(part) if part.strip() else 0.0 for part in parts)
         except ValueError:
             raise archive.fault(at, f"found {line[start:].strip()!r}, expected coordinates") from None
         archive.nodes.append((archive.integer(at, line[: widths[0]]), x, y, z))
         at += 1
-    raise archive.fault(begun, "NBLOCK without its end: cut short?")
+    raise archive.fault(begun, "found NBLOCK without its end: cut short?")
 
 
 def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
@@ -148,23 +154,24 @@ def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
             check_count(archive, begun, fields, len(archive.elements) - first)
             return at + 1
         if len(numbers) <= FACTS:
-            raise archive.fault(at, f"found {len(numbers)} numbers, expected {FACTS} and the nodes of an element")
+            raise archive.fault(at, f"found {len(numbers)} numbers, expected {FACTS} and then the nodes of an element")
         wanted = FACTS + numbers[COUNT]
         while len(numbers) < wanted and at + 1 < len(archive.lines) and archive.lines[at + 1].strip() != "-1":
             at += 1
             numbers += archive.whole(at, width)
         if len(numbers) != wanted:
-            found = f"element {numbers[OWN]} with {len(numbers) - FACTS} of {numbers[COUNT]} nodes"
-            raise archive.fault(at, f"found {found}{': cut short?' if len(numbers) < wanted else ''}")
+            found = f"found element {numbers[OWN]} with {len(numbers) - FACTS} nodes, expected {numbers[COUNT]}"
+            raise archive.fault(at, f"{found}{': cut short?' if len(numbers) < wanted else ''}")
         archive.elements.append(numbers)
         at += 1
-    raise archive.fault(begun, "EBLOCK without its end: cut short?")
+    raise archive.fault(begun, "found EBLOCK without its end: cut short?")
 
 
 def take_component(archive: Archive, at: int, fields: list[str]) -> int:
     """Read CMBLOCK; returns the line after it."""
     if len(fields) < 3 or fields[1] not in ("NODE", "ELEM", "ELEMENT"):
-        raise archive.fault(at, "expected CMBLOCK, name, NODE or ELEM, count")
+        found = f"found {archive.lines[at].strip()!r}"
+        raise archive.fault(at, f"{found}, expected CMBLOCK, name, NODE or ELEM, number of members")
     begun, count = at, archive.integer(at, fields[2].partition("!")[0])
     widths, _ = archive.layout(at + 1)
     per_line, width = len(widths), widths[0]
@@ -174,13 +181,14 @@ def take_component(archive: Archive, at: int, fields: list[str]) -> int:
         given += archive.whole(at, width)
         at += 1
     if len(given) != count:
-        raise archive.fault(begun, f"found {len(given)} of {count} numbers, {per_line} a line: cut short?")
+        found = f"found {len(given)} numbers, expected {count}, {per_line} on each line"
+        raise archive.fault(begun, f"{found}: cut short?")
     members: list[int] = []
     most = sum(map(len, archive.lines))
     for number in given:
         ranged = range(members[-1] + 1 if members else 1, 1 - number)
         if number <= 0 and len(ranged) > most:
-            raise archive.fault(begun, f"found a range up to {-number}, more numbers than the file has")
+            raise archive.fault(begun, f"found a range up to {-number}, expected at most {most} numbers in this file")
         members += [number] if number > 0 else ranged
     name = archive.lines[begun].split(",")[1].strip()
     archive.components[name] = (fields[1][:4], members)
@@ -228,14 +236,15 @@ def draft(archive: Archive) -> Draft:
     for element in archive.elements:
         kind = archive.types.get(element[1], "")
         if not kind:
-            raise ModelError("mesh-file", f"{source}: element {element[OWN]} of type {element[1]}, which no ET names")
+            found = f"found element {element[OWN]} of type {element[1]}, expected a command ET for this type"
+            raise ModelError("mesh-file", f"{source}: {found}")
         found_kind = kind_of(kind, np.array(element[FACTS:], dtype=np.int64))
         if found_kind is None:
             left_out[f"elements of type {kind}"] += 1
             continue
         name, own = found_kind
         if name in KINDS and (own[: len(KINDS[name].corners)] <= 0).any():
-            raise ModelError("mesh-file", f"{source}: element {element[OWN]} lacks a corner")
+            raise ModelError("mesh-file", f"{source}: found element {element[OWN]} without one of its corner nodes")
         if name in KINDS and KINDS[name].dim == 2 and not (own[len(KINDS[name].corners) :] > 0).any():
             name, own = name.rstrip("68"), own[: len(KINDS[name].corners)]
         rows.setdefault(name, []).append((element[OWN], element[0], own))

@@ -50,9 +50,9 @@ def in_basic(systems: Mapping[int, System], number: int, x: FloatArray) -> Float
     seen: list[int] = []
     while number:
         if number not in systems:
-            raise ValueError(f"no system {number}")
+            raise ValueError(f"found no system {number}")
         if number in seen:
-            raise ValueError(f"system {number} refers to itself")
+            raise ValueError(f"found a system {number} that refers to itself")
         seen.append(number)
         system = systems[number]
         origin, axes = within(systems, number)
@@ -71,7 +71,7 @@ def within(systems: Mapping[int, System], number: int) -> tuple[FloatArray, Floa
     z, out = b - a, c - a
     y = np.cross(z, out)
     if not np.linalg.norm(y) > SMALL * np.linalg.norm(z) * np.linalg.norm(out):
-        raise ValueError(f"the points of system {number} are in a line")
+        raise ValueError(f"found the three points of system {number} in one line, expected a triangle")
     axes = np.stack([np.cross(y, z), y, z])
     return a, axes / np.linalg.norm(axes, axis=1, keepdims=True)
 
@@ -102,7 +102,7 @@ def axes_at(systems: Mapping[int, System], number: int, x: FloatArray) -> FloatA
         return axes
     _, b, c = coordinates(kind, axes @ (x - origin))
     if not np.hypot(*(axes[:2] @ (x - origin))) > SMALL * np.linalg.norm(x - origin):
-        raise ValueError(f"a point on the axis of system {number}, where its directions are not defined")
+        raise ValueError(f"found a point on the axis of system {number}, where its radial direction is not defined")
     cos, sin = np.cos(np.radians([b, c])), np.sin(np.radians([b, c]))
     if kind == "cylindrical":
         local = [[cos[0], sin[0], 0.0], [-sin[0], cos[0], 0.0], [0.0, 0.0, 1.0]]
@@ -142,7 +142,9 @@ class CardSystems:
         for k in range(0, len(card.fields), 4):
             number, *grids = card.fields[k : k + 4]
             if len(grids) != 3 or "" in grids:
-                raise self.numbers.fault(card, f"found the grids {', '.join(grids) or 'none'}, expected three")
+                raise self.numbers.fault(
+                    card, f"found the grids {', '.join(grids) or 'none'}, expected three, A, B and C"
+                )
             given = [self.numbers.integer(card, text) for text in grids]
             self.by_grids[self.new(card, number)] = (BY_GRIDS[card.name], given, card)
 
@@ -150,7 +152,7 @@ class CardSystems:
         """The number of a new system; a repeated number is refused."""
         number = self.numbers.integer(card, text)
         if number in self.systems or number in self.by_grids:
-            raise self.numbers.fault(card, f"coordinate system {number} is given twice")
+            raise self.numbers.fault(card, f"found coordinate system {number} again, expected it once")
         return number
 
     def place(self, grids: list[tuple[int, float, float, float]], placed: list[tuple[int, int, Card]]) -> None:
@@ -168,7 +170,7 @@ class CardSystems:
             for number in ready:
                 kind, named, card = pending.pop(number)
                 if missing := [grid for grid in named if grid not in here]:
-                    raise self.numbers.fault(card, f"found grid {missing[0]}, which is not given")
+                    raise self.numbers.fault(card, f"found grid {missing[0]}, which the file does not define")
                 self.systems[number] = System(kind, 0, np.array([here[grid] for grid in named]))
             left = [item for item in waiting if self.waits(item[1], pending)]
             for row, system, card in (item for item in waiting if not self.waits(item[1], pending)):
@@ -179,7 +181,8 @@ class CardSystems:
                     raise self.numbers.fault(card, message) from None
                 grids[row] = (grids[row][0], x, y, z)
             if len(left) == len(waiting) and not ready:
-                raise self.numbers.fault(left[0][2], "found coordinate systems by grids in a ring")
+                found = "found coordinate systems whose grids lie in one another's system"
+                raise self.numbers.fault(left[0][2], f"{found}, expected one that starts from the basic system")
             waiting = left
 
     def waits(self, system: int, pending: Container[int]) -> bool:

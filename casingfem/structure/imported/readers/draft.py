@@ -67,14 +67,14 @@ class Lookup:
         self.sorted, self.source, self.what = numbers[self.order], source, what
         twice = self.sorted[:-1][np.diff(self.sorted) == 0]
         if len(twice):
-            raise ModelError("mesh-file", f"{source}: {what} {twice[0]} is given twice")
+            raise ModelError("mesh-file", f"{source}: found {what} {twice[0]} twice, expected it once")
 
     def __call__(self, wanted: IntArray) -> IntArray:
         """Indices of numbers, of their shape."""
         place = np.minimum(np.searchsorted(self.sorted, wanted), len(self.sorted) - 1)
         missing = np.asarray(wanted)[self.sorted[place] != wanted]
         if len(missing):
-            raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is used but not defined")
+            raise ModelError("mesh-file", f"{self.source}: found no {self.what} {missing[0]}, although it is used")
         return np.asarray(self.order[place])
 
     def some(self, wanted: IntArray, given: BoolArray) -> IntArray:
@@ -134,7 +134,7 @@ def alike(mesh: MeshData) -> MeshData:
     turned = to_turn(len(mesh.cells), pairs[:, :, 0], against(mesh, pairs))
     if not turned.any():
         return mesh
-    found = f"{named('cell', mesh.cell_numbers[turned])} turned round, with normals against their neighbours'"
+    found = f"found {named('cell', mesh.cell_numbers[turned])} with normals opposite to their neighbours'"
     warn("mesh-turned-shell", f"{mesh.source}: {found}", stacklevel=5)
     return replace(mesh, cells=np.where(turned[:, None], mesh.cells[:, mirror(mesh.kind)], mesh.cells))
 
@@ -186,7 +186,7 @@ def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
     facets = find_facets(mesh, corners)
     lost = int(np.count_nonzero(facets[:, 0] < 0))
     if lost:
-        found = f"{mesh.source}: group {name!r} has {lost} of {len(corners)} facets that belong to no cell"
+        found = f"{mesh.source}: found group {name!r} with {lost} of {len(corners)} facets that belong to no cell"
         warn("mesh-loose-facets", found, stacklevel=6)
     return facets[facets[:, 0] >= 0]
 

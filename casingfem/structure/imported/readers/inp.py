@@ -29,7 +29,7 @@ FAMILIES = {
     "SFM3D6": "triangle6", "SFM3D8": "quad8", "T3D2": "line", "T3D3": "line3", "B31": "line", "B32": "line3",
 }  # fmt: skip
 REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
-    ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
+    ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that the solver generates"
 )
 READ = {"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "TIE", "INSTANCE", "PART", *PROPERTIES, *CONNECTIONS}
 Sides: TypeAlias = list[tuple[int, IntArray]]  # blocks and rows
@@ -76,14 +76,16 @@ class Parser(Names):
         for card, frame in laid_out(cards(lines), self.fault):
             self.frame = frame
             if card.keyword in REFUSED:
-                raise self.fault(card.line, f"*{card.keyword} refers to {REFUSED[card.keyword]}, expected a flat mesh")
+                found = f"found *{card.keyword}, {REFUSED[card.keyword]}"
+                raise self.fault(card.line, f"{found}, expected nodes and elements written out, in global coordinates")
             if card.keyword in LEFT_OUT or (card.keyword == "SHELL SECTION" and "OFFSET" in card.parameters):
                 left_out[card.keyword] = card.line
             if card.keyword in takers:
                 takers[card.keyword](card)
         if "TRANSFORM" in left_out and self.connections.by_direction:
             line = left_out["TRANSFORM"]
-            raise self.fault(line, "*TRANSFORM beside springs or equations, expected them along the global axes")
+            found = "found *TRANSFORM and springs or equations, expected their directions along the global axes"
+            raise self.fault(line, found)
         if left_out:
             found = ", ".join(f"*{name} (line {line})" for name, line in left_out.items())
             warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
@@ -111,17 +113,20 @@ class Parser(Names):
             return
         families = [family for family in FAMILIES if name.startswith(family) and not name[len(family) :][:1].isdigit()]
         if not families:
-            raise ModelError("mesh-unsupported-cell", f"{self.source}: line {card.line}: *ELEMENT of type {name!r}")
+            found = f"line {card.line}: found *ELEMENT of type {name!r}"
+            raise ModelError("mesh-unsupported-cell", f"{self.source}: {found}")
         kind = FAMILIES[max(families, key=len)]
         if name.startswith("B3"):
             self.left_out[f"ELEMENT of type {name}"] = card.line
         wanted, flat = NODES[kind] + 1, list[int]()
         for (line, _), row in zip(card.data, self.values(card, int), strict=True):
             if len(flat) % wanted + len(row) > wanted:  # each element starts on a line of its own
-                raise self.fault(line, f"found {len(flat) % wanted + len(row)} numbers, expected {wanted} an element")
+                found = f"found an element of {len(flat) % wanted + len(row)} numbers"
+                raise self.fault(line, f"{found}, expected {wanted}: its own number and its nodes")
             flat += row
         if len(flat) % wanted:
-            raise self.fault(card.line, f"*ELEMENT {name}: {len(flat)} numbers, expected {wanted} an element")
+            found = f"*ELEMENT {name}: found {len(flat)} numbers"
+            raise self.fault(card.line, f"{found}, expected a multiple of {wanted}: element number and nodes")
         table = np.array(flat, dtype=np.int64).reshape(-1, wanted) + self.frame.offset
         self.elements.append((kind, table[:, 0], table[:, 1:]))
         if name.startswith(("CPS", "CPE")):
@@ -134,7 +139,7 @@ class Parser(Names):
         rows = self.values(card, int)
         for (line, text), row in zip(card.data, rows, strict=True):
             if len(row) != 1 + ELEMENTS[kind]:
-                raise self.fault(line, f"found {text!r}, expected a number and {ELEMENTS[kind]} nodes")
+                raise self.fault(line, f"found {text!r}, expected an element number and {ELEMENTS[kind]} nodes")
         table = np.array(rows, dtype=np.int64).reshape(-1, 1 + ELEMENTS[kind]) + self.frame.offset
         self.connections.take_elements(card.line, kind, table[:, 0], table[:, 1:])
         if "ELSET" in card.parameters:
@@ -158,12 +163,12 @@ class Parser(Names):
         for card, line, *names in self.ties:
             for name in names:
                 if name.upper() not in (*self.surfaces, *self.on_nodes):
-                    raise self.fault(line, f"*TIE: no surface {name!r}")
+                    raise self.fault(line, f"*TIE: found no surface {name!r}, expected the name of a *SURFACE")
             first, other = (name.upper() for name in names)
             if first in self.on_nodes:
                 self.node_sets.setdefault(first, self.on_nodes[first])
             if other not in self.surfaces:
-                raise self.fault(line, f"*TIE: found the surface {names[1]!r} of nodes, expected one of faces")
+                raise self.fault(line, f"*TIE: found the surface {names[1]!r} of nodes, expected one of element faces")
             given = card.parameters.get("POSITION TOLERANCE")
             tolerance = None if given is None else self.connections.number(card.line, given)
             follower, master = self.spelling[first], self.spelling[other]

@@ -94,7 +94,7 @@ def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> 
     if not names:
         parts = [card for card in given if card.keyword == "PART"]
         if len(parts) > 1:
-            raise fault(parts[1].line, "*PART: several parts and no *INSTANCE that places them")
+            raise fault(parts[1].line, "*PART: found several parts without *INSTANCE, expected one for each part")
         yield from ((card, Frame()) for card in given)
         return
     parts_of, rest = split_parts(given)
@@ -105,9 +105,11 @@ def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> 
         if card.keyword == "INSTANCE":
             name, part = (card.parameters.get(key, "").upper() for key in ("NAME", "PART"))
             if not name or name in frames:
-                raise fault(card.line, f"*INSTANCE: found the name {name!r}, expected each instance's own")
+                raise fault(
+                    card.line, f"*INSTANCE: found the name {name!r}, expected a name that no other instance has"
+                )
             if part not in parts_of:
-                raise fault(card.line, f"*INSTANCE of part {part!r}, which is not given up to here")
+                raise fault(card.line, f"*INSTANCE: found no part {part!r} above this line")
             turn, shift = motion(card, fault)
             alone = len(names) == 1
             inside = Frame(len(frames) * step, "" if alone else f"{card.parameters['NAME']}.", True, turn, shift)
@@ -120,7 +122,7 @@ def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> 
         else:
             name = card.parameters.get("INSTANCE", "").upper()
             if name and name not in frames:
-                raise fault(card.line, f"*{card.keyword}, INSTANCE={name}: no such instance up to here")
+                raise fault(card.line, f"*{card.keyword}: found no instance {name!r} above this line")
             frame = frames[name] if name else Frame()
             yield card, Frame(frame.offset, frame.prefix, False, frame.turn, frame.shift)
 
@@ -166,12 +168,14 @@ def motion(card: Card, fault: Callable[[str, str], ModelError]) -> tuple[FloatAr
 
     rows = values(card, float, fault)
     if len(rows) > 2 or (rows and len(rows[0]) != 3) or (len(rows) == 2 and len(rows[1]) != 7):
-        raise fault(card.line, "*INSTANCE: expected a line dx, dy, dz, then one ax, ay, az, bx, by, bz, angle")
+        found = f"found lines of {' and '.join(str(len(row)) for row in rows)} numbers"
+        expected = "expected dx, dy, dz, and maybe a second line ax, ay, az, bx, by, bz, angle"
+        raise fault(card.line, f"*INSTANCE: {found}, {expected}")
     shift = np.array(rows[0]) if rows else np.zeros(3)
     if len(rows) < 2:
         return np.eye(3), shift
     a, b, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
     if not np.linalg.norm(b - a) > 0.0:
-        raise fault(card.data[1][0], "*INSTANCE: found an axis between two points at one place")
+        raise fault(card.data[1][0], "*INSTANCE: found one place for both points of the axis, expected two places")
     turn = Rotation.from_rotvec(np.radians(angle) * (b - a) / np.linalg.norm(b - a)).as_matrix()
     return turn, turn @ (shift - a) + a

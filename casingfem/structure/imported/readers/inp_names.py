@@ -93,7 +93,7 @@ class Names:
             return np.array([int(cell) + self.frame.offset])
         known = [name for name in (f"{self.frame.prefix}{cell}".upper(), cell.upper()) if name in sets]
         if not known:
-            raise self.fault(line, f"no set {cell!r} up to here")
+            raise self.fault(line, f"found no set {cell!r} above this line")
         return np.concatenate(sets[known[0]])
 
     def nodes_of(self, cell: str, line: str) -> IntArray:
@@ -115,7 +115,7 @@ class Names:
         if of_nodes is not None:
             return of_nodes
         if name.upper() not in self.surfaces:
-            raise self.fault(line, f"no surface {name!r}")
+            raise self.fault(line, f"found no surface {name!r}")
         found = [NONE]
         for ids, face in self.surfaces[name.upper()]:
             for kind, numbers, cells in self.elements:
@@ -131,7 +131,7 @@ class Names:
         sets = self.node_sets if card.keyword == "NSET" else self.element_sets
         name = card.parameters.get(card.keyword, "")
         if not name:
-            raise self.fault(card.line, f"*{card.keyword} without a name")
+            raise self.fault(card.line, f"found *{card.keyword} without a name, expected {card.keyword}=NAME")
         found: list[IntArray] = []
         for line, text in card.data:
             cells = [cell.strip() for cell in text.rstrip(",").split(",")]
@@ -144,7 +144,7 @@ class Names:
                 if max(abs(first), abs(last)) >= MOST:
                     raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
                 if len(members) > self.size:
-                    raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file has")
+                    raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file can contain")
                 found.append(np.array(members, dtype=np.int64) + self.frame.offset)
                 continue
             found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
@@ -154,7 +154,7 @@ class Names:
         """Read *SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
         name = self.named(card.parameters.get("NAME", ""))
         if not card.data:
-            raise self.fault(card.line, f"*SURFACE {name}: found nothing that belongs to it")
+            raise self.fault(card.line, f"*SURFACE {name}: found no data lines, expected faces of elements, or nodes")
         if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
             named = [self.nodes_of(text.split(",")[0].strip(), line) for line, text in card.data]
             self.on_nodes.setdefault(name.upper(), []).extend(named)
@@ -175,4 +175,5 @@ class Names:
         plane = bool(len(ids)) and bool(np.isin(ids, list(self.plane)).all())
         if corners := face_corners(kind, face, plane=plane):
             return corners
-        raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {kind} elements")
+        found = f"found a surface on face {face!r} of {kind} elements, which have no such face"
+        raise ModelError("mesh-file", f"{self.source}: {found}")

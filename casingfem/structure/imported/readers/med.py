@@ -40,7 +40,7 @@ def read_med(path: Path) -> Draft:
     try:
         stored = arrays_of(regular_file(path), med_file.__name__, "med_arrays")
     except UnreadableError as error:
-        raise ModelError("mesh-file", f"{path.name}: no readable MED file ({error})") from None
+        raise ModelError("mesh-file", f"{path.name}: found no readable MED file ({error})") from None
     points = stored["points"]
     blocks: list[Block] = []
     sets: dict[str, list[tuple[int, IntArray]]] = {name: [] for name in names_in(stored, "cells")}
@@ -50,7 +50,8 @@ def read_med(path: Path) -> Draft:
             raise ModelError("mesh-unsupported-cell", f"{path.name}: {found}")
         cells = stored[f"nodes {kind}"].astype(np.int64) - 1
         if cells.size and (cells.min() < 0 or cells.max() >= len(points)):
-            raise ModelError("mesh-file", f"{path.name}: a cell of kind {kind} names a node that is not given")
+            found = f"found a cell of kind {kind} with a node that the file does not define"
+            raise ModelError("mesh-file", f"{path.name}: {found}")
         for name, rows in members(stored, "cells", stored[f"families {kind}"]).items():
             sets[name].append((len(blocks), rows))
         blocks.append(Block(KINDS[kind], right_handed(KINDS[kind], cells, points), stored[f"numbers {kind}"]))

@@ -29,7 +29,9 @@ def med_arrays(path: Path) -> dict[str, Any]:
         ((name, mesh),) = file["ENS_MAA"].items()
         steps = [mesh] if "NOE" in mesh else list(mesh.values())
         if len(steps) != 1 or "NOE" not in steps[0] or "MAI" not in steps[0]:
-            raise ValueError(f"found {len(steps)} steps of mesh {name!r}, expected one with NOE and MAI")
+            raise ValueError(
+                f"found {len(steps)} steps of mesh {name!r}, expected one, with nodes (NOE) and cells (MAI)"
+            )
         step = steps[0]
         found = families(file["FAS"][name] if "FAS" in file and name in file["FAS"] else {})
         points = columns(step["NOE"]["COO"], int(mesh.attrs["ESP"]))

@@ -67,7 +67,7 @@ def filled(
     if not len(edges):
         return points, whole, None
     middles = len(points) + np.arange(len(edges))
-    tie = Tie(nodes=middles, others=edges, weights=np.full(edges.shape, 0.5), where="a middle node that is left out")
+    tie = Tie(nodes=middles, others=edges, weights=np.full(edges.shape, 0.5), where="a missing middle node")
     return np.vstack([points, points[edges].mean(axis=1)]), whole, tie
 
 

@@ -54,8 +54,8 @@ class NastranAttachments(NastranCards):
         """A grid; refused if a card uses single components of it and these are along other axes."""
         grid = self.numbers.integer(card, text)
         if grid in self.turned and set(components) not in WHOLE:
-            found = f"single components of grid {grid}, whose displacements have a coordinate system (CD) of their own"
-            raise self.numbers.fault(card, found)
+            found = f"found single components of grid {grid}, which has its own displacement system (CD)"
+            raise self.numbers.fault(card, f"{found}, expected 123, 456 or 123456")
         return grid
 
     def mass_factor(self) -> float:
@@ -76,7 +76,10 @@ class NastranAttachments(NastranCards):
             inertia = axes.T @ inertia @ axes
             x, y, z = np.array([x, y, z]) @ axes
         if mass < 0.0 or np.linalg.eigvalsh(inertia)[0] < -1e-9 * inertia.max():
-            raise self.numbers.fault(card, f"found the mass {mass:g} or an inertia below 0")
+            found = (
+                f"found the mass {mass:g}" if mass < 0.0 else "found moments of inertia with a negative principal value"
+            )
+            raise self.numbers.fault(card, f"{found}, expected 0 or more")
         offset = (float(x), float(y), float(z))
         return PointMass(node=node, mass=scale * mass, inertia=inertia, offset=offset, where=self.where(card))
 
@@ -100,14 +103,15 @@ class NastranAttachments(NastranCards):
         else:
             owner = self.numbers.integer(card, self.field(card, 1) or self.field(card, 0))
             if owner not in stiffness:
-                raise self.numbers.fault(card, f"found the property {owner}, which no PELAS gives")
+                raise self.numbers.fault(card, f"found the property {owner} without a PELAS card, expected one")
             k = stiffness[owner]
         ends = [place for place in (2, 4) if self.field(card, place) not in ("", "0")]
         terms = tuple(term for j, place in enumerate(ends) for term in self.terms(card, place, 1.0 - 2.0 * j))
         if not terms:
-            raise self.numbers.fault(card, "found no grid")
+            raise self.numbers.fault(card, "found no grid, expected one or two")
         if len({term.component > 2 for term in terms}) > 1:
-            raise self.numbers.fault(card, "found a displacement against a turn, expected two of a kind")
+            found = "found a spring between a displacement and a rotation"
+            raise self.numbers.fault(card, f"{found}, expected two displacements or two rotations")
         return Spring(terms=terms, stiffness=self.positive(card, k), where=self.where(card))
 
     def terms(self, card: Card, place: int, coefficient: float) -> tuple[Term, ...]:
@@ -129,9 +133,10 @@ class NastranAttachments(NastranCards):
         given = [text for text in card.fields[3:] if text]
         grids = [text for text in given if text.isdecimal()]
         if not set(given[:-1]) <= set(grids):  # the last may be a thermal expansion
-            raise self.numbers.fault(card, f"found {', '.join(set(given) - set(grids))}, expected grids one by one")
+            found = f"found {', '.join(sorted(set(given) - set(grids)))}"
+            raise self.numbers.fault(card, f"{found}, expected the numbers of all grids, without THRU")
         if not grids:
-            raise self.numbers.fault(card, "found no grid that follows")
+            raise self.numbers.fault(card, "found no dependent grid, expected one or more")
         nodes = np.array([self.grid(card, text, components) for text in grids], dtype=np.int64)
         reference = self.numbers.integer(card, self.field(card, 1))
         return Rigid(reference=reference, nodes=nodes, components=components, where=self.where(card))
@@ -142,7 +147,7 @@ class NastranAttachments(NastranCards):
         if of_b == "123456" and not of_a:
             a, b, of_a, of_b, by_b = b, a, of_b, of_a, by_a
         if of_a != "123456" or of_b:
-            raise self.numbers.fault(card, "found independent components at both ends, expected 123456 at one")
+            raise self.numbers.fault(card, "found independent components at both ends, expected 123456 at one end")
         components = self.components(card, by_b or "123456")
         nodes = np.array([self.grid(card, b, components)])
         reference = self.numbers.integer(card, a)
@@ -160,7 +165,8 @@ class NastranAttachments(NastranCards):
             if not text.isdecimal():  # a real number begins a group
                 weight = self.positive(card, self.numbers.real(card, text))
                 if rest[place + 1 : place + 2] != ["123"]:
-                    raise self.numbers.fault(card, f"found the components {rest[place + 1 : place + 2]}, expected 123")
+                    found = f"found the components {', '.join(rest[place + 1 : place + 2]) or 'none'}"
+                    raise self.numbers.fault(card, f"{found}, expected 123")
                 place += 2
                 continue
             if not weight:
@@ -169,7 +175,7 @@ class NastranAttachments(NastranCards):
             grids.append(self.numbers.integer(card, text))
             place += 1
         if not grids:
-            raise self.numbers.fault(card, "found no grid to follow")
+            raise self.numbers.fault(card, "found no grid with a weight, expected one or more")
         reference, where = self.grid(card, self.field(card, 2), components), self.where(card)
         nodes, shares = np.array(grids, dtype=np.int64), np.array(weights)
         return Mean(reference=reference, nodes=nodes, weights=shares, components=components, where=where)
@@ -179,7 +185,9 @@ class NastranAttachments(NastranCards):
         found = []
         for card in self.cards["MPC"]:
             if self.field(card, 0) != self.field(self.cards["MPC"][0], 0):
-                raise self.numbers.fault(card, "found a second set, expected one, as nothing here selects between them")
+                raise self.numbers.fault(
+                    card, "found MPC cards of a second set, expected one set: none is selected here"
+                )
             places = [k + j for k in range(0, len(card.fields), 8) for j in (1, 4) if self.field(card, k + j)]
             parts = [self.terms(card, k, self.numbers.real(card, self.field(card, k + 2))) for k in places]
             if len(parts) < 2:

@@ -101,7 +101,7 @@ def directions(
     x = places[-1] - places[0]
     if not np.linalg.norm(x) > 0.0:
         raise given.numbers.fault(
-            card, "found coincident grids, or one grid, without a coordinate system (CID), expected a CID"
+            card, "found coincident grids, or one grid, and no coordinate system, expected the number of one (CID)"
         )
     x = x / np.linalg.norm(x)
     if not k[[1, 2, 4, 5]].any():  # along the line alone
@@ -110,7 +110,7 @@ def directions(
     if not first:
         raise given.numbers.fault(
             card,
-            "found stiffness across the line between its grids without an orientation, expected a vector, G0 or CID",
+            "found stiffness across the line between its grids and no orientation, expected a vector, G0 or CID",
         )
     if any(others) or not first.isdecimal():
         v = np.array([given.numbers.real(card, text) for text in (first, *others)])
@@ -120,6 +120,6 @@ def directions(
         v = given.place(given.numbers.integer(card, first)) - places[0]
     z = np.cross(x, v)
     if not np.linalg.norm(z) > SMALL * np.linalg.norm(v):
-        raise given.numbers.fault(card, "found an orientation along the line of its grids")
+        raise given.numbers.fault(card, "found an orientation along the line of its grids, expected one across it")
     z /= np.linalg.norm(z)
     return np.array([x, np.cross(z, x), z])

@@ -84,7 +84,7 @@ class Universal:
             found = []
         if len(found) < least or any(abs(number) > 2**53 for number in found):
             shown = self.lines[at].strip()[:60]
-            raise self.fault(at, f"found {shown!r}, expected {least} whole numbers")
+            raise self.fault(at, f"found {shown!r}, expected at least {least} whole numbers")
         return found
 
     def reals(self, at: int, words: Sequence[str], count: int) -> list[float]:
@@ -105,14 +105,16 @@ class Universal:
                 at += 1
                 continue
             if self.lines[at].strip() != "-1":
-                raise self.fault(at, f"found {self.lines[at].strip()[:60]!r}, expected -1, where a set begins")
+                raise self.fault(at, f"found {self.lines[at].strip()[:60]!r}, expected -1 at the begin of a set")
             if at + 1 == len(self.lines):
-                raise self.fault(at, "found the end of the file, expected the number of a set: cut short?")
+                found = "found the end of the file, expected the number of a set: cut short?"
+                raise self.fault(at, found)
             number, end = self.integers(at + 1, 1)[0] if self.lines[at + 1].split()[:1] != ["58b"] else 58, at + 2
             while end < len(self.lines) and self.lines[end].strip() != "-1":
                 end += 1
             if end == len(self.lines):
-                raise self.fault(at + 1, f"set {number} does not end with -1: cut short?")
+                found = f"found set {number} without -1 at its end: cut short?"
+                raise self.fault(at + 1, found)
             yield DataSet(number, at + 2, end)
             at = end + 1
 
@@ -134,7 +136,7 @@ class Universal:
     def inside(self, at: int, one: DataSet, what: str) -> None:
         """Refuse to read a line after the end of a data set."""
         if at >= one.end:
-            raise self.fault(one.end, f"set {one.number} ends within {what}")
+            raise self.fault(one.end, f"found the end of set {one.number} within {what}, expected more lines")
 
     def take_nodes(self, one: DataSet) -> None:
         """Read nodes: one line each in set 15, two in the others."""
@@ -181,11 +183,11 @@ class Universal:
             self.left_out[f"element with descriptor {descriptor}"] += 1
             return
         if not kind:
-            found = f"line {at + 1}: element {label} with descriptor {descriptor}"
+            found = f"line {at + 1}: found element {label} with descriptor {descriptor}"
             raise ModelError("mesh-unsupported-cell", f"{self.source}: {found}")
         if len(nodes) != len(ORDER[kind]):
-            found = f"element {label} has {len(nodes)} nodes, expected {len(ORDER[kind])} with descriptor {descriptor}"
-            raise self.fault(at, found)
+            found = f"found element {label} with {len(nodes)} nodes"
+            raise self.fault(at, f"{found}, expected {len(ORDER[kind])} for descriptor {descriptor}")
         self.elements.setdefault(kind, []).append([label, *(nodes[k] for k in ORDER[kind])])
 
     def take_groups(self, one: DataSet) -> None:
@@ -213,7 +215,7 @@ class Universal:
         self.inside(one.start + 1, one, "the units")
         (factor,) = self.reals(one.start + 1, self.lines[one.start + 1].split(), 1)
         if not (np.isfinite(factor) and factor > 0.0):
-            raise self.fault(one.start + 1, f"found the factor {factor:g} of lengths, expected one above 0")
+            raise self.fault(one.start + 1, f"found {factor:g} as the factor of lengths, expected a number above 0")
         self.metre = 1.0 / factor
 
     def take_systems(self, one: DataSet) -> None:
@@ -233,8 +235,8 @@ class Universal:
             raise ModelError("mesh-no-cells", f"{self.source}: found {len(self.nodes)} nodes and no elements")
         moved = [label for label, system, *_ in self.nodes if system in self.elsewhere]
         if moved:
-            found = f"node {moved[0]} and {len(moved) - 1} more in coordinates of their own, expected the global ones"
-            raise ModelError("mesh-file", f"{self.source}: {found}")
+            found = f"found {len(moved)} nodes in local coordinate systems, the first {moved[0]}"
+            raise ModelError("mesh-file", f"{self.source}: {found}, expected all in the global one")
         numbers = np.array([node[0] for node in self.nodes], dtype=np.int64)
         points = np.array([node[2:] for node in self.nodes])
         nodes = Lookup(numbers, self.source, "node")

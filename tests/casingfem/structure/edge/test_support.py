@@ -133,7 +133,8 @@ def test_refuses_springs_that_are_none(values, message):
 def test_refuses_patterns_that_make_a_spring_push(frustum):
     edge = cf.ElasticEdge(k_r=1.0, around={"k_r": cf.FourierField.of({4: (0.8, 0.7)})})
     with pytest.raises(
-        cf.errors.ModelError, match=r"support\.base\.around.*makes k_r negative \(factor -0\.0629"
+        cf.errors.ModelError,
+        match=r"support\.base\.around.*multiply k_r by -0\.0629",
     ) as caught:
         frustum(supports={"base": edge})
     assert caught.value.code == "springs-negative"

@@ -41,7 +41,7 @@ def test_more_harmonics_leave_the_first_ones_alone():
     [
         ({"p": [2, 2]}, r"ascend from 1 or more, found \[2, 2\]"),
         ({"p": [0, 1]}, "ascend from 1"),
-        ({"median": [0.1]}, "must be lists alike"),
+        ({"median": [0.1]}, "three lists of"),
         ({"median": [0.1, 0.0]}, "0 < median <= high"),
         ({"high": [0.2, 0.05]}, "0 < median <= high"),
         ({"high": [0.2, np.inf]}, "0 < median <= high < inf"),

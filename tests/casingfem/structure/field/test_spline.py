@@ -108,7 +108,7 @@ def test_splines_that_are_none_are_refused(values):
 
 
 def test_coefficients_must_fit_the_spline():
-    with pytest.raises(cf.errors.ModelError, match=r"cos \(1, 3\) for a spline of 8 functions"):
+    with pytest.raises(cf.errors.ModelError, match=r"shape \(1, 3\), expected \(1, 8\), as the spline has"):
         cf.FourierField(p=[2], cos=np.ones((1, 3)), sin=np.ones((1, 3)), spline=BASES[0])
 
 

@@ -171,14 +171,14 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     chipped = radius.copy()
     chipped[stray] -= 5e-4
     clean = cf.SurveyField.from_points(theta, z, radius, n_max=24, degree=1)
-    with pytest.warns(cf.errors.ModelWarning, match=r"survey: 9 of 360 points contradict all others .*survey-stray"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: 9 of 360 points are outliers .*survey-stray"):
         plain = cf.SurveyField.from_points(theta, z, chipped, n_max=24, degree=1)
     assert {round(theta, 6) for theta, _, _ in plain.doubted} == {round(float(np.degrees(theta[k])), 6) for k in stray}
     assert np.abs(plain.without.cos - clean.fit.cos).max() < np.abs(plain.fit.cos - clean.fit.cos).max() / 4
-    assert "doubted   9 of 360 points contradict all others (theta" in repr(plain)
+    assert "outliers  9 of 360 points included in the fit (theta" in repr(plain)
     assert clean.doubted == ()
     assert clean.without is None
-    with pytest.warns(cf.errors.ModelWarning, match=r"survey: .* of 360 points set aside .*survey-outliers") as caught:
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: .* of 360 points left out .*survey-outliers") as caught:
         robust = cf.SurveyField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
     assert caught[0].filename == __file__
     named = {round(theta, 6) for theta, _, r in robust.set_aside if r < -5e-4}
@@ -187,7 +187,7 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     off = [np.abs(fit.fit.cos - clean.fit.cos).max() for fit in (plain, robust)]
     assert off[0] > 4 * off[1]
     assert robust.residual_rms < 1.2 * clean.residual_rms < plain.residual_rms / 2
-    assert "points set aside (theta" in repr(robust)
+    assert "points left out (theta" in repr(robust)
 
 
 def test_a_robust_fit_of_clean_points_is_the_plain_one():
@@ -202,7 +202,7 @@ def test_a_robust_fit_of_clean_points_is_the_plain_one():
 def test_a_robust_fit_does_not_believe_a_minority():
     theta, z, radius = noisy()
     radius[np.random.default_rng(5).random(z.size) < 0.34] += 0.02
-    with pytest.raises(cf.errors.InputError, match=r"points far off any smooth surface.* at least 70% of them"):
+    with pytest.raises(cf.errors.InputError, match=r"points far from the smooth surface.*expected at least 70% of the"):
         cf.SurveyField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
 
 
@@ -214,10 +214,10 @@ def test_a_robust_fit_states_when_what_it_keeps_is_too_little(between):
     z = np.concatenate([z, np.full(4, 0.2), np.full(3, 0.1)])
     radius = 0.5 + 1e-6 * np.random.default_rng(1).normal(size=z.size)
     radius[36:40] += [1e-3, -1e-3, 1e-3, -1e-3]
-    with pytest.warns(cf.errors.ModelWarning, match=r"survey: 4 of 43 points set aside .*survey-outliers"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: 4 of 43 points left out .*survey-outliers"):
         assert len(cf.SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True).set_aside) == 4
     given = slice(40 + between)
-    found = "found 4 points set aside, and too few left where they were; expected points enough for n_max = 1, degree"
+    found = "found 4 outliers, and too few other points near them for n_max = 1, degree"
     with pytest.raises(cf.errors.InputError, match=found):
         cf.SurveyField.from_points(theta[given], z[given], radius[given], n_max=1, degree=1, robust=True)
 
@@ -235,7 +235,7 @@ def one_height_and_four_points():
 def test_a_robust_fit_that_keeps_one_of_two_heights_is_refused(spread):
     theta, z, radius = one_height_and_four_points()
     z[:32:2] += spread
-    found = "found 4 points set aside, and too few left where they were; expected points enough for n_max = 1, degree"
+    found = "found 4 outliers, and too few other points near them for n_max = 1, degree"
     with pytest.raises(cf.errors.InputError, match=found):
         cf.SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True)
 
@@ -351,7 +351,7 @@ BAD = {
     ),
     "degrees as radians": (
         ("theta_rad,z_m,radius_m\n" + csv_rows()).encode(),
-        "belong in a column theta_deg",
+        "degrees in a column theta_deg",
     ),
     "radians as degrees": ((GOOD + "0,0,1\n3,0,1\n6.2,0,1\n").encode(), "are these radians"),
     "half a circle": ((GOOD + csv_rows(19)).encode(), "gap of 180 deg"),
@@ -383,7 +383,7 @@ def test_fits_beyond_the_points_are_refused():
         cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11, degree=1)
     with pytest.raises(ValueError, match="n_max must be a whole number >= 1"):
         cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=0)
-    with pytest.raises(cf.errors.InputError, match="one common length"):
+    with pytest.raises(cf.errors.InputError, match="one equal length"):
         cf.SurveyField.from_points(theta, z[:-1], z)
     with pytest.raises(cf.errors.InputError, match="value = nan"):
         cf.SurveyField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))

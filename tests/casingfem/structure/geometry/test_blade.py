@@ -123,12 +123,12 @@ def test_derivatives_equal_central_differences(name):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("chart.chord", "the number of a station, 1 to 3"),
-        ("chart.chord.4", "the number of a station, 1 to 3"),
-        ("chart.chord.0", "the number of a station, 1 to 3"),
+        ("chart.chord", "the number of a station after it, 1 to 3"),
+        ("chart.chord.4", "the number of a station after it, 1 to 3"),
+        ("chart.chord.0", "the number of a station after it, 1 to 3"),
         ("chart.length.1", "it is one number"),
-        ("taper.along.tip", "the number of a station, 1 to 2"),
-        ("taper.edge.1", "taper has along, across"),
+        ("taper.along.tip", "the number of a station after it, 1 to 2"),
+        ("taper.edge.1", r"'taper\.edge\.1': found no 'edge' in taper, expected one of along, across"),
     ],
 )
 def test_names_what_a_law_has(name, message):

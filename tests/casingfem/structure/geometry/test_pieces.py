@@ -93,19 +93,27 @@ def test_an_arc_passes_through_its_ends_at_its_radius():
     ("pieces", "given", "words"),
     [
         (CONE, {"fillet": None}, r"piece\[2\].fillet: found none at a corner of 26.6 degrees"),
-        (CONE, {"fillet": 1.0}, r"piece\[2\].fillet: found 1 m, which does not fit"),
-        ((cf.geometry.Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no length from \[0.3, 0.0\] m"),
+        (CONE, {"fillet": 1.0}, r"chart\.piece\[2\]\.fillet: found 1 m, expected"),
+        (
+            (cf.geometry.Piece(to=(0.3, 0.0)),),
+            {},
+            r"chart\.piece\[1\]: found a piece of length 0 at \[r, z\] = \[0\.3, 0\.0\] m",
+        ),
         (
             (cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.3, 0.1))),
             {},
-            r"piece\[2\]: found no length from \[0.3, 0.1\] m",
+            r"chart\.piece\[2\]: found a piece of length 0 at \[r, z\] = \[0\.3, 0\.1\] m",
         ),
-        ((cf.geometry.Piece(to=(0.2, 0.0), radius=0.04),), {}, r"piece\[1\].radius: found 0.04 m for a way of 0.1 m"),
+        (
+            (cf.geometry.Piece(to=(0.2, 0.0), radius=0.04),),
+            {},
+            r"chart\.piece\[1\]\.radius: found 0\.04 m for an arc whose ends are 0\.1 m",
+        ),
         ((cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.3, 0.0))), {}, "at a corner of 180 degrees"),
         (
             (cf.geometry.Piece(to=(0.4, 0.0)), cf.geometry.Piece(to=(0.4, 0.02)), cf.geometry.Piece(to=(0.5, 0.02))),
             {"fillet": 0.015},
-            "leave nothing",
+            "longer than the piece of 0.02 m",
         ),
     ],
 )
@@ -121,7 +129,7 @@ def test_a_meridian_that_reaches_the_axis_is_refused():
 
 @pytest.mark.parametrize("fillet", [1e-6, 3.9e-3])
 def test_a_fillet_too_short_for_the_wall_is_refused_however_short_it_is(fillet):
-    with pytest.raises(cf.errors.ModelError, match=r"times the radius of a bend.*shell-thickness-size"):
+    with pytest.raises(cf.errors.ModelError, match=r"times the radius of curvature of a bend.*shell-thickness-size"):
         shell(meridian(fillet=fillet))
 
 

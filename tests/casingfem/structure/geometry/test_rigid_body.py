@@ -22,7 +22,7 @@ def test_an_axis_and_its_plane():
             cf.Rotation(**{"omega": 1.0} | given)
 
 
-@pytest.mark.parametrize(("fillet", "words"), [(0.0, "found 0 m at a corner"), (0.101, "found 0.101 m, which does")])
+@pytest.mark.parametrize(("fillet", "words"), [(0.0, "found 0 m at a corner"), (0.101, r"found 0\.101 m, expected")])
 def test_fillets_that_do_not_fit(fillet, words):
     pieces = [cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.4, 0.1), fillet=0.099)]
     assert cf.geometry.PiecewiseMeridian(start=(0.3, 0.0), pieces=pieces, fillet=fillet).bends[

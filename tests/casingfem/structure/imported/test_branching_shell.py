@@ -52,7 +52,7 @@ def test_a_branched_shell_that_spins_is_stiffer():
 
 def test_a_sector_of_a_wheel_may_not_branch():
     with pytest.raises(
-        cf.errors.ModelError, match=r"tee\.inp: a sector of a wheel with walls that meet.*7 nodes.*mesh-branch"
+        cf.errors.ModelError, match=r"tee\.inp: found a sector with walls that meet.*7 nodes.*mesh-branch"
     ):
         cf.imported.CyclicSector(structure=shell(part("tee")), sectors=12)
 

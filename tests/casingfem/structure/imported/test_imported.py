@@ -172,7 +172,7 @@ def test_warnings_come_in_words_on_stderr(tmp_path):
     linear = cf.imported.grid_mesh("hexahedron", (1, 12, 2), WALL, groups=ENDS, wrap=1)
     ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, SOLID, linear)), "--json"])
     assert ran.exit_code == 0
-    assert "warning: gmsh22.msh: 24 cells of kind hexahedron" in ran.stderr
+    assert "warning: gmsh22.msh: 24 linear cells (hexahedron)" in ran.stderr
     json.loads(ran.stdout)
 
 

@@ -39,18 +39,26 @@ def test_a_pipe_under_pressure_grows_by_membrane_theory():
 @pytest.mark.parametrize(
     ("part", "load", "message"),
     [
-        (SOLID, cf.loads.PointLoad(at=(0.0, 0.0), force=(0.0, 0.0, 1.0)), "a PointLoad on an imported mesh"),
-        (SOLID, cf.loads.Pressure(pressure=1.0), "a Pressure on an imported mesh of hexahedron20"),
+        (
+            SOLID,
+            cf.loads.PointLoad(at=(0.0, 0.0), force=(0.0, 0.0, 1.0)),
+            "found a PointLoad, which cannot act on a mesh",
+        ),
+        (SOLID, cf.loads.Pressure(pressure=1.0), "found a Pressure, which cannot act on a mesh of hexahedron20"),
         (SOLID, cf.loads.EdgeLoad(edge="tpi", force=(0.0, 0.0, 1.0)), "no group 'tpi'"),
-        (SOLID, cf.imported.NodeLoad(node=99999, force=(0.0, 0.0, 1.0)), "node 99999, which no cell has"),
+        (
+            SOLID,
+            cf.imported.NodeLoad(node=99999, force=(0.0, 0.0, 1.0)),
+            "found a load at node 99999, expected a node of a cell",
+        ),
         (
             shell(base=cf.Clamped()),
             cf.imported.FacetPressure(group="end", pressure=1.0),
-            "expected a Pressure on its wall",
+            "expected a Pressure",
         ),
         (cf.Solid(mesh=BEAM, material=STEEL), cf.loads.Gravity(), "static-loose"),
-        (PINNED, cf.imported.FacetPressure(group="pin", pressure=1.0), r"load on 'pin'.*mesh-group-no-facets"),
-        (PINNED, cf.loads.EdgeLoad(edge="pin", force=(0.0, 0.0, 1.0)), r"load on 'pin'.*mesh-group-no-facets"),
+        (PINNED, cf.imported.FacetPressure(group="pin", pressure=1.0), r"load on group 'pin'.*mesh-group-no-facets"),
+        (PINNED, cf.loads.EdgeLoad(edge="pin", force=(0.0, 0.0, 1.0)), r"load on group 'pin'.*mesh-group-no-facets"),
     ],
 )
 def test_loads_that_cannot_be_are_named(part, load, message):

@@ -142,7 +142,7 @@ def test_cells_that_collapse_to_nothing_and_kinds_that_do_not_mix_are_refused():
     bricks = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
     folded = bricks.cells.copy()
     folded[0, 8:] = folded[0, 0]
-    with pytest.raises(cf.errors.ModelError, match=r"1 cell .* with a node twice"):
+    with pytest.raises(cf.errors.ModelError, match=r"1 cell .* that contain a node twice"):
         cf.Solid(mesh=replace(bricks, cells=folded), material=STEEL)
     points = np.random.default_rng(1).normal(size=(25, 3))
     kinds = {"quad8": 8, "quad9": 9}

@@ -114,12 +114,12 @@ def test_refuses_a_strip_without_a_wall(thickness):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("strip.3.thickness", "this shell has 2"),
-        ("strip.0.thickness", "this shell has 2"),
+        ("strip.3.thickness", "expected a number from 1 to 2"),
+        ("strip.0.thickness", "expected a number from 1 to 2"),
         ("strip.x.thickness", "found strip 'x'"),
-        ("strip.1.start", "a strip has thickness, material.E"),
-        ("strip.2.material.G", "a strip has thickness, material.E"),
-        ("strip.1.material.E", "no material of its own"),
+        ("strip.1.start", "of a strip, expected one of thickness"),
+        ("strip.2.material.G", "of a strip, expected one of thickness"),
+        ("strip.1.material.E", "a material of its own"),
     ],
 )
 def test_names_what_a_strip_has(frustum, name, message):

@@ -25,7 +25,7 @@ def test_names_that_are_no_faces_are_refused():
     for given, told in (
         ({"follower": "b.lov", "master": "a.high"}, r"no group 'b\.lov' \(did you mean b\.low"),
         ({"follower": "b.low", "master": "c"}, "no group 'c'"),
-        ({"follower": "b.low", "master": "edge"}, "group 'edge' has no facets"),
+        ({"follower": "b.low", "master": "edge"}, "group 'edge' without facets"),
     ):
         with pytest.raises(cf.errors.ModelError, match=told) as caught:
             cf.imported.tied(

@@ -59,7 +59,9 @@ def test_an_op4_file_needs_dofs_and_may_have_damping(tmp_path):
         d__csv="node,direction\n7,x\n",
     )
     assert cf.imported.read_matrices(tmp_path / "a.op4", dofs=tmp_path / "d.csv").C.toarray().tolist() == [[2.0]]
-    with pytest.raises(cf.errors.ModelError, match=r"a\.op4: an OP4 file has no dofs.*matrix-dofs"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"a\.op4: found OP4 files alone, which contain no dofs.*matrix-dofs"
+    ):
         cf.imported.read_matrices(tmp_path / "a.op4")
 
 
@@ -83,7 +85,7 @@ def test_positions_of_nodes(tmp_path):
     assert {n: x.tolist() for n, x in read_nodes(tmp_path / "n.csv").items()} == {7: [3, 2, 1], 5: [6, 0.5, -4]}
     put(tmp_path, n__csv="node,x,y,z\n7,0,0,0\n5,0,0,0\n6,0,0,0\n5,0,0,1\n")
     with pytest.raises(
-        cf.errors.InputError, match=r"n\.csv, line 5, column 'node': found node 5 again; expected each once"
+        cf.errors.InputError, match=r"n\.csv, line 5, column 'node': found node 5 again; expected each node once"
     ):
         read_nodes(tmp_path / "n.csv")
 
@@ -94,7 +96,8 @@ def test_directions_of_dofs(tmp_path):
     for row, told in (("w,7", "7, w"), ("x,-7", "-7, x"), ("x,7.5", "7.5, x"), ("7,1", "1, 7")):
         put(tmp_path, d__csv=f"direction,node\nx,1\n{row}\n")
         with pytest.raises(
-            cf.errors.InputError, match=rf"d\.csv, line 3: found {told}; expected a node, and q, x, y, z, rx"
+            cf.errors.InputError,
+            match=rf"d\.csv, line 3: found {told}; expected the number of a node, and one of q, x, y, z, rx",
         ):
             read_dofs(tmp_path / "d.csv")
 

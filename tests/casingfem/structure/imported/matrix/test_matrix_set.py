@@ -50,12 +50,12 @@ def test_which_matrix_is_which(names, roles, tmp_path):
 @pytest.mark.parametrize(
     ("names", "told"),
     [
-        ([], "found the matrices none, 0 of them for K"),
-        (["M"], "found the matrices M, 0 of them for K"),
-        (["K"], "found the matrices K, 0 of them for M"),
-        (["KAA", "KGG", "M"], "found the matrices KAA, KGG, M, 2 of them for K"),
-        (["K", "Kab", "M"], "found the matrices K, Kab, M, 2 of them for K"),
-        (["K", "M", "C", "Ba"], "found the matrices K, M, C, Ba, 2 of them for C"),
+        ([], "found the matrices none; 0 of these"),
+        (["M"], "found the matrices M; 0 of these"),
+        (["K"], "found the matrices K; 0 of these"),
+        (["KAA", "KGG", "M"], "found the matrices KAA, KGG, M; 2 of these"),
+        (["K", "Kab", "M"], "found the matrices K, Kab, M; 2 of these"),
+        (["K", "M", "C", "Ba"], "found the matrices K, M, C, Ba; 2 of these"),
     ],
 )
 def test_none_or_several_of_a_kind_are_refused(names, told, tmp_path):
@@ -78,9 +78,9 @@ def test_a_set_has_a_dof_for_each_row():
     dofs = np.array([[7, 1], [7, 2]])
     assert cf.imported.MatrixSet(K=two, M=two, dofs=dofs).source == "matrices"
     for changes, told in (
-        ({"M": ONE}, "found K 2 x 2, M 1 x 1 and 2 dofs"),
-        ({"C": csc_array(np.ones((2, 3)))}, "found K 2 x 2, M 2 x 2, C 2 x 3 and 2 dofs"),
-        ({"dofs": dofs[:1]}, "found K 2 x 2, M 2 x 2 and 1 dofs"),
+        ({"M": ONE}, "found K of 2 x 2, M of 1 x 1, and 2 dofs"),
+        ({"C": csc_array(np.ones((2, 3)))}, "found K of 2 x 2, M of 2 x 2, C of 2 x 3, and 2 dofs"),
+        ({"dofs": dofs[:1]}, "found K of 2 x 2, M of 2 x 2, and 1 dofs"),
     ):
         with pytest.raises(cf.errors.ModelError, match=f"a: {told}.*matrix-size"):
             cf.imported.MatrixSet(**({"K": two, "M": two, "dofs": dofs, "source": "a"} | changes))

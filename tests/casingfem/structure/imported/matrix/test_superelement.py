@@ -261,17 +261,17 @@ def test_what_does_not_fit_in_the_files_is_named(folder):
     op4(folder, {"KAA": K, "MAA": M})
     bulk = BULK.format(cord="", cp="", place=BASIC, cd="")
     for old, new, told in (
-        ("2  123456", "2     123", "found K 12 x 12, M 12 x 12 and 9 dofs"),
+        ("2  123456", "2     123", "found K of 12 x 12, M of 12 x 12, and 9 dofs"),
         ("2  123456", "2    1237", "EXTRN: found grid 2 with components '1237', expected such as 123456, or 0"),
-        (f"{BASIC}        ", f"{BASIC}      12", "coordinate system 12: no system 12"),
-        ("ASET  ", "GRID,2,,3.,0.,0.\nASET  ", "found grid 2 again, at another place, expected it once"),
+        (f"{BASIC}        ", f"{BASIC}      12", "coordinate system 12: found no system 12"),
+        ("ASET  ", "GRID,2,,3.,0.,0.\nASET  ", "found grid 2 at two places, expected it once"),
     ):
         assert old in bulk
         (folder / "part.pch").write_text(bulk.replace(old, new))
         assert told in run(folder, "part.op4", "part.pch", code=2)
     (folder / "part.pch").write_text(bulk)
     op4(folder, {"BAA": M, "KAA": K}, name="more.op4")
-    assert "more.op4: found the matrix KAA, which another of the files has too" in run(
+    assert "more.op4: found the matrix KAA, which another of the files contains too" in run(
         folder, "part.op4", "more.op4", "part.pch", code=2
     )
     assert whole(run(folder, "part.op4", "part.pch"))["size"] == 12

@@ -25,11 +25,11 @@ def test_groups_keep_each_number_once_in_order():
     ("given", "told"),
     [
         ({"kind": "hexagon"}, "part.inp: cells of kind 'hexagon', expected one of line, "),
-        ({"points": np.zeros((6, 2))}, r"points have shape \(6, 2\), expected \(nodes, 3\)"),
-        ({"points": np.zeros(18)}, r"points have shape \(18,\)"),
-        ({"cells": [[0, 1, 2]]}, r"cells have shape \(1, 3\), expected \(at least 1, 4\)"),
-        ({"cells": [0, 1, 2, 3]}, r"cells have shape \(4,\)"),
-        ({"cells": np.zeros((0, 4))}, r"cells have shape \(0, 4\)"),
+        ({"points": np.zeros((6, 2))}, r"points of shape \(6, 2\), expected \(nodes, 3\)"),
+        ({"points": np.zeros(18)}, r"points of shape \(18,\)"),
+        ({"cells": [[0, 1, 2]]}, r"cells of shape \(1, 3\), expected \(at least 1, 4\)"),
+        ({"cells": [0, 1, 2, 3]}, r"cells of shape \(4,\)"),
+        ({"cells": np.zeros((0, 4))}, r"cells of shape \(0, 4\)"),
         ({"cells": [[0, 1, 2, -1]]}, "cells refer to nodes outside 0 to 5"),
         ({"cells": [[0, 1, 2, 6]]}, "cells refer to nodes outside 0 to 5"),
         (

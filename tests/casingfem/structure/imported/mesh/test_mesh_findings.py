@@ -165,11 +165,12 @@ def test_parts_are_counted_with_the_largest_first():
     cells = [[k, k + 1, k + 10, k + 9] for k in (0, 1, 3, 5, 6, 7)]
     cells[2] = [3, 4, 13, 12]
     loose = squares(x, cells)
-    told = ["3 parts of 3, 2, 1 cells, apart from the largest: 3 cells (1, 2, 3)"]
+    told = ["3 parts that do not touch, of 3, 2, 1 cells; not in the largest: 3 cells (1, 2, 3)"]
     assert [f.message for f in parts(loose)] == told
     body = cf.imported.Rigid(reference=1, nodes=np.array([13, 4, 0]))
     tied = squares(x, cells, attachments=cf.imported.Attachments(rigids=(body,)))
-    assert [f.message for f in parts(tied)] == ["2 parts of 3, 3 cells, apart from the largest: 3 cells (4, 5, 6)"]
+    told = ["2 parts that do not touch, of 3, 3 cells; not in the largest: 3 cells (4, 5, 6)"]
+    assert [f.message for f in parts(tied)] == told
 
 
 def test_cells_given_twice_and_branches():
@@ -182,7 +183,7 @@ def test_cells_given_twice_and_branches():
     fin = cf.imported.MeshData(kind="quad", points=points, cells=np.vstack([row.cells, [[*shared, 7, 6]]]))
     assert overlaps(fin) == []
     points[-2:] = row.points[shared] + [0.5, 0.0, 0.04]  # over the second cell
-    message = "2 cells (2, 3) lie over another cell beside an edge that they share, at 2 nodes (3, 4)"
+    message = "2 cells (2, 3) overlap a neighbour, folded back at their common edge, at 2 nodes (3, 4)"
     assert [f.message for f in overlaps(replace(fin, points=points))] == [message]
     bricks = box(1, 1, 1, counts=(2, 1, 1))
     facet = sorted(set(bricks.cells[0]) & set(bricks.cells[1]))
@@ -212,7 +213,8 @@ def test_neighbours_with_middles_of_their_own_are_split():
     found = split_facets(
         cf.imported.MeshData(kind="quad8", points=np.vstack([row.points, [[0.3, 0.5, 0]]]), cells=cells)
     )
-    assert [f.message for f in found] == ["2 cells (1, 2) share corners of a facet, not its middle"]
+    told = ["2 cells (1, 2) share the corners of a facet with a neighbour, but not its middle nodes"]
+    assert [f.message for f in found] == told
 
 
 def test_normals_against_a_neighbour_and_collapsed_edges():
@@ -221,7 +223,7 @@ def test_normals_against_a_neighbour_and_collapsed_edges():
     turned = row.cells.copy()
     turned[0] = turned[0, ::-1]
     found = normals(cf.imported.MeshData(kind="quad", points=row.points, cells=turned))
-    assert [f.message for f in found] == ["2 cells (1, 2) with the normal against a neighbour's"]
+    assert [f.message for f in found] == ["2 cells (1, 2) with a normal opposite to a neighbour's"]
     assert normals(box(1, 1, 1, counts=(2, 1, 1))) == []
     points = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [-1, 1, 0], [0, 0, 1], [0, 1, 1]])
     for fin in ([0, 1, 7, 6], [1, 0, 6, 7]):  # a branch: its normal is independent

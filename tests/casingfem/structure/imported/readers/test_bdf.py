@@ -99,12 +99,12 @@ def test_an_element_without_middles_is_linear_and_single_ones_may_lack(name, tmp
 @pytest.mark.parametrize(
     ("card", "told"),
     [
-        ("CTETRA,7,5,11,12,13", "element 7 has 3 nodes, expected 4 corners, middles between"),
-        ("CTETRA,7,5,11,,13,14", "element 7 has 3 nodes, expected 4 corners, middles between"),
-        ("CTETRA,7,5,11,0,13,14", "element 7 has 3 nodes, expected 4 corners, middles between"),
-        ("CTETRA,7,5,11,12,13,14,11,12,13,14,11,12,15", "element 7 has 11 nodes, expected 4 corners"),
-        ("CTRIA3,7,5,11,12", "element 7 has 2 nodes, expected 3 corners"),
-        ("CQUAD4,7,5,11,12,13", "element 7 has 3 nodes, expected 4 corners"),
+        ("CTETRA,7,5,11,12,13", "found element 7 with 3 nodes, expected 4 corners, then middle"),
+        ("CTETRA,7,5,11,,13,14", "found element 7 with 3 nodes, expected 4 corners, then middle"),
+        ("CTETRA,7,5,11,0,13,14", "found element 7 with 3 nodes, expected 4 corners, then middle"),
+        ("CTETRA,7,5,11,12,13,14,11,12,13,14,11,12,15", "found element 7 with 11 nodes, expected 4 corners"),
+        ("CTRIA3,7,5,11,12", "found element 7 with 2 nodes, expected 3 corners"),
+        ("CQUAD4,7,5,11,12,13", "found element 7 with 3 nodes, expected 4 corners"),
         ("CTETRA,7", "found 1 fields, expected a number, a property and nodes"),
         ("CTETRA,7,5", "found 2 fields, expected a number, a property and nodes"),
     ],
@@ -125,7 +125,7 @@ def test_elements_are_groups_by_their_property_which_is_their_number_where_it_is
     assert (mesh.kind, mesh.cell_numbers.tolist()) == ("tetra", [7, 9, 8])
     assert {name: group.cells.tolist() for name, group in mesh.groups.items()} == {"PID 5": [0, 2], "PID 9": [1]}
     assert len(mesh.groups["PID 5"].facets) == 1
-    with pytest.raises(cf.errors.ModelError, match="element 7 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match="element 7 twice"):
         read(tmp_path, TETRA + "CTRIA3,7,5,11,12,13\n")
 
 
@@ -193,7 +193,8 @@ def test_all_displacements_or_turns_are_the_same_in_every_system(components, tmp
 def test_constraints_that_lack_a_field_are_refused(card, found, tmp_path):
     name = card.partition(",")[0]
     with pytest.raises(
-        cf.errors.ModelError, match=f"line 7: {name}: found the fields {found}, expected a set, components, grids"
+        cf.errors.ModelError,
+        match=f"line 7: {name}: found the fields {found}, expected the number of a set, components and grids",
     ):
         read(tmp_path, f"{TETRA}{card}\n")
 
@@ -213,7 +214,9 @@ def test_a_grid_has_a_field_for_each_fact_and_grdset_those_it_leaves_blank(tmp_p
 
 
 def test_a_grid_in_one_line_of_large_fields_ends_before_z(tmp_path):
-    with pytest.raises(cf.errors.ModelError, match="line 7: GRID: grid 16 ends before z, expected a second line"):
+    with pytest.raises(
+        cf.errors.ModelError, match="line 7: GRID: found grid 16 without z, expected it on a second line"
+    ):
         read(tmp_path, TETRA + "GRID*,16,,1.,2.\n")
     assert read(tmp_path, TETRA + "GRID*,16,,1.,2.\n*,3.\n").points[5].tolist() == [1.0, 2.0, 3.0]
     assert read(tmp_path, TETRA + "GRID,16,,1.,2.\n").points[5].tolist() == [1.0, 2.0, 0.0]

@@ -40,7 +40,7 @@ def test_fields_that_a_line_leaves_blank_at_its_end_count(tmp_path):
         [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], 1))  # fmt: skip
     whole = "CHEXA   5       4       1       2       3       4       5       6\n+       7       8\n"
     assert read(tmp_path, corners + whole).cells.tolist() == [list(range(8))]
-    with pytest.raises(cf.errors.ModelError, match="CHEXA: element 5 has 7 nodes, expected 8 corners"):
+    with pytest.raises(cf.errors.ModelError, match="CHEXA: found element 5 with 7 nodes, expected 8 corners"):
         read(tmp_path, corners + whole.replace("       6\n", "\n"))
 
 

@@ -124,7 +124,7 @@ def test_groups_without_a_name_are_called_by_what_they_are_made_of(tmp_path):
 ])  # fmt: skip
 def test_sections_are_there_and_closed(mark, section, tmp_path):
     with pytest.raises(
-        cf.errors.ModelError, match=rf"a\.msh: \${section} is missing or not closed: cut short\?.*mesh-file"
+        cf.errors.ModelError, match=rf"a\.msh: found no complete section \${section}: cut short\?.*mesh-file"
     ):
         read(MSH_22.replace(mark, "$Other"), tmp_path / "a.msh")
 

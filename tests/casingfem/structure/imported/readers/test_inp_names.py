@@ -89,5 +89,5 @@ def test_a_name_within_an_instance_is_its_own_before_that_of_the_assembly(tmp_pa
     mesh = read(tmp_path, text.format("first", "own").replace("first", "One.own"))
     assert mesh.node_numbers[mesh.groups["within"].nodes].tolist() == [101, 102, 103, 104]
     assert mesh.node_numbers[mesh.groups["Own"].nodes].tolist() == [1, 2, 3, 4]
-    with pytest.raises(cf.errors.ModelError, match=r"a\.inp: line \d+: no set 'none' up to here"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.inp: line \d+: found no set 'none' above this line"):
         read(tmp_path, text.format("One.own", "none"))
