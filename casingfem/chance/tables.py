@@ -20,12 +20,15 @@ class ChanceTable(Table):
     """[chance]: the random casings, the number of draws, and the other random numbers of the scene."""
 
     study: Annotated[str, Field(min_length=1)] = Field(
-        description="study of the casing, relative to this file: its random imperfections, and [reduce]"
+        description="study file of the casing with random imperfections and [reduce], relative to this file"
     )
     draws: int = Field(default=4096, ge=32, le=MOST, description="number of casings")
-    seed: int = Field(ge=0, description="of all draws: the same seed gives the same casings")
+    seed: int = Field(ge=0, description="seed of all draws; the same seed gives the same casings")
     runs: int = Field(
-        default=0, ge=0, le=1_000_000, description="runs in time, of the first casings that are dangerous at some speed"
+        default=0,
+        ge=0,
+        le=1_000_000,
+        description="number of time simulations, of the first casings that are dangerous at some speed",
     )
     turns: Annotated[float, Field(gt=0, le=1e6)] | None = Field(
         default=None, description="length of a run [turns]; t_end of the scene if left out"
@@ -37,7 +40,7 @@ class ChanceTable(Table):
     blade: LawTable | None = Field(default=None, description="frequencies of the blades over those of the scene [-]")
     clearance: LawTable | None = Field(default=None, description="clearance [m]")
     friction: LawTable | None = Field(default=None, description="coefficient of friction [-]")
-    closing: LawTable | None = Field(default=None, description="closing of the gap, of a scene of kind rub [m]")
+    closing: LawTable | None = Field(default=None, description="reduction of the gap, for a scene of kind rub [m]")
 
     @property
     def laws(self) -> dict[str, Law]:

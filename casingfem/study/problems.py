@@ -127,7 +127,7 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     if kind == "extra_forbidden":
         return f"{key}: found an unknown key, {unknown(str(loc[-1]), models)}"
     if kind == "missing":
-        return f"{key}: found nothing, expected its {meaning}"
+        return f"{key}: found nothing, expected {meaning}"
     if kind == "union_tag_not_found":
         known = [name for m in models_at([StudyFile], loc, data) for name in kinds(m)]
         return f"{key}.kind: found nothing, expected one of {', '.join(known)}"

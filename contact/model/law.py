@@ -163,14 +163,21 @@ class Abradable:
     """
 
     E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
-    yield_stress: Annotated[float, Key("stress at which it is worn [Pa]", "positive", "stress")]
-    hardening: Annotated[float, Key("slope of the stress beyond that [Pa]", "not negative", "stress")]
+    yield_stress: Annotated[float, Key("stress at which the coating wears [Pa]", "positive", "stress")]
+    hardening: Annotated[
+        float, Key("slope of the stress over plastic strain above this stress [Pa]", "not negative", "stress")
+    ]
     thickness: Annotated[float, Key("thickness [m]", "positive", "thickness")]
     width: Annotated[float, Key("width of the strip along the axis [m]", "positive", "reach")]
-    tip: Annotated[float, Key("length of a tip's land around the rim [m]", "positive", "reach")]
-    bars: Annotated[int, Key("bars under a tip's land", most=MOST_BARS)] = 6
+    tip: Annotated[float, Key("length of a blade's tip around the rim [m]", "positive", "reach")]
+    bars: Annotated[int, Key("number of bars of the coating under a tip", most=MOST_BARS)] = 6
     machined: Annotated[
-        float, Key("cut before the run, from the rim's highest point to a circle [m]", "not negative", "clearance")
+        float,
+        Key(
+            "depth that is machined to a circle before the run, at the rim's highest point [m]",
+            "not negative",
+            "clearance",
+        ),
     ] = 0.0
     mu: float = 0.0
     words: ClassVar[str] = "abradable coating"

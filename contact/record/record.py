@@ -39,8 +39,8 @@ class Record:
     [1, 3]
     """
 
-    every: Annotated[int, Key("one of so many steps is stored as a sample")] = 1
-    state_every: Annotated[int, Key("one of so many steps stores the state; 0 for none", least=0)] = 0
+    every: Annotated[int, Key("number of steps from one stored sample to the next")] = 1
+    state_every: Annotated[int, Key("number of steps from one stored state to the next; 0 for no states", least=0)] = 0
     at: ArrayLike | None = None
     channels: ArrayLike | None = None
 

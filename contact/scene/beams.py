@@ -22,7 +22,7 @@ SECTION = ("width", "height", "E", "rho")  # of a ring that no basis gives
 class BeamHead(Table):
     """[scene] of kind "beam"."""
 
-    kind: Literal["beam"] = Field(description="which kind of scene this is")
+    kind: Literal["beam"] = Field(description="kind of scene")
     t_end: Positive = Field(description="time at which the run ends [s]")
 
 
@@ -43,7 +43,9 @@ class CircleTable(Table):
 class RingTable(Table):
     """[ring]: an elastic ring instead of the rigid circle: the section of `ThinRing`, or a modal basis file."""
 
-    basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
+    basis: Name | None = Field(
+        default=None, description="file of a modal basis of kind rim (npz), instead of a section"
+    )
     n_max: Annotated[int, Field(ge=1, le=200)] = Field(default=20, description="highest number of nodal diameters")
 
     @model_validator(mode="after")
@@ -64,12 +66,12 @@ class RingTable(Table):
 class BeamFile(SceneFile):
     """A hinged beam in an eccentric circle, which is rigid or an elastic ring."""
 
-    scene: BeamHead = Field(description="what this scene is")
-    beam: BeamTable = Field(description="the beam")
-    circle: CircleTable = Field(description="the circle")
-    ring: RingTable | None = Field(default=None, description="an elastic ring instead of a rigid circle")
+    scene: BeamHead = Field(description="kind of the scene and end of the run")
+    beam: BeamTable = Field(description="beam")
+    circle: CircleTable = Field(description="rigid circle")
+    ring: RingTable | None = Field(default=None, description="elastic ring instead of the rigid circle")
     scheme: SchemeTable = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     def files(self) -> list[str]:
         """Files that the scene uses, besides its own."""
@@ -94,7 +96,7 @@ class BeamFile(SceneFile):
 class CantileverHead(Table):
     """[scene] of kind "cantilever"."""
 
-    kind: Literal["cantilever"] = Field(description="which kind of scene this is")
+    kind: Literal["cantilever"] = Field(description="kind of scene")
     t_end: Positive = Field(description="time at which the run ends [s]")
 
 
@@ -107,23 +109,23 @@ class CantileverTable(UniformBeamTable):
     """[beam] of a cantilever: the fields of `Cantilever`, a line load [N/m] and a velocity [m/s] towards the stop."""
 
     load: Force = Field(default=0.0, description="line load towards the stop [N/m]")
-    velocity: Velocity = Field(default=0.0, description="of all of it at t = 0, towards the stop [m/s]")
+    velocity: Velocity = Field(default=0.0, description="velocity of the whole beam at t = 0, towards the stop [m/s]")
 
 
 class StopTable(Table):
     """[stop]: its distance from the tip of the straight beam [m]."""
 
-    clearance: Distance = Field(description="from the tip of the straight beam [m]")
+    clearance: Distance = Field(description="clearance between the stop and the tip of the straight beam [m]")
 
 
 class CantileverFile(SceneFile):
     """A clamped beam whose tip meets a stop."""
 
-    scene: CantileverHead = Field(description="what this scene is")
-    beam: CantileverTable = Field(description="the beam")
-    stop: StopTable = Field(description="the stop")
+    scene: CantileverHead = Field(description="kind of the scene and end of the run")
+    beam: CantileverTable = Field(description="beam")
+    stop: StopTable = Field(description="rigid stop")
     scheme: SchemeTable = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     @model_validator(mode="after")
     def _modal(self) -> CantileverFile:

@@ -38,7 +38,7 @@ NEAR = 6  # orbits about a value, whose states show how large random starts are
 class CyclesHead(Table):
     """[scene] of periodic solutions: only the kind, since there is no end time."""
 
-    kind: Literal["patch"] = Field(description="which kind of scene this is")
+    kind: Literal["patch"] = Field(description="kind of scene")
 
 
 class CyclesContact(Table):
@@ -48,20 +48,26 @@ class CyclesContact(Table):
     tangent: Name | None = Field(default=None, description="channel along the tangent")
     slide: Velocity = Field(default=0.0, description="velocity of the ground along the tangent [m/s]")
     clearance: Coordinate = Field(default=0.0, description="gap at rest [m]")
-    stiffness: Stiffness | None = Field(default=None, description="of an elastic obstacle [N/m]; rigid if left out")
-    restitution: Unit = Field(default=0.0, description="speed after an impact over that before [-]")
+    stiffness: Stiffness | None = Field(
+        default=None, description="stiffness of an elastic obstacle [N/m]; rigid if left out"
+    )
+    restitution: Unit = Field(
+        default=0.0, description="coefficient of restitution, speed after an impact over that before [-]"
+    )
 
 
 class DriveTable(Table):
     """[drive]: force amplitude [N] cos at a channel; over from_hz .. to_hz, or freq_hz and from_n .. to_n of force."""
 
-    channel: Name = Field(description="where the harmonic force acts")
-    amplitude: Amplitude | None = Field(default=None, description="of the force [N]")
-    freq_hz: Frequency | None = Field(default=None, description="of the force [Hz], where its amplitude is varied")
+    channel: Name = Field(description="channel at which the harmonic force acts")
+    amplitude: Amplitude | None = Field(default=None, description="amplitude of the force [N]")
+    freq_hz: Frequency | None = Field(
+        default=None, description="frequency of the force [Hz], if its amplitude is varied"
+    )
     from_hz: Frequency | None = Field(default=None, description="first frequency [Hz]")
     to_hz: Frequency | None = Field(default=None, description="last frequency [Hz]")
     from_n: Amplitude | None = Field(default=None, description="first amplitude of the force [N]")
-    to_n: Amplitude | None = Field(default=None, description="last amplitude [N]")
+    to_n: Amplitude | None = Field(default=None, description="last amplitude of the force [N]")
 
     @model_validator(mode="after")
     def _one_range(self) -> DriveTable:
@@ -88,13 +94,17 @@ class DriveTable(Table):
 class CyclesFile(CheckedFile):
     """A modal body under a harmonic force, with contacts."""
 
-    scene: CyclesHead = Field(description="what this scene is")
-    body: PatchBodyTable = Field(description="the body")
-    contact: Annotated[list[CyclesContact], Field(min_length=1)] = Field(description="tables [[contact]]")
-    ground: GroundTable = Field(default_factory=GroundTable, description="the rigid ground")
-    drive: DriveTable = Field(description="the harmonic force and what is varied")
-    continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
-    basins: BasinsTable | None = Field(default=None, description="which motions random starts reach")
+    scene: CyclesHead = Field(description="kind of the scene and end of the run")
+    body: PatchBodyTable = Field(description="elastic body")
+    contact: Annotated[list[CyclesContact], Field(min_length=1)] = Field(
+        description="tables [[contact]]: points of contact"
+    )
+    ground: GroundTable = Field(default_factory=GroundTable, description="rigid ground")
+    drive: DriveTable = Field(description="harmonic force and varied parameter")
+    continuation: ContinuationTable = Field(
+        default_factory=ContinuationTable, description="settings of the continuation of branches"
+    )
+    basins: BasinsTable | None = Field(default=None, description="motions that are reached from random initial states")
 
     @model_validator(mode="after")
     def _alike(self) -> CyclesFile:

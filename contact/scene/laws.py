@@ -24,9 +24,9 @@ class CoatingTable(Table):
 class SpringLaw(Table):
     """[law] of kind "spring": force = stiffness depth + damping rate in every contact."""
 
-    kind: Literal["spring"] = Field(description="a linear spring in the contact")
-    stiffness: Positive = Field(description="of the spring [N/m]")
-    damping: NotNegative = Field(default=0.0, description="of a dashpot beside it [N s/m]")
+    kind: Literal["spring"] = Field(description="linear spring in the contact")
+    stiffness: Positive = Field(description="stiffness of the spring [N/m]")
+    damping: NotNegative = Field(default=0.0, description="damping constant of a parallel dashpot [N s/m]")
 
     def law(self, mu: float) -> Law:
         """The law with friction `mu`."""
@@ -42,9 +42,9 @@ class SpringLaw(Table):
 class HertzLaw(Table):
     """[law] of kind "hertz": force = k depth^exponent (1 + dissipation rate)."""
 
-    kind: Literal["hertz"] = Field(description="two round bodies")
+    kind: Literal["hertz"] = Field(description="Hertz's law of two round bodies")
     closed_depth: Positive | None = Field(
-        default=None, description="mean depth at which stability and interactions take its slope [m]"
+        default=None, description="mean depth at which the law is linearised for stability and interactions [m]"
     )
 
     def law(self, mu: float) -> Law:
@@ -60,11 +60,13 @@ class HertzLaw(Table):
 class TableLaw(Table):
     """[law] of kind "table": a bumper's force over its depth, linear between points, the last line continued."""
 
-    kind: Literal["table"] = Field(description="a measured curve")
-    depth: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="depths that rise from 0 [m]")
-    force: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="forces that never fall, from 0 [N]")
+    kind: Literal["table"] = Field(description="measured curve of force over depth")
+    depth: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="depths, ascending from 0 [m]")
+    force: Annotated[list[NotNegative], Field(min_length=2)] = Field(
+        description="forces at these depths, from 0 and never decreasing [N]"
+    )
     closed_depth: Positive | None = Field(
-        default=None, description="mean depth at which stability and interactions take its slope [m]"
+        default=None, description="mean depth at which the law is linearised for stability and interactions [m]"
     )
 
     @model_validator(mode="after")

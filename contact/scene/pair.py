@@ -23,7 +23,7 @@ from contact.scene.scheme import (
 class PairHead(Table):
     """[scene] of kind "pair"."""
 
-    kind: Literal["pair"] = Field(description="which kind of scene this is")
+    kind: Literal["pair"] = Field(description="kind of scene")
 
 
 @table_of(ModalPair, "freq_hz", "modal_mass", "zeta")
@@ -40,10 +40,14 @@ class CasingPairTable(BladeModeTable):
 class PairContact(Table):
     """[contact] of a pair: stiffness [N/m] or compliance [m/N], friction, lean of the blade into the motion."""
 
-    stiffness: Stiffness | None = Field(default=None, description="of the contact [N/m]")
-    compliance: Compliance | None = Field(default=None, description="of the contact [m/N], instead of its stiffness")
+    stiffness: Stiffness | None = Field(default=None, description="stiffness of the contact [N/m]")
+    compliance: Compliance | None = Field(
+        default=None, description="compliance of the contact [m/N], instead of its stiffness"
+    )
     friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
-    lean_deg: Lean = Field(default=0.0, description="lean of the blade into the motion [degrees]")
+    lean_deg: Lean = Field(
+        default=0.0, description="lean of the blade from the radius, positive in the direction of its motion [degrees]"
+    )
 
     @model_validator(mode="after")
     def _one_of_both(self) -> PairContact:
@@ -56,8 +60,8 @@ class PairContact(Table):
 class PairFile(CheckedFile):
     """One casing pair against one blade mode, contact closed: for `casingfem stability`."""
 
-    scene: PairHead = Field(description="what this scene is")
-    casing: CasingPairTable = Field(description="one pair of the casing")
-    blade: BladeModeTable = Field(description="one mode of the blade")
-    contact: PairContact = Field(description="what lies between")
-    speed: ScanTable = Field(description="speeds examined")
+    scene: PairHead = Field(description="kind of the scene and end of the run")
+    casing: CasingPairTable = Field(description="one pair of casing modes")
+    blade: BladeModeTable = Field(description="one blade mode")
+    contact: PairContact = Field(description="stiffness or compliance, and friction of the contact")
+    speed: ScanTable = Field(description="range of speeds")

@@ -33,11 +33,11 @@ class RecordTable(Table):
     every: int
     state_every: int
     at: Annotated[list[Instant], Field(min_length=1)] | None = Field(
-        default=None, description="instants at which sample and state are stored [s], instead of every"
+        default=None, description="times at which sample and state are stored [s], instead of every"
     )
     channels: Annotated[list[list[Number]], Field(min_length=1)] | Name | None = Field(
         default=None,
-        description="rows of channels, or a CSV file of them beside this file: stored instead of the state [-]",
+        description="channels that are stored instead of the state, as rows or in a CSV file beside this file [-]",
     )
 
     @model_validator(mode="after")

@@ -40,17 +40,17 @@ Seen = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]  # of a mode of 1e-12 kg, 
 class PatchHead(RunHead):
     """[scene] of kind "patch"."""
 
-    kind: Literal["patch"] = Field(description="which kind of scene this is")
+    kind: Literal["patch"] = Field(description="kind of scene")
 
 
 class PatchBodyTable(Table):
     """[body]: a modal basis file, or its modes here; modal displacement and velocity at t = 0; load [N] by channel."""
 
-    basis: Name | None = Field(default=None, description="modal basis, npz, relative to this file")
+    basis: Name | None = Field(default=None, description="file of a modal basis (npz), relative to this file")
     omega: Annotated[list[Annotated[NotNegative, OMEGA]], Field(min_length=1)] | None = Field(
-        default=None, description="angular frequencies of its modes [rad/s], instead of a basis"
+        default=None, description="angular frequencies of the modes [rad/s], instead of a basis"
     )
-    zeta: list[Ratio] | None = Field(default=None, description="their damping ratios [-]")
+    zeta: list[Ratio] | None = Field(default=None, description="damping ratios of the modes [-]")
     channels: Annotated[list[Name], Field(min_length=1)] | None = Field(
         default=None, description="names of the displacements at the interface"
     )
@@ -60,7 +60,7 @@ class PatchBodyTable(Table):
     S: list[list[Number]] | None = Field(default=None, description="residual compliance of the channels [m/N]")
     displacement: list[Number] | None = Field(default=None, description="modal coordinates at t = 0 [m kg^(1/2)]")
     velocity: list[Number] | None = Field(default=None, description="modal velocities at t = 0 [m kg^(1/2)/s]")
-    load: dict[str, Force] = Field(default_factory=dict, description="channel -> constant force [N]")
+    load: dict[str, Force] = Field(default_factory=dict, description="constant forces [N], by channel")
 
     @model_validator(mode="after")
     def _whole(self) -> PatchBodyTable:
@@ -119,20 +119,22 @@ class GroundTable(Table):
 class PatchScheme(Table):
     """[scheme] of a patch: exact-modal."""
 
-    kind: Literal["exact-modal"] = Field(description="the method")
+    kind: Literal["exact-modal"] = Field(description="method of time integration")
     dt: Time = Field(description="time step [s]")
 
 
 class PatchFile(SceneFile):
     """A modal body on points of rigid ground, with stick and slip."""
 
-    scene: PatchHead = Field(description="what this scene is")
-    body: PatchBodyTable = Field(description="the body")
-    contact: Annotated[list[PatchContact], Field(min_length=1)] = Field(description="tables [[contact]]")
-    ground: GroundTable = Field(default_factory=GroundTable, description="the ground")
-    law: LawTable | None = Field(default=None, description="how the contacts give way; rigid if left out")
+    scene: PatchHead = Field(description="kind of the scene and end of the run")
+    body: PatchBodyTable = Field(description="elastic body")
+    contact: Annotated[list[PatchContact], Field(min_length=1)] = Field(
+        description="tables [[contact]]: points of contact"
+    )
+    ground: GroundTable = Field(default_factory=GroundTable, description="rigid ground")
+    law: LawTable | None = Field(default=None, description="compliance of the contacts; rigid if left out")
     scheme: PatchScheme = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     @model_validator(mode="after")
     def _alike(self) -> PatchFile:

@@ -48,17 +48,17 @@ Coupling = Annotated[FiniteFloat, Field(ge=0, le=100)]
 class RimHead(RunHead):
     """[scene] of kind "rim"."""
 
-    kind: Literal["rim"] = Field(description="which kind of scene this is")
+    kind: Literal["rim"] = Field(description="kind of scene")
 
 
 class CasingTable(Table):
     """[casing]: modal basis file of kind "rim", relative to the scene file; `scatter` detunes its modes at random."""
 
-    basis: Name = Field(description="modal basis of kind rim, npz, relative to this file")
+    basis: Name = Field(description="file of a modal basis of kind rim (npz), relative to this file")
     scatter: Annotated[FiniteFloat, Field(ge=0, le=0.2)] = Field(
-        default=0.0, description="standard deviation of a random relative detuning of its modes [-]"
+        default=0.0, description="standard deviation of a random relative detuning of the modes [-]"
     )
-    seed: Whole = Field(default=0, description="of that detuning")
+    seed: Whole = Field(default=0, description="seed of this detuning")
 
     def body(self, folder: Path) -> ModalBody:
         """The rim, detuned."""
@@ -69,11 +69,15 @@ class CasingTable(Table):
 class BladeTable(Table):
     """[blade]: modal basis file of kind "point" with channels span and flap; lean in degrees; `freq_hz` retunes it."""
 
-    basis: Name = Field(description="modal basis of kind point, with channels span and flap, relative to this file")
-    freq_hz: Frequency | None = Field(
-        default=None, description="first frequency it is tuned to [Hz]; as it is if left out"
+    basis: Name = Field(
+        description="file of a modal basis of kind point (npz) with channels span and flap, relative to this file"
     )
-    lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
+    freq_hz: Frequency | None = Field(
+        default=None, description="first frequency to which the blade is tuned [Hz]; that of the basis if left out"
+    )
+    lean_deg: Lean = Field(
+        default=0.0, description="lean of the blade from the radius, positive in the direction of its motion [degrees]"
+    )
 
     def body(self, folder: Path) -> ModalBody:
         """The blade, retuned."""
@@ -90,15 +94,15 @@ class RimContact(GapTable):
 class RimFile(SceneFile):
     """A rotating casing rim against one fixed blade."""
 
-    scene: RimHead = Field(description="what this scene is")
-    casing: CasingTable = Field(description="the rim")
-    blade: BladeTable = Field(description="the blade")
-    contact: RimContact = Field(description="the gap")
-    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
-    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
-    speed: SpeedTable = Field(description="how fast it turns, and which side")
+    scene: RimHead = Field(description="kind of the scene and end of the run")
+    casing: CasingTable = Field(description="casing, by its rim")
+    blade: BladeTable = Field(description="blade")
+    contact: RimContact = Field(description="gap between tips and rim")
+    coating: CoatingTable | None = Field(default=None, description="abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="compliance of the contacts, instead of a coating")
+    speed: SpeedTable = Field(description="speed of rotation, and rotating side")
     scheme: ModalScheme = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     @model_validator(mode="after")
     def _one_law(self) -> RimFile:
@@ -136,24 +140,26 @@ class RimFile(SceneFile):
 class DiskHead(RunHead):
     """[scene] of kind "disk"."""
 
-    kind: Literal["disk"] = Field(description="which kind of scene this is")
+    kind: Literal["disk"] = Field(description="kind of scene")
 
 
 class DiskPairTable(CasingPairTable):
     """[casing.pair]: a casing reduced to its pair of n diameters; `kick`: modal velocity of its cosine at t = 0."""
 
-    radius: Size = Field(description="of the rim [m]")
+    radius: Size = Field(description="radius of the rim [m]")
     thickness: Thickness | None = Field(
-        default=None, description="of its wall [m]: a run stops where the rim deflects by more than half of it"
+        default=None, description="wall thickness [m]; the run stops where the rim deflects by more than half of it"
     )
-    kick: Velocity = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
+    kick: Velocity = Field(default=0.0, description="modal velocity of the cosine mode at t = 0 [m kg^(1/2)/s]")
 
 
 class DiskCasingTable(Table):
     """[casing]: a modal basis file of kind "rim", or a pair."""
 
-    basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
-    pair: DiskPairTable | None = Field(default=None, description="one pair of modes instead of a basis")
+    basis: Name | None = Field(
+        default=None, description="file of a modal basis of kind rim (npz), relative to this file"
+    )
+    pair: DiskPairTable | None = Field(default=None, description="one pair of casing modes, instead of a basis")
 
     @model_validator(mode="after")
     def _one_of_both(self) -> DiskCasingTable:
@@ -187,15 +193,15 @@ class DiskTable(Table):
 class DiskFile(SceneFile):
     """A disk of blades and a rotating casing."""
 
-    scene: DiskHead = Field(description="what this scene is")
-    casing: DiskCasingTable = Field(description="the rim")
-    disk: DiskTable = Field(description="the blades")
-    contact: GapTable = Field(description="the gap")
-    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
-    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
-    speed: SpeedTable = Field(description="how fast it turns, and which side")
+    scene: DiskHead = Field(description="kind of the scene and end of the run")
+    casing: DiskCasingTable = Field(description="casing, by its rim")
+    disk: DiskTable = Field(description="bladed disk")
+    contact: GapTable = Field(description="gap between tips and rim")
+    coating: CoatingTable | None = Field(default=None, description="abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="compliance of the contacts, instead of a coating")
+    speed: SpeedTable = Field(description="speed of rotation, and rotating side")
     scheme: ModalScheme = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     @model_validator(mode="after")
     def _one_law(self) -> DiskFile:

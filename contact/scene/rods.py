@@ -33,9 +33,9 @@ class WallTable(Table):
 class RodsHead(Table):
     """[scene] of kind "rods"; gravity > 0 pulls towards -x."""
 
-    kind: Literal["rods"] = Field(description="which kind of scene this is")
+    kind: Literal["rods"] = Field(description="kind of scene")
     t_end: Positive = Field(description="time at which the run ends [s]")
-    gravity: Number = Field(default=0.0, description="towards -x [m/s^2]")
+    gravity: Number = Field(default=0.0, description="acceleration of gravity towards -x [m/s^2]")
 
 
 def _listed(value: object) -> object:
@@ -45,14 +45,14 @@ def _listed(value: object) -> object:
 class RodsFile(SceneFile):
     """A scene of rods, masses and walls on one axis."""
 
-    scene: RodsHead = Field(description="what this scene is")
-    rod: list[RodTable] = Field(default_factory=list, description="tables [[rod]]")
-    mass: list[MassTable] = Field(default_factory=list, description="tables [[mass]]")
+    scene: RodsHead = Field(description="kind of the scene and end of the run")
+    rod: list[RodTable] = Field(default_factory=list, description="tables [[rod]]: elastic rods")
+    mass: list[MassTable] = Field(default_factory=list, description="tables [[mass]]: rigid masses")
     wall: Annotated[list[WallTable], BeforeValidator(_listed)] = Field(
-        default_factory=list, description="a table [wall], or several [[wall]]"
+        default_factory=list, description="rigid wall, or several [[wall]]"
     )
     scheme: SchemeTable = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored; every step if left out")
+    record: RecordTable | None = Field(default=None, description="stored samples; every step if left out")
 
     def built(self, folder: Path, problems: Problems) -> Built:
         """The object that the table describes; raises SceneError."""

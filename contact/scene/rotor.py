@@ -52,19 +52,23 @@ MODES = 24  # of a shaft that are kept where nothing is stated
 class RotorHead(RunHead):
     """[scene] of kind "rotor"."""
 
-    kind: Literal["rotor"] = Field(description="which kind of scene this is")
+    kind: Literal["rotor"] = Field(description="kind of scene")
 
 
 @table_of(Jeffcott, "zeta", "zeta_internal")
 class RotorTable(Table):
     """[rotor]: a disk on a massless shaft by mass and stiffness, or a modal basis; with [[shaft]] only `modes`."""
 
-    mass: Mass | None = Field(default=None, description="of the disk [kg]")
-    stiffness: Stiffness | None = Field(default=None, description="of the shaft at the disk, both directions [N/m]")
-    basis: Name | None = Field(default=None, description="modal basis of the rotor at rest, npz, relative to this file")
+    mass: Mass | None = Field(default=None, description="mass of the disk [kg]")
+    stiffness: Stiffness | None = Field(
+        default=None, description="stiffness of the shaft at the disk, in both directions [N/m]"
+    )
+    basis: Name | None = Field(
+        default=None, description="file of a modal basis of the rotor at rest (npz), relative to this file"
+    )
     node: Name | None = Field(
         default=None,
-        description="node of the basis with the unbalance; the first with channels x and y if left out",
+        description="node of the basis at which the unbalance acts; the first with channels x and y if left out",
     )
     modes: Annotated[int, Field(ge=1, le=400)] | None = Field(
         default=None, description=f"modes of a [[shaft]] that are kept; {MODES}, or all if they are fewer, if left out"
@@ -72,8 +76,8 @@ class RotorTable(Table):
 
     limit: Length | None = Field(
         default=None,
-        description="largest motion without a casing [m]: the run stops beyond; a tenth of the length of a [[shaft]], "
-        "2.5 m of other rotors if left out",
+        description="motion without a casing above which the run stops [m]; if left out, a tenth of the length of a"
+        " [[shaft]], 2.5 m for other rotors",
     )
 
     @property
@@ -107,9 +111,9 @@ class UnbalanceTable(Table):
     """[unbalance] of the rotor: mass times eccentricity, angle, and its change by a release."""
 
     at: NotNegative | None = Field(
-        default=None, description="its place on a [[shaft]], from the first end; that of the first disk if left out [m]"
+        default=None, description="position on a [[shaft]] from its first end; that of the first disk if left out [m]"
     )
-    release: ReleaseTable | None = Field(default=None, description="a part leaves; none if left out")
+    release: ReleaseTable | None = Field(default=None, description="loss of a part during the run; none if left out")
 
     def value(self) -> Unbalance:
         """The unbalance over time."""
@@ -120,13 +124,13 @@ class RotorSpeed(Table):
     """[speed]: hz or rpm, one number, or as many as there are times [s], linear between them."""
 
     hz: TurnsPerSecond | list[TurnsPerSecond] | None = Field(
-        default=None, description="speed, one number or one for each time [turns/s]"
+        default=None, description="speed of rotation, one number or one for each time [turns/s]"
     )
-    rpm: Rpm | list[Rpm] | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
-    time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
+    rpm: Rpm | list[Rpm] | None = Field(default=None, description="speed of rotation, instead of hz [rpm]")
+    time: list[Number] | None = Field(default=None, description="times of the listed speeds [s]")
     scan: ScanTable | None = Field(
         default=None,
-        description="speeds that stability and interactions examine; up to twice the highest speed if left out",
+        description="range of speeds of stability and interactions; up to twice the highest speed if left out",
     )
 
     @model_validator(mode="after")
@@ -163,14 +167,16 @@ class RotorSpeed(Table):
 class RotorCasing(Table):
     """[casing] around the rotor: a modal basis, or a rigid ring on mounts by `radius`, `mass` and `stiffness`."""
 
-    basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
-    radius: Length | None = Field(default=None, description="of a rigid ring [m]")
-    mass: Mass | None = Field(default=None, description="of a rigid ring [kg]")
-    stiffness: Stiffness | None = Field(default=None, description="of its mounts, both directions [N/m]")
+    basis: Name | None = Field(
+        default=None, description="file of a modal basis of kind rim (npz), relative to this file"
+    )
+    radius: Length | None = Field(default=None, description="radius of a rigid ring [m]")
+    mass: Mass | None = Field(default=None, description="mass of a rigid ring [kg]")
+    stiffness: Stiffness | None = Field(default=None, description="stiffness of the mounts, in both directions [N/m]")
     zeta: Ratio = Field(default=0.0, description="damping ratio of a rigid ring on its mounts [-]")
     thickness: Thickness | None = Field(
         default=None,
-        description="of its wall [m]: a rim that moves beyond half of it is flagged; the basis's own if left out",
+        description="wall thickness [m], half of which limits the rim's deflection; that of the basis if left out",
     )
 
     @model_validator(mode="after")
@@ -194,14 +200,14 @@ class RotorTips(Table):
     """[tips]: blades that do not deform, in place of [[blade]] tables."""
 
     count: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of equal blades around")
-    angle_deg: Angle = Field(default=0.0, description="where the first one is at t = 0 [degrees]")
+    angle_deg: Angle = Field(default=0.0, description="angle of the first blade at t = 0 [degrees]")
 
 
 class RotorContact(RubContact):
     """[contact] of a rotor: that of a rub, and the blades that are lost."""
 
     lost: list[Annotated[int, Field(ge=0)]] = Field(
-        default_factory=list, description="numbers of blades that touch nothing, from 0, such as the one that leaves"
+        default_factory=list, description="numbers of blades without contact, from 0, such as the one that leaves"
     )
 
 
@@ -213,40 +219,43 @@ class SpinTable(Table):
 class RotorGravity(Table):
     """[gravity] of a rotor: its weight along -y; with `settled` it starts in static equilibrium."""
 
-    acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(default=9.80665, description="gravity [m/s^2]")
-    settled: bool = Field(default=True, description="whether the rotor starts at rest under it")
+    acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(
+        default=9.80665, description="acceleration of gravity [m/s^2]"
+    )
+    settled: bool = Field(default=True, description="whether the rotor starts in equilibrium under gravity")
 
 
 class RotorScheme(Table):
     """[scheme] of a rotor: exact-modal."""
 
-    kind: Literal["exact-modal"] = Field(description="the method")
+    kind: Literal["exact-modal"] = Field(description="method of time integration")
     dt: Time = Field(description="time step [s]")
-    most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
+    most_steps: Count = Field(default=MOST_STEPS, description="largest number of steps of a run")
 
 
 class RotorFile(SceneFile):
     """A rotor under its unbalance; with [casing] and [contact] its blades may rub."""
 
-    scene: RotorHead = Field(description="what this scene is")
+    scene: RotorHead = Field(description="kind of the scene and end of the run")
     rotor: RotorTable = Field(
-        default_factory=RotorTable, description="a disk on a massless shaft or a modal basis; left out with [[shaft]]"
+        default_factory=RotorTable,
+        description="disk on a massless shaft, or modal basis of the rotor; not needed with [[shaft]]",
     )
     shaft: list[ShaftTable] = Field(default_factory=list, description="tables [[shaft]]: pieces of a beam shaft")
     disk: list[RotorDiskTable] = Field(default_factory=list, description="tables [[disk]]: rigid disks on the shaft")
-    bearing: list[BearingTable] = Field(default_factory=list, description="tables [[bearing]]: what supports the shaft")
-    unbalance: UnbalanceTable = Field(default_factory=UnbalanceTable, description="the unbalance; none if left out")
-    speed: RotorSpeed = Field(description="how fast it turns")
-    gravity: RotorGravity | None = Field(default=None, description="the weight; none if left out")
-    casing: RotorCasing | None = Field(default=None, description="the casing around it; no contact if left out")
-    tips: RotorTips | None = Field(default=None, description="blades that do not deform")
+    bearing: list[BearingTable] = Field(default_factory=list, description="tables [[bearing]]: bearings of the shaft")
+    unbalance: UnbalanceTable = Field(default_factory=UnbalanceTable, description="unbalance; none if left out")
+    speed: RotorSpeed = Field(description="speed of rotation")
+    gravity: RotorGravity | None = Field(default=None, description="gravity; none if left out")
+    casing: RotorCasing | None = Field(default=None, description="casing around the rotor; no contact if left out")
+    tips: RotorTips | None = Field(default=None, description="rigid blades")
     blade: list[RubBlade] = Field(default_factory=list, description="tables [[blade]]: blades by their modal bases")
-    contact: RotorContact | None = Field(default=None, description="the gap between tips and casing")
-    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
-    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
-    spin: SpinTable | None = Field(default=None, description="inertia and drive of a speed that changes")
+    contact: RotorContact | None = Field(default=None, description="gap between tips and casing")
+    coating: CoatingTable | None = Field(default=None, description="abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="compliance of the contacts, instead of a coating")
+    spin: SpinTable | None = Field(default=None, description="inertia and drive torque of a rotor whose speed changes")
     scheme: RotorScheme = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     @model_validator(mode="after")
     def _one_rotor(self) -> RotorFile:

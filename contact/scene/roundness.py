@@ -51,15 +51,15 @@ class RandomRoundness(Table):
     (1e-08, False)
     """
 
-    seed: Whole = Field(description="same seed, same draws")
+    seed: Whole = Field(description="seed of the draws; the same seed gives the same draws")
     spectrum: Annotated[list[SpectrumLine], Field(min_length=1)] | None = Field(
-        default=None, description="tables {p, median, high}"
+        default=None, description="spectrum of the amplitudes, tables {p, median, high}"
     )
     harmonics: Annotated[list[Annotated[int, Field(ge=1, le=WAVES)]], Field(min_length=1)] | None = Field(
-        default=None, description="numbers of waves, instead of a spectrum: amplitudes alike"
+        default=None, description="numbers of waves with equal amplitudes, instead of a spectrum"
     )
     rms: Annotated[Positive, CHECKS["roundness"]] | None = Field(
-        default=None, description="root mean square around the rim that every draw is scaled to [m]"
+        default=None, description="root mean square around the rim to which every draw is scaled [m]"
     )
 
     @model_validator(mode="after")
@@ -97,10 +97,11 @@ class Roundness(Table):
     """
 
     out_of_roundness: Terms = Field(
-        default_factory=list, description='tables {p, cos, sin}, or "basis": what the casing was surveyed to have'
+        default_factory=list,
+        description='deviation of the rim from a circle, tables {p, cos, sin}, or "basis" for the surveyed one',
     )
     random_out_of_roundness: RandomRoundness | None = Field(
-        default=None, description="a random deviation that is added"
+        default=None, description="random deviation of the rim from a circle, which is added"
     )
     draw: Whole | None = Field(default=None, description="number of the random draw")
 

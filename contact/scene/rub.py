@@ -52,16 +52,16 @@ Along = Annotated[FiniteFloat, replace(CHECKS["gravity"], lower=-CHECKS["gravity
 class RubHead(RunHead):
     """[scene] of kind "rub"."""
 
-    kind: Literal["rub"] = Field(description="which kind of scene this is")
+    kind: Literal["rub"] = Field(description="kind of scene")
 
 
 class RubCasing(Table):
     """[casing]: modal basis of a rim, and the thickness of its wall [m]; a run is flagged beyond half of it."""
 
-    basis: Name = Field(description="modal basis of kind rim, npz, relative to this file")
+    basis: Name = Field(description="file of a modal basis of kind rim (npz), relative to this file")
     thickness: Thickness | None = Field(
         default=None,
-        description="of its wall [m]: a rim that moves beyond half of it is flagged; the basis's own if left out",
+        description="wall thickness [m], half of which limits the rim's deflection; that of the basis if left out",
     )
 
 
@@ -77,8 +77,8 @@ class RubNode(Table):
     axial: str | None
     angle_deg: float
     track: int | None
-    span: Name = Field(description="channel of the blade along its span")
-    flap: Name = Field(description="channel along its flap")
+    span: Name = Field(description="channel of the basis along the span")
+    flap: Name = Field(description="channel of the basis along the flap")
 
 
 class RubBlade(Table):
@@ -88,15 +88,19 @@ class RubBlade(Table):
     along the axis. The basis of a wheel has the places of all its sectors; nodes name those of one sector.
     """
 
-    basis: Name = Field(description="modal basis of kind point, npz, relative to this file")
+    basis: Name = Field(description="file of a modal basis of kind point (npz), relative to this file")
     angle_deg: Angle = Field(default=0.0, description="angle of the first blade [degrees]")
     count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="number of equal blades around")
-    lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
-    axial: bool = Field(default=False, description="whether its places slide along the axis too")
-    stiffening: bool = Field(default=False, description="whether the speed stiffens it, by the arrays of its basis")
+    lean_deg: Lean = Field(
+        default=0.0, description="lean of the blade from the radius, positive in the direction of its motion [degrees]"
+    )
+    axial: bool = Field(default=False, description="whether the contact points slide along the axis too")
+    stiffening: bool = Field(
+        default=False, description="whether rotation stiffens the blade, by the arrays of its basis"
+    )
     node: list[RubNode] = Field(
         default_factory=list,
-        description="tables [[blade.node]]: the places that touch; all that the basis has if left out",
+        description="tables [[blade.node]]: points of contact; all of the basis if left out",
     )
 
     def nodes(self, body: ModalBody) -> list[RubNode]:
@@ -143,7 +147,8 @@ class RubContact(GapTable):
     """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
 
     profile: Name | None = Field(
-        default=None, description="CSV file theta_deg,depth_m of the rim's radius, relative to this file"
+        default=None,
+        description="CSV file of the rim's profile with columns theta_deg and depth_m, relative to this file",
     )
 
 
@@ -154,12 +159,12 @@ class RubSpeed(Table):
     """
 
     hz: TurnsPerSecond | list[TurnsPerSecond] = Field(
-        description="speed, or rpm, one number or one for each time [turns/s]"
+        description="speed of rotation, or rpm, one number or one for each time [turns/s]"
     )
-    rpm: Rpm | list[Rpm] | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
-    time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
+    rpm: Rpm | list[Rpm] | None = Field(default=None, description="speed of rotation, instead of hz [rpm]")
+    time: list[Number] | None = Field(default=None, description="times of the listed speeds [s]")
     turning: Side | None = Field(default=None, description=MEANING)
-    scan: ScanTable | None = Field(default=None, description="speeds that interactions examine")
+    scan: ScanTable | None = Field(default=None, description="range of speeds of interactions")
 
     _hz = model_validator(mode="before")(hz_of_rpm)
 
@@ -186,9 +191,9 @@ class RubSpeed(Table):
 class RubClosing(Table):
     """[closing]: reduction of the gap [m], by (1 - exp(-t/time_constant)), or piecewise linear over `time`."""
 
-    by: Gap | list[Gap] = Field(description="how much the gap is reduced in the end, or at each time [m]")
-    time_constant: Time | None = Field(default=None, description="of an exponential closing [s]")
-    time: list[Number] | None = Field(default=None, description="instants of a list of closings [s]")
+    by: Gap | list[Gap] = Field(description="reduction of the gap at the end, or at each time [m]")
+    time_constant: Time | None = Field(default=None, description="time constant of an exponential reduction [s]")
+    time: list[Number] | None = Field(default=None, description="times of the listed reductions [s]")
 
     @model_validator(mode="after")
     def _one(self) -> RubClosing:
@@ -208,9 +213,9 @@ class RubClosing(Table):
 class RubWhirl(Table):
     """[[whirl]]: the fields of `Whirl`; `shakes` names the side that moves on this circle, with acceleration r w^2."""
 
-    hz: Whirling = Field(default=0.0, description="its rate besides [turns/s]")
+    hz: Whirling = Field(default=0.0, description="additional rate of the motion [turns/s]")
     shakes: Literal["casing", "blades"] | None = Field(
-        default=None, description="which side runs on it with its mass; neither if left out"
+        default=None, description="side that this motion accelerates with its mass; neither if left out"
     )
 
     def law(self) -> Whirl:
@@ -224,27 +229,31 @@ class RubGravity(Table):
     With `settled`, bodies start in equilibrium with it and with the whirl that shakes them; else undeformed.
     """
 
-    acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(default=9.80665, description="gravity [m/s^2]")
-    down_deg: Angle = Field(default=-90.0, description="where down is at t = 0, in the casing's angles [degrees]")
-    axial: Along = Field(default=0.0, description="part along the axis [m/s^2]")
-    settled: bool = Field(default=True, description="whether bodies start at rest under it")
+    acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(
+        default=9.80665, description="acceleration of gravity [m/s^2]"
+    )
+    down_deg: Angle = Field(
+        default=-90.0, description="direction of gravity at t = 0, as an angle of the casing [degrees]"
+    )
+    axial: Along = Field(default=0.0, description="component along the axis [m/s^2]")
+    settled: bool = Field(default=True, description="whether bodies start in equilibrium under gravity")
 
 
 class RubFile(SceneFile):
     """Blades that rub on a casing in relative rotation, each tip in one or more places, with stick and slip."""
 
-    scene: RubHead = Field(description="what this scene is")
-    casing: RubCasing = Field(description="the rim")
-    blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]")
-    contact: RubContact = Field(description="the gap")
-    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
-    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
-    speed: RubSpeed = Field(description="how fast it turns")
-    closing: RubClosing | None = Field(default=None, description="how the gap closes")
-    whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
-    gravity: RubGravity | None = Field(default=None, description="weight of all bodies")
+    scene: RubHead = Field(description="kind of the scene and end of the run")
+    casing: RubCasing = Field(description="casing, by its rim")
+    blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]: blades")
+    contact: RubContact = Field(description="gap between tips and rim")
+    coating: CoatingTable | None = Field(default=None, description="abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="compliance of the contacts, instead of a coating")
+    speed: RubSpeed = Field(description="speed of rotation")
+    closing: RubClosing | None = Field(default=None, description="reduction of the gap over time")
+    whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circular motions of a centre")
+    gravity: RubGravity | None = Field(default=None, description="gravity, which acts on all bodies")
     scheme: ModalScheme = Field(description="method and time step")
-    record: RecordTable | None = Field(default=None, description="what is stored")
+    record: RecordTable | None = Field(default=None, description="stored samples")
 
     @model_validator(mode="after")
     def _one_law(self) -> RubFile:

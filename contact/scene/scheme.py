@@ -92,13 +92,15 @@ class Table(BaseModel):
 class ChecksTable(Table):
     """[checks]: implausible values that are intended."""
 
-    allow: list[CheckName] = Field(default_factory=list, description="names of checks that this file need not pass")
+    allow: list[CheckName] = Field(
+        default_factory=list, description="names of checks of plausibility that are not applied to this file"
+    )
 
 
 class CheckedFile(Table):
     """A file whose numbers must be plausible, except those that it allows."""
 
-    checks: ChecksTable = Field(default_factory=ChecksTable, description="implausible values that are meant")
+    checks: ChecksTable = Field(default_factory=ChecksTable, description="implausible values that are intended")
 
     def radius(self, folder: Path) -> float:
         """Radius of the rotating rim [m]; 0 if there is none or it is unknown."""
@@ -119,7 +121,7 @@ class RunHead(Table):
     t_end: Time = Field(description="time at which the run ends [s]")
     on_limit: Literal["stop", "flag"] = Field(
         default="stop",
-        description="whether a run that passes a limit of its model ends as an error or goes on, flagged",
+        description="end of a run that passes a limit of its model: as an error, or not at all, with a flag",
     )
 
 
@@ -140,12 +142,12 @@ class ScanTable(Table):
 class ModalScheme(Table):
     """[scheme] of a rotating rim: exact-modal."""
 
-    kind: Literal["exact-modal"] = Field(description="the method")
+    kind: Literal["exact-modal"] = Field(description="method of time integration")
     law: Literal["auto", "forward", "averaged"] = Field(
-        default="auto", description="how contact is enforced in a step; auto by the model's compliance"
+        default="auto", description="enforcement of contact in a step; auto chooses by the compliance of the model"
     )
     dt: Time = Field(description="time step [s]")
-    most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
+    most_steps: Count = Field(default=MOST_STEPS, description="largest number of steps of a run")
 
 
 def hz_of_rpm(data: Any) -> Any:
@@ -167,10 +169,10 @@ def hz_of_rpm(data: Any) -> Any:
 class SpeedTable(Table):
     """[speed]: turns per second, or per minute; `turning`: the side that rotates; `scan`: the speeds to examine."""
 
-    hz: TurnsPerSecond = Field(description="speed, or rpm [turns/s]")
-    rpm: Rpm | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
+    hz: TurnsPerSecond = Field(description="speed of rotation, or rpm [turns/s]")
+    rpm: Rpm | None = Field(default=None, description="speed of rotation, instead of hz [rpm]")
     turning: Side | None = Field(default=None, description=MEANING)
-    scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions examine")
+    scan: ScanTable | None = Field(default=None, description="range of speeds of stability and interactions")
 
     _hz = model_validator(mode="before")(hz_of_rpm)
 
@@ -186,22 +188,28 @@ class Waviness(Table):
 class SchemeTable(Table):
     """[scheme]: kind and step; each kind has its own keys, listed in `SCHEMES` and `OF_LAWS`."""
 
-    kind: Kind = Field(description="the method")
+    kind: Kind = Field(description="method of time integration")
     courant: Positive | None = Field(
         default=None, description="time step over the largest stable one [-], instead of dt"
     )
     dt: Positive | None = Field(default=None, description="time step [s]")
-    most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
-    stiffness: Positive | None = Field(default=None, description="of a penalty or an augmented Lagrangian [N/m]")
-    updates: Count | None = Field(default=None, description="most updates of an augmented Lagrangian in a step")
+    most_steps: Count = Field(default=MOST_STEPS, description="largest number of steps of a run")
+    stiffness: Positive | None = Field(
+        default=None, description="stiffness of a penalty or an augmented Lagrangian [N/m]"
+    )
+    updates: Count | None = Field(
+        default=None, description="largest number of updates of an augmented Lagrangian in a step"
+    )
     modes: Count | None = Field(default=None, description="number of modes of a bar on a wall")
-    law: ModalLaw | ContactLaw | None = Field(default=None, description="how contact is enforced in a step")
+    law: ModalLaw | ContactLaw | None = Field(default=None, description="enforcement of contact in a step")
     beta: Positive | None = Field(default=None, description="Newmark's beta [-]")
     gamma: Positive | None = Field(default=None, description="Newmark's gamma [-]")
-    alpha: FiniteFloat | None = Field(default=None, description="of HHT [-], from -1/3 to 0")
-    theta: Unit | None = Field(default=None, description="of Moreau and Jean [-], from 1/2 to 1")
+    alpha: FiniteFloat | None = Field(default=None, description="alpha of the HHT method [-], from -1/3 to 0")
+    theta: Unit | None = Field(default=None, description="theta of the Moreau-Jean method [-], from 1/2 to 1")
     rho_inf: Unit | None = Field(default=None, description="spectral radius at high frequencies [-]")
-    restitution: Unit | None = Field(default=None, description="speed after an impact over that before [-]")
+    restitution: Unit | None = Field(
+        default=None, description="coefficient of restitution, speed after an impact over that before [-]"
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> SchemeTable:

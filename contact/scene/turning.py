@@ -24,11 +24,17 @@ class ContinuationTable(Table):
     """[continuation]: longest step, most points, evaluations of the gaps in a period, doublings, channels shown."""
 
     longest_step: Annotated[FiniteFloat, Field(ge=1e-6, le=1)] = Field(
-        default=0.02, description="of the parameter's range [-]"
+        default=0.02, description="longest step, as a part of the parameter's range [-]"
     )
-    most_points: Annotated[int, Field(ge=2, le=MANY)] = Field(default=1000, description="points of a branch at most")
-    looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="evaluations of the gaps in a period")
-    doublings: Annotated[int, Field(ge=0)] = Field(default=0, description="period doublings that are followed")
+    most_points: Annotated[int, Field(ge=2, le=MANY)] = Field(
+        default=1000, description="largest number of points of a branch"
+    )
+    looks: Annotated[int, Field(ge=8)] | None = Field(
+        default=None, description="number of evaluations of the gaps in a period"
+    )
+    doublings: Annotated[int, Field(ge=0)] = Field(
+        default=0, description="number of period doublings that are followed"
+    )
     channels: list[str] = Field(
         default_factory=list, description="channels whose amplitudes are shown; all if left out"
     )
@@ -39,11 +45,11 @@ class BasinsTable(Table):
 
     at: Number = Field(description="value of the parameter, within the range [unit of the parameter]")
     starts: Annotated[int, Field(ge=1, le=100_000)] = Field(default=100, description="number of runs")
-    seed: Annotated[int, Field(ge=0)] = Field(description="of the random starts")
+    seed: Annotated[int, Field(ge=0)] = Field(description="seed of the random initial states")
     spread: Annotated[Positive, Field(le=1e3)] = Field(
-        default=1.0, description="deviation of a start's states, over those of the orbits there [-]"
+        default=1.0, description="deviation of the initial states, relative to the states of the orbits there [-]"
     )
-    settle: Annotated[int, Field(ge=1)] = Field(default=300, description="periods of each run")
+    settle: Annotated[int, Field(ge=1)] = Field(default=300, description="number of periods of each run")
 
 
 class SpeedRange(Table):
@@ -51,7 +57,9 @@ class SpeedRange(Table):
 
     from_hz: TurnsPerSecond | None = Field(default=None, description="first speed [turns/s]")
     to_hz: TurnsPerSecond | None = Field(default=None, description="last speed [turns/s]")
-    hz: TurnsPerSecond | None = Field(default=None, description="speed, where [vary] names what is varied [turns/s]")
+    hz: TurnsPerSecond | None = Field(
+        default=None, description="speed of rotation, if [vary] names another parameter [turns/s]"
+    )
     turning: Side | None = Field(default=None, description=MEANING)
 
     @model_validator(mode="after")
@@ -70,8 +78,10 @@ class SpeedRange(Table):
 class VaryTable(Table):
     """[vary] of a rim: first and last clearance [m], or first and last coefficient of friction."""
 
-    clearance: Annotated[list[Gap], TWO] | None = Field(default=None, description="first and last [m]")
-    friction: Annotated[list[Friction], TWO] | None = Field(default=None, description="first and last [-]")
+    clearance: Annotated[list[Gap], TWO] | None = Field(default=None, description="first and last clearance [m]")
+    friction: Annotated[list[Friction], TWO] | None = Field(
+        default=None, description="first and last coefficient of friction [-]"
+    )
 
     @model_validator(mode="after")
     def _one_range(self) -> VaryTable:
@@ -89,19 +99,21 @@ class VaryTable(Table):
 class TurningHead(Table):
     """[scene] of a rim or a rub: only the kind, since there is no end time."""
 
-    kind: Literal["rim", "rub", "disk"] = Field(description="which kind of scene this is")
+    kind: Literal["rim", "rub", "disk"] = Field(description="kind of scene")
 
 
 class TurningFile(CheckedFile):
     """Tables that scenes with a rotating rim share: the range, the coating, settings of the continuation."""
 
-    scene: TurningHead = Field(description="what this scene is")
-    coating: CoatingTable | None = Field(default=None, description="a coating of the rim, which gives way, not worn")
-    law: SpringLaw | None = Field(default=None, description="a spring at each tip, instead of a coating")
+    scene: TurningHead = Field(description="kind of the scene and end of the run")
+    coating: CoatingTable | None = Field(default=None, description="compliant coating of the rim, without wear")
+    law: SpringLaw | None = Field(default=None, description="spring at each tip, instead of a coating")
     speed: SpeedRange = Field(description="range of speeds, or the speed")
-    vary: VaryTable | None = Field(default=None, description="what is varied in place of the speed")
-    continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
-    basins: BasinsTable | None = Field(default=None, description="which motions random starts reach")
+    vary: VaryTable | None = Field(default=None, description="parameter that is varied instead of the speed")
+    continuation: ContinuationTable = Field(
+        default_factory=ContinuationTable, description="settings of the continuation of branches"
+    )
+    basins: BasinsTable | None = Field(default=None, description="motions that are reached from random initial states")
 
     @model_validator(mode="after")
     def _one_parameter(self) -> TurningFile:
@@ -125,9 +137,9 @@ class TurningFile(CheckedFile):
 class RimCyclesFile(TurningFile):
     """A rotating rim against its blade."""
 
-    casing: CasingTable = Field(description="the rim")
-    blade: BladeTable = Field(description="the blade")
-    contact: RimContact = Field(description="the gap")
+    casing: CasingTable = Field(description="casing, by its rim")
+    blade: BladeTable = Field(description="blade")
+    contact: RimContact = Field(description="gap between tips and rim")
 
     def radius(self, folder: Path) -> float:
         """Radius of the rotating rim [m]; 0 if unknown."""
@@ -137,10 +149,10 @@ class RimCyclesFile(TurningFile):
 class RubCyclesFile(TurningFile):
     """Blades at a rotating rim, each tip in one or more places, sliding along the rim."""
 
-    casing: RubCasing = Field(description="the rim")
-    blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]")
-    contact: RubContact = Field(description="the gap")
-    whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
+    casing: RubCasing = Field(description="casing, by its rim")
+    blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]: blades")
+    contact: RubContact = Field(description="gap between tips and rim")
+    whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circular motions of a centre")
 
     def radius(self, folder: Path) -> float:
         """Radius of the rotating rim [m]; 0 if unknown."""
@@ -150,9 +162,9 @@ class RubCyclesFile(TurningFile):
 class DiskCyclesFile(TurningFile):
     """A disk of blades at a rotating rim."""
 
-    casing: DiskCasingTable = Field(description="the rim")
-    disk: DiskTable = Field(description="the blades")
-    contact: GapTable = Field(description="the gap")
+    casing: DiskCasingTable = Field(description="casing, by its rim")
+    disk: DiskTable = Field(description="bladed disk")
+    contact: GapTable = Field(description="gap between tips and rim")
 
     def radius(self, folder: Path) -> float:
         """Radius of the rotating rim [m]; 0 if unknown."""

@@ -17,9 +17,7 @@ from contact.model.gaps.rub_system import matrices_of
 from contact.scene.problems import SceneError
 
 Side = Literal["casing", "blades"]
-MEANING = (
-    "which side turns; bodies on it have the Coriolis forces and the stiffening of their bases; blades if left out"
-)
+MEANING = "rotating side, on which Coriolis forces and centrifugal stiffening of the bases act; blades if left out"
 
 
 def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:

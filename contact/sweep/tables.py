@@ -15,19 +15,19 @@ class VaryTable(Table):
     """[[sweep.vary]]: a key of the scene file, and its values: a list, from .. to in steps, or random draws between."""
 
     key: Annotated[str, Field(min_length=1)] = Field(
-        description="the key of the scene that is varied, as speed.hz or rod[1].velocity"
+        description="key of the scene that is varied, such as speed.hz or rod[1].velocity"
     )
     values: list[FiniteFloat | str] | None = Field(
-        default=None, description="its values, listed, in the key's own unit [of the key]"
+        default=None, description="list of values in the unit of the key [of the key]"
     )
     from_: FiniteFloat | None = Field(
         default=None, alias="from", description="first value, or least of the draws [of the key]"
     )
     to: FiniteFloat | None = Field(default=None, description="last value, or largest of the draws [of the key]")
     steps: Annotated[int, Field(ge=1, le=MOST_RUNS)] | None = Field(
-        default=None, description="number of values from .. to"
+        default=None, description="number of values from first to last"
     )
-    log: bool = Field(default=False, description="whether steps, or draws, are even in the logarithm")
+    log: bool = Field(default=False, description="whether values are evenly spaced, or drawn, in the logarithm")
 
     @model_validator(mode="after")
     def _fits(self) -> VaryTable:
@@ -50,7 +50,7 @@ class SweepTable(Table):
         default="grid", description="every combination, the n-th values of all keys together, or random draws"
     )
     draws: Annotated[int, Field(ge=1, le=MOST_RUNS)] | None = Field(default=None, description="number of random draws")
-    seed: Annotated[int, Field(ge=0)] | None = Field(default=None, description="of the draws")
+    seed: Annotated[int, Field(ge=0)] | None = Field(default=None, description="seed of the draws")
     vary: Annotated[list[VaryTable], Field(min_length=1)] = Field(description="tables [[sweep.vary]]")
 
     @model_validator(mode="after")

@@ -75,21 +75,29 @@ class Troubles:
     """
 
     snr_db: float = 40.0
-    colour: Annotated[float, Key("exponent [-]: the noise's amplitude falls as f^-colour", least=-2.0, most=4.0)] = 0.0
+    colour: Annotated[
+        float, Key("exponent of the noise, whose amplitude falls as f^-colour [-]", least=-2.0, most=4.0)
+    ] = 0.0
     coherent: Annotated[float, Key("share of the noise's power common to all channels [-]", least=0.0, most=1.0)] = 0.0
-    setups: Annotated[int, Key("groups of sensors, measured one after the other", most=1000)] = 1
+    setups: Annotated[
+        int, Key("number of set-ups, groups of sensors that are measured one after the other", most=1000)
+    ] = 1
     shift: Annotated[float, Key("largest relative shift of a mode between set-ups [-]", least=0.0, most=0.05)] = 0.0
-    half_rim: Annotated[bool, Key("only the first half of the sensors")] = False
-    dead: Annotated[int, Key("channels without signal", least=0)] = 0
-    noisy: Annotated[int, Key("channels with ten times the noise", least=0)] = 0
-    swapped: Annotated[int, Key("pairs of channels exchanged", least=0)] = 0
-    flipped: Annotated[int, Key("channels of the wrong sign", least=0)] = 0
-    double_hit: Annotated[float, Key("second hit of the hammer over the first [-]", least=0.0, most=0.99)] = 0.0
+    half_rim: Annotated[bool, Key("whether only the first half of the sensors is measured")] = False
+    dead: Annotated[int, Key("number of channels without signal", least=0)] = 0
+    noisy: Annotated[int, Key("number of channels with ten times the noise", least=0)] = 0
+    swapped: Annotated[int, Key("number of exchanged pairs of channels", least=0)] = 0
+    flipped: Annotated[int, Key("number of channels with the wrong sign", least=0)] = 0
+    double_hit: Annotated[
+        float, Key("force of a second hit of the hammer over that of the first [-]", least=0.0, most=0.99)
+    ] = 0.0
     exponential: Annotated[float, Key("time constant of an exponential window [s]", "not negative")] = 0.0
-    cut_off: Annotated[bool, Key("records end 1/resolution_hz after they begin, while it rings")] = False
+    cut_off: Annotated[
+        bool, Key("whether records end 1/resolution_hz after their start, before the vibration has decayed")
+    ] = False
     pre_trigger: Annotated[float, Key("time before the hit in records that are cut off [s]", "not negative")] = 0.0
-    leakage: Annotated[bool, Key("that of a Hann window")] = False
-    fixture: Annotated[int, Key("local modes of a fixture", least=0, most=100)] = 0
+    leakage: Annotated[bool, Key("whether the responses have the leakage of a Hann window")] = False
+    fixture: Annotated[int, Key("number of local modes of a fixture", least=0, most=100)] = 0
     phase_deg: Annotated[float, Key("rms phase in the shapes of complex modes [degrees]", least=0.0, most=90.0)] = 0.0
 
     def __post_init__(self) -> None:

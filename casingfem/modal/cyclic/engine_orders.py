@@ -54,16 +54,18 @@ class OrderLoad:
     order: Annotated[int, Key("engine order", least=1, most=1000)]
     from_hz: Annotated[float, Key("lowest speed [turns/s]", "positive")]
     to_hz: Annotated[float, Key("highest speed [turns/s]", "positive")]
-    steps: Annotated[int, Key("speeds from the lowest to the highest", least=2, most=100_000)] = 401
+    steps: Annotated[int, Key("number of speeds from the lowest to the highest", least=2, most=100_000)] = 401
     force: Annotated[float, Key("amplitude of the force on the channel of each blade [N]", "positive")] = 1.0
     zeta: Annotated[float, Key("damping ratio of the material [-]", "ratio", "zeta")] = 0.0
-    channel: Annotated[str, Key("channel of the tip that is pushed and seen: span, flap or chord")] = "flap"
+    channel: Annotated[
+        str, Key("channel of the tip at which the force acts and the response is given: span, flap or chord")
+    ] = "flap"
     sigma: Annotated[
-        float | None, Key("standard deviation of the blades' relative frequencies that are drawn; none if left out [-]",
+        float | None, Key("standard deviation of the blades' relative frequencies, to draw; no draws if left out [-]",
                           "positive", most=0.2)
     ] = None  # fmt: skip
     draws: Annotated[int, Key("number of draws", least=1, most=10_000_000)] = 1000
-    seed: Annotated[int, Key("of the draws: same seed, same draws", least=0)] = 1
+    seed: Annotated[int, Key("seed of the draws; the same seed gives the same draws", least=0)] = 1
 
     def __post_init__(self) -> None:
         if not 0.0 < self.from_hz < self.to_hz:

@@ -22,7 +22,8 @@ class Wave(Table):
     p: int = Field(ge=1, le=1000, description="number of waves around")
     median: Annotated[float, Field(ge=1e-9, le=1)] = Field(description="median amplitude, relative [-]")
     high: Annotated[float, Field(gt=0, le=1)] | None = Field(
-        default=None, description="90th percentile [-]; 1.82 medians if left out, as of a Rayleigh amplitude"
+        default=None,
+        description="90th percentile, relative [-]; 1.82 medians if left out, as of a Rayleigh distribution",
     )
 
 
@@ -47,24 +48,33 @@ Random = Annotated[
 class ImperfectionTable(Table):
     """[[imperfection]]: harmonics, the fit of a survey, or a random field; several of them are added."""
 
-    of: Literal["radius", "thickness", "modulus", "density"] = Field(description="what it varies")
-    harmonics: list[Harmonic] | None = Field(default=None, description="[{p, cos, sin}], relative")
-    survey: str | None = Field(default=None, min_length=1, description="survey CSV, relative to this file")
+    of: Literal["radius", "thickness", "modulus", "density"] = Field(description="quantity that varies")
+    harmonics: list[Harmonic] | None = Field(
+        default=None, description="harmonics around, [{p, cos, sin}], with relative amplitudes"
+    )
+    survey: str | None = Field(default=None, min_length=1, description="CSV file of the survey, relative to this file")
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
-    degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fit along z")
-    robust: bool | None = Field(default=None, description="leave outliers of the survey out of the fit, and name them")
-    centred: bool | None = Field(default=None, description="take the survey's points about the part's own axis")
+    degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fitted polynomial along z")
+    robust: bool | None = Field(
+        default=None, description="whether outliers of the survey are left out of the fit and named"
+    )
+    centred: bool | None = Field(
+        default=None, description="whether the survey's points are taken about the part's own axis"
+    )
     outside: Literal["fit", "nearest", "zero", "refuse"] | None = Field(
         default=None,
-        description="beyond the survey's lowest and highest point: the fit goes on, the shape of the nearest height"
-        " holds, it goes down to zero, or such a survey is refused; fit if left out, nearest where the points cover"
-        " less than half of the shell",
+        description="shape beyond the survey's lowest and highest point: the fitted polynomial (fit), that of the"
+        " nearest height (nearest), a decrease to zero (zero), or an error (refuse); fit if left out, nearest where"
+        " the points cover less than half of the shell",
     )
     random: Random | None = Field(
         default=None,
-        description='"example" (radius), or [{p, median, high}], relative, or [survey CSVs] with such a spectrum',
+        description='spectrum of a random field, "example" (of the radius), [{p, median, high}] with relative'
+        " amplitudes, or a list of survey CSV files",
     )
-    seed: int | None = Field(default=None, ge=0, description="of the random field: same seed, same field")
+    seed: int | None = Field(
+        default=None, ge=0, description="seed of the random field; the same seed gives the same field"
+    )
     scale: Positive | None = Field(default=None, description="factor on the random field's spectrum [-]")
     p_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of the random field")
 
@@ -103,23 +113,30 @@ class ImperfectionTable(Table):
 class CyclicTable(Table):
     """[cyclic]: the imported mesh is one sector of a wheel; [modes] count and [reduce] modes are per diameter."""
 
-    sectors: int = Field(ge=2, le=1000, description="how many sectors make the wheel")
-    axis: Axis | None = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
+    sectors: int = Field(ge=2, le=1000, description="number of sectors of the wheel")
+    axis: Axis | None = Field(
+        default=None, description='axis, as "x", "y", "z" or a direction [x, y, z]; z if left out'
+    )
     point: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")
     faces: Annotated[list[Edge], Field(min_length=2, max_length=2)] | None = Field(
-        default=None, description="groups of the two faces; found by their nodes if left out"
+        default=None, description="names of the groups of the two faces; found from the nodes if left out"
     )
     tolerance: Positive | None = Field(
-        default=None, description="how far apart paired nodes may be [m]; a thousandth of the shortest edge if left out"
+        default=None, description="largest distance of paired nodes [m]; 1/1000 of the shortest edge if left out"
     )
     nodal_diameters: Annotated[list[int], Field(min_length=1)] | None = Field(
-        default=None, description="some of 0 .. sectors/2, for casingfem modes; all if left out"
+        default=None, description="nodal diameters that casingfem modes computes, from 0 to sectors/2; all if left out"
     )
-    coriolis: bool = Field(default=False, description="casingfem modes gives the waves with Coriolis forces too")
+    coriolis: bool = Field(
+        default=False, description="whether casingfem modes also computes travelling waves with Coriolis forces"
+    )
     mistuning: Annotated[str, Field(min_length=1)] | list[float] | None = Field(
-        default=None, description="relative deviation [-] of each blade's frequency: a list, or a CSV blade,deviation"
+        default=None,
+        description="relative frequency deviation of each blade [-], a list or a CSV file with blade and deviation",
     )
-    blade: Edge | None = Field(default=None, description="group of the cells that deviate; the sector if left out")
+    blade: Edge | None = Field(
+        default=None, description="group of cells that are mistuned; the whole sector if left out"
+    )
 
     @model_validator(mode="after")
     def _blade_deviates(self) -> "CyclicTable":

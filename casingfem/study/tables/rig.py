@@ -21,13 +21,16 @@ MOST_LINES = 1_000_000  # of a response: a day's record contains no more
 class PlaceTable(Table):
     """A place: height and angle_deg on a casing, or at = [a, b], parameters of the chart."""
 
-    height: Annotated[NotNegative, REACH] | None = Field(default=None, description="along the axis of a casing [m]")
-    angle_deg: Angle = Field(default=0.0, description="around a casing [degrees]")
-    at: Pair | None = Field(
-        default=None, description="parameters of the chart [m or rad], instead of height and angle_deg"
+    height: Annotated[NotNegative, REACH] | None = Field(
+        default=None, description="height along the axis of a casing [m]"
     )
-    direction: Direction = Field(default="radial", description="of the motion")
-    mass: Annotated[float, Field(ge=0, le=10)] = Field(default=0.0, description="of the sensor there [kg]")
+    angle_deg: Angle = Field(default=0.0, description="angle around a casing [degrees]")
+    at: Pair | None = Field(
+        default=None,
+        description="place on the chart, by its two parameters [m or rad], instead of height and angle_deg",
+    )
+    direction: Direction = Field(default="radial", description="direction of the motion")
+    mass: Annotated[float, Field(ge=0, le=10)] = Field(default=0.0, description="mass of the sensor at this point [kg]")
 
     @model_validator(mode="after")
     def _one_way(self) -> "PlaceTable":
@@ -39,7 +42,9 @@ class PlaceTable(Table):
 class SensorTable(PlaceTable):
     """[[rig.sensor]]: one sensor or laser spot, or a whole circle of them."""
 
-    count: int = Field(default=1, ge=1, le=1000, description="evenly spaced around a casing, from angle_deg on")
+    count: int = Field(
+        default=1, ge=1, le=1000, description="number of points, evenly spaced around a casing from angle_deg on"
+    )
 
 
 @table_of(Troubles)
@@ -50,18 +55,22 @@ class TroublesTable(Table):
 class ResponsesTable(Table):
     """[rig.test]: frequency responses, exact or from time records."""
 
-    kind: Literal["exact", "random", "burst-random", "impact"] = Field(description="exact, or by which force")
-    band_hz: Band = Field(description="[from, to] of the responses kept [Hz]")
-    resolution_hz: Positive = Field(description="distance of the lines [Hz]; of records one over the block's length")
-    blocks: int = Field(default=20, ge=1, le=10_000, description="blocks of a record")
+    kind: Literal["exact", "random", "burst-random", "impact"] = Field(
+        description="exact responses, or the kind of force in simulated records"
+    )
+    band_hz: Band = Field(description="band of the responses, [from, to] [Hz]")
+    resolution_hz: Positive = Field(description="line spacing [Hz]; its reciprocal is the length of a block")
+    blocks: int = Field(default=20, ge=1, le=10_000, description="number of blocks of a record")
     force: Positive = Field(default=1.0, description="rms of a random force, peak of an impact [N]")
-    part: float = Field(default=0.4, gt=0, lt=1, description="part of a block that a burst takes [-]")
-    width: Positive | None = Field(default=None, description="of an impact [s]; 1/band_hz[1] if left out")
-    snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
-    bits: int | None = Field(default=None, ge=4, le=32, description="of the converter, records only")
-    keep_records: bool = Field(default=False, description="also write the time records")
-    estimator: Literal["H1", "H2"] = Field(default="H1", description="how records are averaged")
-    troubles: TroublesTable | None = Field(default=None, description="of a test in a hall, exact responses only")
+    part: float = Field(default=0.4, gt=0, lt=1, description="length of a burst as a part of a block [-]")
+    width: Positive | None = Field(default=None, description="duration of an impact [s]; 1/band_hz[1] if left out")
+    snr_db: Ratio | None = Field(default=None, description="signal-to-noise ratio [dB]; no noise if left out")
+    bits: int | None = Field(default=None, ge=4, le=32, description="number of bits of the converter, for records only")
+    keep_records: bool = Field(default=False, description="whether the time records are written too")
+    estimator: Literal["H1", "H2"] = Field(default="H1", description="estimator of the responses from records")
+    troubles: TroublesTable | None = Field(
+        default=None, description="disturbances of a real test, for exact responses only"
+    )
 
     @model_validator(mode="after")
     def _ascending(self) -> "ResponsesTable":
@@ -83,33 +92,41 @@ class ResponsesTable(Table):
 class ScanTable(Table):
     """[rig.scan]: a laser spot that moves around while tones excite the casing."""
 
-    height: Annotated[NotNegative, REACH] = Field(description="of the spot's circle [m]")
+    height: Annotated[NotNegative, REACH] = Field(description="height of the circle of the laser spot [m]")
     tones_hz: Annotated[list[Positive], Field(min_length=1, max_length=100)] = Field(
-        description="of the excitation [Hz]"
+        description="frequencies of the excitation [Hz]"
     )
-    force: Positive = Field(default=1.0, description="of each tone [N]")
-    drive: int = Field(default=1, ge=1, description="number of the [[rig.drive]] that excites")
-    fixed_in: Literal["casing", "space"] = Field(default="casing", description="place of the force")
+    force: Positive = Field(default=1.0, description="amplitude of the force of each tone [N]")
+    drive: int = Field(default=1, ge=1, description="number of the table [[rig.drive]] at which the force acts")
+    fixed_in: Literal["casing", "space"] = Field(default="casing", description="frame in which the force is fixed")
     mirror_hz: float = Field(default=0.0, ge=-1000, le=1000, description="speed of the laser's mirror [turns/s]")
     casing_hz: float = Field(default=0.0, ge=-1000, le=1000, description="speed of the casing on the lathe [turns/s]")
     seconds: Positive = Field(description="length of the record [s]")
-    fs: Positive = Field(description="samples a second [Hz]")
-    orders: int = Field(ge=0, le=200, description="highest n searched for")
-    points: int | None = Field(default=None, ge=3, le=1000, description="of the circle; twice orders + 3 if left out")
-    snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
-    wander: float = Field(default=0.0, ge=0, le=0.1, description="relative slow variation of the rate [-]")
-    speckle: NotNegative = Field(default=0.0, description="noise that repeats every turn [m/s]")
-    runout: list[Pair] = Field(default=[], description="[cos, sin] at once, twice, ... a turn [m/s]")
+    fs: Positive = Field(description="sampling rate [Hz]")
+    orders: int = Field(ge=0, le=200, description="largest number of nodal diameters searched for")
+    points: int | None = Field(
+        default=None, ge=3, le=1000, description="number of points of the circle; 2 orders + 3 if left out"
+    )
+    snr_db: Ratio | None = Field(default=None, description="signal-to-noise ratio [dB]; no noise if left out")
+    wander: float = Field(default=0.0, ge=0, le=0.1, description="slow variation of the rotation rate, relative [-]")
+    speckle: NotNegative = Field(default=0.0, description="speckle noise, which repeats every revolution [m/s]")
+    runout: list[Pair] = Field(default=[], description="run-out, [cos, sin] at 1, 2, ... times the rotation rate [m/s]")
 
 
 class RigTable(Table):
     """[rig]."""
 
-    seed: int = Field(ge=0, description="of all that is random")
-    zeta: Damping = Field(description="damping ratio, the median [-]")
-    zeta_spread: float = Field(default=0.0, ge=0, lt=2, description="standard deviation of its logarithm, by mode [-]")
-    quantity: Literal["receptance", "mobility", "accelerance"] = Field(default="accelerance", description="measured")
-    drive: list[PlaceTable] = Field(min_length=1, description="tables [[rig.drive]]: where it is excited")
-    sensor: list[SensorTable] = Field(default=[], description="tables [[rig.sensor]]")
-    test: ResponsesTable | None = Field(default=None, description="frequency responses")
+    seed: int = Field(ge=0, description="seed of all random numbers")
+    zeta: Damping = Field(description="median damping ratio of the modes [-]")
+    zeta_spread: float = Field(
+        default=0.0, ge=0, lt=2, description="standard deviation of the logarithm of the modes' damping ratios [-]"
+    )
+    quantity: Literal["receptance", "mobility", "accelerance"] = Field(
+        default="accelerance", description="measured quantity"
+    )
+    drive: list[PlaceTable] = Field(
+        min_length=1, description="tables [[rig.drive]]: points of excitation, at least one"
+    )
+    sensor: list[SensorTable] = Field(default=[], description="tables [[rig.sensor]]: measured points")
+    test: ResponsesTable | None = Field(default=None, description="test of frequency responses")
     scan: ScanTable | None = Field(default=None, description="circle scan")

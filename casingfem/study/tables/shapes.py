@@ -39,35 +39,35 @@ class MaterialTable(Table):
 class FrustumTable(Table):
     """[chart] of kind "frustum"."""
 
-    kind: Literal["frustum"] = Field(description="which surface it is")
+    kind: Literal["frustum"] = Field(description="kind of surface")
 
 
 @table_of(Cylinder)
 class CylinderTable(Table):
     """[chart] of kind "cylinder"."""
 
-    kind: Literal["cylinder"] = Field(description="which surface it is")
+    kind: Literal["cylinder"] = Field(description="kind of surface")
 
 
 @table_of(Panel)
 class PanelTable(Table):
     """[chart] of kind "panel"."""
 
-    kind: Literal["panel"] = Field(description="which surface it is")
+    kind: Literal["panel"] = Field(description="kind of surface")
 
 
 @table_of(Plate)
 class PlateTable(Table):
     """[chart] of kind "plate"."""
 
-    kind: Literal["plate"] = Field(description="which surface it is")
+    kind: Literal["plate"] = Field(description="kind of surface")
 
 
 @table_of(Arc)
 class DomeTable(Table):
     """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, rotated about z."""
 
-    kind: Literal["dome"] = Field(description="which surface it is")
+    kind: Literal["dome"] = Field(description="kind of surface")
 
     @model_validator(mode="after")
     def _arc(self) -> Self:
@@ -81,30 +81,37 @@ class DomeTable(Table):
 class PieceTable(Table):
     """[[chart.piece]]: a straight piece or an arc of a meridian, optionally with its own thickness or material."""
 
-    to: Annotated[Pair, REACH] = Field(description="[r, z] where it ends [m]")
+    to: Annotated[Pair, REACH] = Field(description="end of the piece, [r, z] [m]")
     radius: Annotated[float, Field(ge=-1e3, le=1e3)] | None = Field(
-        default=None, description="of an arc [m], positive if it turns left on its way; straight if left out"
+        default=None,
+        description="radius of an arc [m], positive if the arc turns left from start to end; straight if left out",
     )
-    fillet: Size | None = Field(default=None, description="radius of the corner at its start [m]")
-    thickness: Thickness | None = Field(default=None, description="its wall thickness [m]")
-    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
+    fillet: Size | None = Field(default=None, description="fillet radius at the start of the piece [m]")
+    thickness: Thickness | None = Field(default=None, description="wall thickness of this part [m]")
+    material: MaterialTable | None = Field(
+        default=None, description="E, nu, rho of this part; those of the wall if left out"
+    )
 
 
 class MeridianTable(Table):
     """[chart] of kind "meridian": pieces from base to top, rotated about z."""
 
-    kind: Literal["meridian"] = Field(description="which surface it is")
-    start: Annotated[Pair, REACH] = Field(description="[r, z] of the base [m]")
-    fillet: Size | None = Field(default=None, description="radius of the corners [m]; the wall's thickness if sharp")
-    piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
+    kind: Literal["meridian"] = Field(description="kind of surface")
+    start: Annotated[Pair, REACH] = Field(description="start of the meridian at the base, [r, z] [m]")
+    fillet: Size | None = Field(
+        default=None, description="fillet radius of the corners [m]; for a sharp corner the wall thickness"
+    )
+    piece: list[PieceTable] = Field(
+        min_length=1, description="tables [[chart.piece]]: lines and arcs of the meridian, at least one"
+    )
 
 
 class PointsTable(Table):
     """[chart] of kind "points": a smooth meridian through points, rotated about z."""
 
-    kind: Literal["points"] = Field(description="which surface it is")
+    kind: Literal["points"] = Field(description="kind of surface")
     points: Annotated[str, Field(min_length=1)] | Annotated[list[Annotated[Pair, REACH]], Field(min_length=2)] = Field(
-        description="[r, z] from base to top [m], or a CSV file with columns radius_m and z_m, one row a point"
+        description="points [r, z] from base to top [m], or a CSV file with columns radius_m and z_m, a row a point"
     )
 
 
@@ -112,7 +119,7 @@ class PointsTable(Table):
 class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
 
-    kind: Literal["twisted-plate"] = Field(description="which surface it is")
+    kind: Literal["twisted-plate"] = Field(description="kind of surface")
 
 
 Stations = float | Annotated[list[float], Field(min_length=1, max_length=8)]
@@ -126,7 +133,7 @@ Factors = Factor | Annotated[list[Factor], Field(min_length=1, max_length=8)]
 class BladeTable(Table):
     """[chart] of kind "blade"; a list has values at equally spaced stations from the root."""
 
-    kind: Literal["blade"] = Field(description="which surface it is")
+    kind: Literal["blade"] = Field(description="kind of surface")
 
 
 ChartTable = Annotated[
@@ -156,22 +163,24 @@ class TieTable(Table):
 class ImportTable(Table):
     """A mesh file and options for reading it: keys that [solid] and [shell] share."""
 
-    mesh: str | None = Field(default=None, min_length=1, description="mesh file, relative to this file")
-    scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres [-]: 1e-3 for mm")
-    join: NotNegative = Field(default=0.0, description="nodes closer than this become one [m]")
-    units: str | None = Field(default=None, description="instead of scale: length-mass-time of the file, mm-t-s")
-    tie: list[TieTable] = Field(default=[], description="tables of faces that are tied: follower, master, tolerance")
+    mesh: str | None = Field(default=None, min_length=1, description="path of the mesh file, relative to this file")
+    scale: Positive = Field(default=1.0, description="factor from lengths of the mesh file to metres [-], 1e-3 for mm")
+    join: NotNegative = Field(default=0.0, description="distance below which nodes are merged [m]")
+    units: str | None = Field(
+        default=None, description="units of length, mass and time in the mesh file, such as mm-t-s; instead of scale"
+    )
+    tie: list[TieTable] = Field(default=[], description="faces to tie: tables with follower, master, tolerance")
 
 
 class SolidTable(ImportTable):
     """[solid]: an imported mesh of tetrahedra or bricks, or a blade of sections, instead of [chart] and [shell]."""
 
-    material: dict[str, MaterialTable] = Field(default={}, description="group of cells -> its own material")
+    material: dict[str, MaterialTable] = Field(default={}, description="materials of groups of cells, by name")
     sections: str | None = Field(
-        default=None, min_length=1, description="instead of mesh: CSV of blade sections, relative to this file"
+        default=None, min_length=1, description="CSV file of blade sections, relative to this file; instead of mesh"
     )
     cells: Cells = Field(
-        default=[24, 20, 1], description="of a blade of sections: numbers of cells along chord, span and thickness"
+        default=[24, 20, 1], description="numbers of cells along chord, span and thickness of a blade of sections"
     )
 
     @model_validator(mode="after")
@@ -196,7 +205,9 @@ class PlyTable(Table):
     """[[shell.plies]]: a layer, from the inside out; on a mesh along its cells' normals."""
 
     thickness: float
-    lamina: str | None = Field(default=None, description="name of its [shell.lamina.<name>]; [material] if left out")
+    lamina: str | None = Field(
+        default=None, description="name of its material, a table [shell.lamina.NAME]; [material] if left out"
+    )
 
 
 class ShellTable(ImportTable):
@@ -204,15 +215,22 @@ class ShellTable(ImportTable):
 
     thickness: Thickness = Field(description="nominal wall thickness [m]")
     wall: Literal["curved", "linear"] = Field(
-        default="curved", description="strains with the wall's metric, or linear through it as in published theory"
+        default="curved",
+        description="wall theory, with the metric through the wall (curved) or as published shell theory (linear)",
     )
-    plies: list[PlyTable] = Field(default=[], description="layers from the inside out; with wall = linear")
-    lamina: dict[str, LaminaTable] = Field(default={}, description="name -> orthotropic material of plies")
+    plies: list[PlyTable] = Field(
+        default=[], description='layers from the inner to the outer face; they need wall = "linear"'
+    )
+    lamina: dict[str, LaminaTable] = Field(default={}, description="orthotropic materials of plies, by name")
     angle_from: Axis | None = Field(
-        default=None, description="of a mesh: direction from which angles of plies count [-]; z if left out"
+        default=None, description="direction from which ply angles on an imported mesh are measured [-]; z if left out"
     )
-    thicknesses: dict[str, Thickness] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
-    material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
+    thicknesses: dict[str, Thickness] = Field(
+        default={}, description="wall thickness of groups of cells of an imported mesh [m], by name"
+    )
+    material: dict[str, MaterialTable] = Field(
+        default={}, description="materials of groups of cells of an imported mesh, by name"
+    )
 
     @model_validator(mode="after")
     def _plies(self) -> "ShellTable":
@@ -242,7 +260,9 @@ class StripTable(Table):
 
     start: float
     end: float
-    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
+    material: MaterialTable | None = Field(
+        default=None, description="E, nu, rho of this part; those of the wall if left out"
+    )
 
     @model_validator(mode="after")
     def _ascending(self) -> Self:
@@ -255,7 +275,7 @@ class StripTable(Table):
 class MassTable(Table):
     """[[mass]]: a point mass on an edge, on the centre line of its ring if it has one."""
 
-    edge: Edge = Field(min_length=1, description="an edge of the chart")
+    edge: Edge = Field(min_length=1, description="name of an edge of the chart")
 
 
 @table_of(ShellMesh, optional=("order", "around"))
@@ -265,21 +285,25 @@ class MeshTable(Table):
     order: int | None = None
     around: int | None = None
     rows: Annotated[int, Field(ge=1, le=1000)] | list[float] | None = Field(
-        default=None, description="number of equal rows, or breaks from 0 to 1 [-]"
+        default=None, description="number of equal rows of elements, or their ends from 0 to 1 [-]"
     )
 
 
 class RotationTable(Table):
     """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, and point or centre on it)."""
 
-    speed_hz: float = Field(ge=0, le=1e5, description="speed [turns/s]")
+    speed_hz: float = Field(ge=0, le=1e5, description="speed of rotation [turns/s]")
     hub_radius: Annotated[float, Field(ge=0, le=1e3), REACH] | None = Field(
-        default=None, description="from the axis to the middle of the root [m], open charts"
+        default=None, description="radius from the axis to the middle of the root [m], for open charts"
     )
-    stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")
-    axis: Axis | None = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
+    stagger_deg: float = Field(
+        default=0.0, ge=-360, le=360, description="stagger angle from the axis to the chord of the root [degrees]"
+    )
+    axis: Axis | None = Field(
+        default=None, description='axis, as "x", "y", "z" or a direction [x, y, z]; z if left out'
+    )
     centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")
-    point: Vector | None = Field(default=None, description="the same as centre [m]")
+    point: Vector | None = Field(default=None, description="another name of centre [m]")
 
     @model_validator(mode="after")
     def _one_point(self) -> "RotationTable":

@@ -17,11 +17,17 @@ from contact.io.tables import NotNegative, table_of
 class SpringsAround(Table):
     """[support.EDGE.around]: variation of each spring along the edge."""
 
-    k_r: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the radial springs, relative")
-    k_theta: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the tangential springs, relative")
-    k_z: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the axial springs, relative")
-    k_rot: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the rotational springs, relative")
-    k_face: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the end face, relative")
+    k_r: list[Harmonic] = Field(default=[], description="relative variation of the radial springs, [{p, cos, sin}]")
+    k_theta: list[Harmonic] = Field(
+        default=[], description="relative variation of the tangential springs, [{p, cos, sin}]"
+    )
+    k_z: list[Harmonic] = Field(default=[], description="relative variation of the axial springs, [{p, cos, sin}]")
+    k_rot: list[Harmonic] = Field(
+        default=[], description="relative variation of the rotational springs, [{p, cos, sin}]"
+    )
+    k_face: list[Harmonic] = Field(
+        default=[], description="relative variation of the foundation of the end face, [{p, cos, sin}]"
+    )
 
 
 Around = Annotated[
@@ -33,26 +39,26 @@ Around = Annotated[
 class ClampedTable(Table):
     """[support.EDGE] of kind "clamped"."""
 
-    kind: Literal["clamped"] = Field(description="how the edge is fixed")
+    kind: Literal["clamped"] = Field(description="kind of support")
 
 
 class DiaphragmTable(Table):
     """[support.EDGE] of kind "shear-diaphragm"."""
 
-    kind: Literal["shear-diaphragm"] = Field(description="how the edge is fixed")
+    kind: Literal["shear-diaphragm"] = Field(description="kind of support")
 
 
 class FixedTable(Table):
     """[support.GROUP] of kind "fixed": fixed displacements, on imported meshes."""
 
-    kind: Literal["fixed"] = Field(description="how the edge is fixed")
-    directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are fixed")
+    kind: Literal["fixed"] = Field(description="kind of support")
+    directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="fixed directions, some of x, y, z")
 
 
 class SymmetryTable(Table):
     """[support.EDGE] of kind "symmetry": the edge lies in a plane of symmetry."""
 
-    kind: Literal["symmetry"] = Field(description="how the edge is fixed")
+    kind: Literal["symmetry"] = Field(description="kind of support")
 
 
 @table_of(ElasticEdge)
@@ -60,8 +66,11 @@ class ElasticTable(Table):
     """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each separately, by 1 + harmonics."""
 
     k_face: float
-    kind: Literal["elastic"] = Field(description="how the edge is fixed")
-    around: Around = Field(default=[], description="[{p, cos, sin}], relative; or such a list for each spring's name")
+    kind: Literal["elastic"] = Field(description="kind of support")
+    around: Around = Field(
+        default=[],
+        description="relative variation of the springs around, [{p, cos, sin}], or one such list for each spring",
+    )
 
 
 class LooseTable(Table):
@@ -76,13 +85,15 @@ class BoltsTable(Table):
     """[support.EDGE] of kind "bolts"."""
 
     width_deg: float | None
-    kind: Literal["bolts"] = Field(description="how the edge is fixed")
+    kind: Literal["bolts"] = Field(description="kind of support")
     k: NotNegative | None = Field(default=None, description="stiffness of one bolt in all three directions [N/m]")
     k_r: NotNegative | None = Field(default=None, description="radial stiffness of one bolt [N/m]")
     k_theta: NotNegative | None = Field(default=None, description="tangential stiffness of one bolt [N/m]")
     k_z: NotNegative | None = Field(default=None, description="axial stiffness of one bolt [N/m]")
-    width_m: Size | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
-    loose: list[LooseTable] = Field(default=[], description="[{bolt, factor}]")
+    width_m: Size | None = Field(
+        default=None, description="width of the patch on which a bolt acts, as a length on a closed casing [m]"
+    )
+    loose: list[LooseTable] = Field(default=[], description="loose bolts, [{bolt, factor}]")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> "BoltsTable":
@@ -107,7 +118,9 @@ class SectionTable(Table):
     width: Size | None = Field(default=None, description="radial size of the section [m]")
     depth: Size | None = Field(default=None, description="axial size of the section [m]")
     diameter: Size | None = Field(default=None, description="diameter of a round section [m]")
-    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the casing's if left out")
+    material: MaterialTable | None = Field(
+        default=None, description="E, nu, rho of the ring; those of the casing if left out"
+    )
 
     @model_validator(mode="after")
     def _one_section(self) -> "SectionTable":
@@ -120,21 +133,21 @@ class SectionTable(Table):
 class StiffenerTable(SectionTable):
     """[[stiffener]]: a ring on the wall of a closed casing, between its edges."""
 
-    at: Place = Field(description="where it is along the axis or the meridian [m]")
+    at: Place = Field(description="place along the axis or the meridian [m]")
     offset: Annotated[Pair, REACH] = Field(
-        description="[radial, axial] from the wall's middle to the section's centre [m]"
+        description="offset of the section's centre from the middle of the wall, [radial, axial] [m]"
     )
 
 
 class RingTable(SectionTable):
     """[support.EDGE] of kind "ring": [support.EDGE.support] is its support."""
 
-    kind: Literal["ring"] = Field(description="how the edge is fixed")
+    kind: Literal["ring"] = Field(description="kind of support")
     offset: Annotated[Pair, REACH] | None = Field(
-        default=None, description="[radial, axial] from the edge to the centre [m]"
+        default=None, description="offset of the section's centre from the edge, [radial, axial] [m]"
     )
     foot: Annotated[Pair, REACH] | None = Field(
-        default=None, description="[radial, axial] from the centre to the springs [m]"
+        default=None, description="offset of the springs from the section's centre, [radial, axial] [m]"
     )
     support: RingSupport | None = Field(default=None, description="support of the ring: elastic or bolts")
 

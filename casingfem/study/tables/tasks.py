@@ -35,9 +35,12 @@ class ModesTable(Table):
 
     count: int = Field(default=40, ge=1, le=100_000, description="number of modes")
     band_hz: list[NotNegative] | None = Field(
-        default=None, min_length=2, max_length=2, description="[from, to]: every mode of a band, instead of a count"
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="band [from, to] of which all modes are computed [Hz], instead of count",
     )
-    elastic_only: bool = Field(default=False, description="rigid modes are an error")
+    elastic_only: bool = Field(default=False, description="whether rigid-body modes are an error")
 
     @model_validator(mode="after")
     def _count_or_band(self) -> "ModesTable":
@@ -61,7 +64,7 @@ class ParameterTable(Table):
     lower: float
     upper: float
     start: float | None = Field(
-        default=None, description="start value [unit of the parameter]; the study's own if left out"
+        default=None, description="start value [unit of the parameter]; the value of the study if left out"
     )
 
 
@@ -70,28 +73,47 @@ class UpdateTable(Table):
 
     table: str = Field(min_length=1, description="frequency table: CSV file or workbook, relative to this file")
     sigma: Positive | None = Field(
-        default=None, lt=1, description="relative standard uncertainty of frequencies whose row states no sigma_hz [-]"
+        default=None, lt=1, description="relative standard uncertainty of frequencies without sigma_hz in the table [-]"
     )
     outliers: Literal["set-aside", "keep"] = Field(
-        default="set-aside", description="what becomes of rows that contradict all others"
+        default="set-aside", description="treatment of outliers, rows that do not agree with the others"
     )
-    reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair [-]")
-    count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
-    model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model [-]")
+    reach: Positive = Field(
+        default=0.5,
+        description="largest relative frequency difference of a measured and a computed mode that are paired [-]",
+    )
+    count: int | None = Field(
+        default=None, ge=1, le=100_000, description="number of modes computed; from the table if left out"
+    )
+    model_error: float = Field(
+        default=0.0,
+        ge=0,
+        lt=1,
+        description="relative standard error of the model's frequencies [-], added to the measurement's",
+    )
     shapes: str | None = Field(
-        default=None, min_length=1, description="mode shapes of the table: universal file or identified.npz"
+        default=None, min_length=1, description="file of the measured mode shapes, a universal file or identified.npz"
     )
     shape_sigma: Positive | None = Field(
-        default=None, description="noise of the shapes, rms over a shape's own rms [-]; the file's if left out"
+        default=None,
+        description="relative noise of the shapes, rms over the rms of a shape [-]; that of the file if left out",
     )
-    shape_error: float = Field(default=0.0, ge=0, lt=1, description="the same, allowed to the model's shapes [-]")
-    shape_reach: Positive = Field(default=1e-3, description="largest relative distance of a shape from its row [-]")
+    shape_error: float = Field(
+        default=0.0, ge=0, lt=1, description="relative error of the model's shapes [-], added to the noise"
+    )
+    shape_reach: Positive = Field(
+        default=1e-3, description="largest relative frequency difference of a shape and its row [-]"
+    )
     regularise: Literal["discrepancy", "l-curve"] | None = Field(
         default=None,
-        description="rule that chooses how strongly ill-posed parameters are regularised towards their start",
+        description="rule for the weight with which parameters are regularised towards their start values",
     )
-    regularised: list[str] = Field(default=[], description="their names; all harmonics if left out")
-    parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
+    regularised: list[str] = Field(
+        default=[], description="names of the regularised parameters; all harmonics if left out"
+    )
+    parameter: list[ParameterTable] = Field(
+        min_length=1, description="tables [[update.parameter]]: varied parameters, at least one"
+    )
 
     @model_validator(mode="after")
     def _of_shapes(self) -> "UpdateTable":
@@ -104,11 +126,11 @@ class UpdateTable(Table):
 class OutputTable(Table):
     """[[reduce.output]]: a displacement (direction), a strain, or a stress, at a place of the chart or a node."""
 
-    name: str = Field(min_length=1, description="how results name it")
-    at: Pair | None = Field(default=None, description="parameters of the chart [m or rad]")
+    name: str = Field(min_length=1, description="name of the output in results")
+    at: Pair | None = Field(default=None, description="place on the chart, by its two parameters [m or rad]")
     node: int | None = Field(default=None, description="number of a node of an imported mesh")
     direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = Field(
-        default=None, description="of a displacement"
+        default=None, description="direction of a displacement"
     )
     strain: Literal["11", "22", "12", "xx", "yy", "zz", "yz", "xz", "xy"] | None = Field(
         default=None, description="component of the strain"
@@ -117,7 +139,10 @@ class OutputTable(Table):
         default=None, description="component of the stress"
     )
     side: float | None = Field(
-        default=None, ge=-1, le=1, description="face [-]: 1 where the normal points, -1, or between"
+        default=None,
+        ge=-1,
+        le=1,
+        description="position through the wall [-], from 1 on the face to which the normal points to -1 on the other",
     )
 
     @model_validator(mode="after")
@@ -151,31 +176,45 @@ class OutputTable(Table):
 class ReduceTable(Table):
     """[reduce]."""
 
-    interface: Edge | None = Field(default=None, min_length=1, description="the edge or group that contact sees")
+    interface: Edge | None = Field(
+        default=None, min_length=1, description="edge (of a mesh: group) at which contact acts"
+    )
     at: Annotated[list[int], Field(min_length=1, max_length=1000)] | None = Field(
-        default=None, description="numbers of nodes of an imported mesh, instead of interface: channels x, y, z of each"
+        default=None, description="node numbers of an imported mesh, each with channels x, y, z; instead of interface"
     )
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
-    axial: bool = Field(default=False, description="a casing's rim along the axis too")
+    axial: bool = Field(default=False, description="whether a casing's rim has axial channels too")
     lines: list[Annotated[float, REACH]] = Field(
-        default_factory=list, description="places of lines around a casing, along its meridian [m], in place of an edge"
+        default_factory=list, description="places along the meridian of lines around a casing [m], instead of an edge"
     )
-    nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
+    nodes: int | None = Field(
+        default=None,
+        ge=1,
+        le=100,
+        description="number of pieces into which a blade's tip is divided; one mean place if left out",
+    )
     axis: Axis | None = Field(
         default=None,
-        description='axis of an imported rim, or for directions along an imported tip: "x", "y", "z" or [x, y, z]',
+        description='axis of an imported rim, or for the directions at an imported tip, as "x", "y", "z" or [x, y, z]',
     )
-    point: Vector | None = Field(default=None, description="a point on it [m]; the origin if left out")
-    recovery: bool = Field(default=False, description="also what recovers the motion of all nodes, for ParaView")
-    output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
+    point: Vector | None = Field(default=None, description="a point on this axis [m]; the origin if left out")
+    recovery: bool = Field(
+        default=False, description="whether the basis also stores the shapes at all nodes, for ParaView"
+    )
+    output: list[OutputTable] = Field(
+        default_factory=list,
+        description="tables [[reduce.output]]: displacements, strains or stresses that runs can give",
+    )
     modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
     method: Literal["free", "craig-bampton"] = Field(
-        default="free", description="modes with the interface free or fixed"
+        default="free", description="method of reduction, with modes of the free or the fixed interface"
     )
     zeta: Annotated[float, Field(ge=0, lt=1), CHECKS["zeta"]] = Field(
         default=0.0, description="damping ratio of every mode [-]"
     )
-    out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
+    out: str | None = Field(
+        default=None, pattern=r"^[^/\\]+\.npz$", description="name of the file to write, which ends in .npz"
+    )
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
@@ -192,14 +231,18 @@ class ResponseTable(Table):
     """[[response]]: response of a wheel to an engine order over speed; needs [cyclic] and [reduce]."""
 
     influence: str | None = Field(
-        default=None, min_length=1, description="CSV offset,stiffness,damping: forces of the air [N/m, N s/m]"
+        default=None,
+        min_length=1,
+        description="CSV file offset,stiffness,damping of aerodynamic influence coefficients [N/m, N s/m]",
     )
 
 
 class ChecksTable(Table):
     """[checks]: implausible values that are intended."""
 
-    allow: list[CheckName] = Field(default=[], description="names of checks that this file need not pass")
+    allow: list[CheckName] = Field(
+        default=[], description="names of checks of plausibility that are not applied to this file"
+    )
 
 
 class StudyFile(Table):
@@ -210,25 +253,37 @@ class StudyFile(Table):
         title="study.toml",
     )
 
-    material: shapes.MaterialTable | None = Field(default=None, description="E, nu, rho")
-    chart: shapes.ChartTable | None = Field(default=None, description="kind and dimensions")
-    shell: shapes.ShellTable | None = Field(default=None, description="thickness; mesh if imported")
-    solid: shapes.SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
-    taper: shapes.TaperTable | None = Field(default=None, description="how the thickness varies by design")
-    strip: list[shapes.StripTable] = Field(default=[], description="tables [[strip]]")
-    stiffener: list[StiffenerTable] = Field(default=[], description="tables [[stiffener]]: rings on the wall")
-    rotation: shapes.RotationTable | None = Field(default=None, description="speed and axis")
-    cyclic: CyclicTable | None = Field(default=None, description="the imported mesh is one sector of a wheel")
-    imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
+    material: shapes.MaterialTable | None = Field(default=None, description="material: E, nu, rho")
+    chart: shapes.ChartTable | None = Field(default=None, description="surface of the shell: its kind and dimensions")
+    shell: shapes.ShellTable | None = Field(default=None, description="wall thickness; mesh file of an imported shell")
+    solid: shapes.SolidTable | None = Field(default=None, description="imported solid, instead of [chart] and [shell]")
+    taper: shapes.TaperTable | None = Field(default=None, description="variation of the wall thickness by design")
+    strip: list[shapes.StripTable] = Field(
+        default=[], description="tables [[strip]]: parts of the wall with another thickness or material"
+    )
+    stiffener: list[StiffenerTable] = Field(
+        default=[], description="tables [[stiffener]]: stiffening rings on the wall"
+    )
+    rotation: shapes.RotationTable | None = Field(default=None, description="speed and axis of rotation")
+    cyclic: CyclicTable | None = Field(
+        default=None, description="cyclic symmetry of an imported mesh, one sector of a wheel"
+    )
+    imperfection: list[ImperfectionTable] = Field(
+        default=[], description="tables [[imperfection]]: deviations of radius, thickness, modulus or density"
+    )
     mass: list[shapes.MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
-    support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
-    modes: ModesTable = Field(default=ModesTable(), description="how many modes")
-    mesh: shapes.MeshTable = Field(default=shapes.MeshTable(), description="how the shell is divided")
-    update: UpdateTable | None = Field(default=None, description="the measured table and what may vary")
-    reduce: ReduceTable | None = Field(default=None, description="the modal basis")
-    response: list[ResponseTable] = Field(default=[], description="tables [[response]]: engine orders on a wheel")
-    rig: RigTable | None = Field(default=None, description="the virtual test rig")
-    checks: ChecksTable = Field(default=ChecksTable(), description="implausible values that are meant")
+    support: dict[Edge, SupportTable] = Field(
+        default={}, description="support of each edge (of a mesh: group), by its name"
+    )
+    modes: ModesTable = Field(default=ModesTable(), description="number or band of the modes to compute")
+    mesh: shapes.MeshTable = Field(default=shapes.MeshTable(), description="elements of the shell")
+    update: UpdateTable | None = Field(default=None, description="model update: measured table and varied parameters")
+    reduce: ReduceTable | None = Field(default=None, description="reduction to a modal basis")
+    response: list[ResponseTable] = Field(
+        default=[], description="tables [[response]]: excitation of a wheel by engine orders"
+    )
+    rig: RigTable | None = Field(default=None, description="virtual test rig, which makes synthetic measurements")
+    checks: ChecksTable = Field(default=ChecksTable(), description="implausible values that are intended")
 
 
 def schema() -> dict[str, Any]:

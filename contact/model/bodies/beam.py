@@ -40,9 +40,9 @@ class HingedBeam:
     E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
     rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
     elements: Annotated[int, Key("number of elements")] = 40
-    torque: Annotated[float, Key("on the hinge [N m]", "any", "force")] = 0.0
+    torque: Annotated[float, Key("torque on the hinge [N m]", "any", "force")] = 0.0
     angle_deg: Annotated[float, Key("angle at t = 0 [degrees]", "turn")] = 0.0
-    spin: Annotated[float, Key("rate of turning at t = 0 [rad/s]")] = 0.0
+    spin: Annotated[float, Key("angular velocity at t = 0 [rad/s]")] = 0.0
 
     def __post_init__(self) -> None:
         require_keyed(self)
@@ -108,7 +108,7 @@ class BeamInCircle:
     beam: HingedBeam
     _: KW_ONLY
     radius: Annotated[float, Key("radius [m]", "positive", "size")]
-    offset: Annotated[float, Key("of its centre from the hinge [m]", "not negative", "reach")] = 0.0
+    offset: Annotated[float, Key("distance of the circle's centre from the hinge [m]", "not negative", "reach")] = 0.0
     ring: ModalBody | None = None
 
     __repr__ = brief

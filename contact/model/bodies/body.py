@@ -96,15 +96,15 @@ class Rod:
     """
 
     length: Annotated[float, Key("length [m]", "positive")]
-    area: Annotated[float, Key("cross-section [m^2]", "positive")]
+    area: Annotated[float, Key("area of the cross-section [m^2]", "positive")]
     E: Annotated[float, Key("Young's modulus [Pa]", "positive")]
     rho: Annotated[float, Key("density [kg/m^3]", "positive")]
     elements: Annotated[int, Key("number of elements")] = 100
-    x: Annotated[float, Key("left end at t = 0 [m]")] = 0.0
-    velocity: Annotated[float, Key("at t = 0 [m/s]")] = 0.0
-    fixed: Annotated[Fixed, Key("which end is fixed")] = "none"
-    end_mass: Annotated[float, Key("at the end that faces its neighbour [kg]", "not negative")] = 0.0
-    damping: Annotated[float, Key("of its mass [1/s]", "not negative")] = 0.0
+    x: Annotated[float, Key("position of the left end at t = 0 [m]")] = 0.0
+    velocity: Annotated[float, Key("velocity at t = 0 [m/s]")] = 0.0
+    fixed: Annotated[Fixed, Key("fixed end")] = "none"
+    end_mass: Annotated[float, Key("mass at the end that faces the neighbour [kg]", "not negative")] = 0.0
+    damping: Annotated[float, Key("mass-proportional damping [1/s]", "not negative")] = 0.0
     moves: ClassVar[bool] = True
     force: ClassVar[float] = 0.0
     force_hz: ClassVar[float] = 0.0
@@ -187,14 +187,14 @@ class PointMass:
     """
 
     mass: Annotated[float, Key("mass [kg]", "positive")]
-    x: Annotated[float, Key("place at t = 0 [m]")] = 0.0
-    velocity: Annotated[float, Key("at t = 0 [m/s]")] = 0.0
-    stiffness: Annotated[float, Key("of a spring to the ground [N/m]", "not negative")] = 0.0
-    anchor: Annotated[float | None, Key("where that spring is without force [m]; x if left out")] = None
-    damping: Annotated[float, Key("of a dashpot to the ground [N s/m]", "not negative")] = 0.0
+    x: Annotated[float, Key("position at t = 0 [m]")] = 0.0
+    velocity: Annotated[float, Key("velocity at t = 0 [m/s]")] = 0.0
+    stiffness: Annotated[float, Key("stiffness of a spring to the ground [N/m]", "not negative")] = 0.0
+    anchor: Annotated[float | None, Key("position at which this spring has no force [m]; x if left out")] = None
+    damping: Annotated[float, Key("damping constant of a dashpot to the ground [N s/m]", "not negative")] = 0.0
     force: Annotated[float, Key("amplitude of a harmonic force [N]")] = 0.0
-    force_hz: Annotated[float, Key("its frequency [Hz]", "not negative")] = 0.0
-    force_deg: Annotated[float, Key("its phase [degrees]", "turn")] = 0.0
+    force_hz: Annotated[float, Key("frequency of this force [Hz]", "not negative")] = 0.0
+    force_deg: Annotated[float, Key("phase of this force [degrees]", "turn")] = 0.0
     moves: ClassVar[bool] = True
     crossing_time: ClassVar[float] = math.inf
 
@@ -236,7 +236,7 @@ class Wall:
     0.0
     """
 
-    x: Annotated[float, Key("where it is [m]")] = 0.0
+    x: Annotated[float, Key("position of the wall [m]")] = 0.0
     moves: ClassVar[bool] = False
     velocity: ClassVar[float] = 0.0
     crossing_time: ClassVar[float] = math.inf

@@ -50,8 +50,12 @@ class ThinRing:
     height: Annotated[float, Key("height of the section along the radius [m]", "positive", "thickness")]
     E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
     rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
-    k_r: Annotated[float, Key("radial springs around [N/m^2]", "not negative", "springs around")] = 0.0
-    k_t: Annotated[float, Key("tangential springs around [N/m^2]", "not negative", "springs around")] = 0.0
+    k_r: Annotated[
+        float, Key("stiffness of radial springs per length around [N/m^2]", "not negative", "springs around")
+    ] = 0.0
+    k_t: Annotated[
+        float, Key("stiffness of tangential springs per length around [N/m^2]", "not negative", "springs around")
+    ] = 0.0
     zeta: Annotated[float, Key("damping ratio of all modes [-]", "not negative", "zeta")] = 0.0
 
     def __post_init__(self) -> None:

@@ -52,12 +52,19 @@ class BladedDisk:
 
     blades: Annotated[int, Key("number of blades", least=FEWEST, most=1000)]
     freq_hz: Annotated[float, Key("frequency of one blade alone [Hz]", "positive", "frequency")]
-    modal_mass: Annotated[float, Key("of one blade for unit motion along the normal [kg]", "positive", "mass")]
-    coupling: Annotated[float, Key("of neighbours, over a blade's stiffness [-]", least=0.0, most=100.0)] = 0.0
+    modal_mass: Annotated[
+        float, Key("modal mass of one blade for unit motion along the contact normal [kg]", "positive", "mass")
+    ]
+    coupling: Annotated[
+        float, Key("coupling stiffness of neighbouring blades over the stiffness of a blade [-]", least=0.0, most=100.0)
+    ] = 0.0
     mistuning: Array | None = None
     zeta: Annotated[float, Key("damping ratio of all modes [-]", "ratio", "zeta")] = 0.0
     compliance: Annotated[float, Key("residual compliance of a tip [m/N]", "not negative", "compliance or 0")] = 0.0
-    lean_deg: Annotated[float, Key("lean from the radius, into the motion [degrees]", "lean", "lean")] = 0.0
+    lean_deg: Annotated[
+        float,
+        Key("lean of the blade from the radius, positive in the direction of its motion [degrees]", "lean", "lean"),
+    ] = 0.0
 
     __repr__ = brief
 

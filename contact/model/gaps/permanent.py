@@ -156,7 +156,7 @@ class ModalPair:
     """
 
     freq_hz: Annotated[float, Key("frequency [Hz]", "positive", "frequency")]
-    modal_mass: Annotated[float, Key("for unit motion along the contact's normal [kg]", "positive", "mass")]
+    modal_mass: Annotated[float, Key("modal mass for unit motion along the contact normal [kg]", "positive", "mass")]
     n: int = 0
     zeta: Annotated[float, Key("damping ratio [-]", "ratio", "zeta")] = 0.0
 

@@ -38,14 +38,16 @@ class ContactPoint:
     """
 
     blade: int = 0
-    line: Annotated[int, Key("number of the rim line it meets, from 0", least=0)] = 0
+    line: Annotated[int, Key("number of the rim's line that the point touches, from 0", least=0)] = 0
     span: str = "span"
     flap: str = "flap"
-    axial: Annotated[str | None, Key("channel along the axis, for sliding there")] = None
-    angle_deg: Annotated[float, Key("from the blade's angle [degrees]", "turn")] = 0.0
+    axial: Annotated[str | None, Key("channel along the axis, for sliding in this direction")] = None
+    angle_deg: Annotated[float, Key("angle relative to that of the blade [degrees]", "turn")] = 0.0
     lean_deg: float = 0.0
-    clearance: Annotated[float, Key("of its own, added to that of the contact [m]", check="clearance")] = 0.0
-    track: Annotated[int | None, Key("number of the strip of a coating that it wears, from 0", least=0)] = None
+    clearance: Annotated[float, Key("clearance of this point, added to that of the contact [m]", check="clearance")] = (
+        0.0
+    )
+    track: Annotated[int | None, Key("number of the strip of coating that the point wears, from 0", least=0)] = None
 
     def __post_init__(self) -> None:
         if self.track is not None:

@@ -65,10 +65,12 @@ class Whirl:
     0.0
     """
 
-    amplitude: Annotated[float, Key("radius of the circle that a centre runs on [m]", "not negative", "clearance")]
-    per_rev: Annotated[float, Key("its rate in turns per turn of the casing [-]", least=-1000.0, most=1000.0)] = 0.0
+    amplitude: Annotated[float, Key("radius of the circle on which the centre moves [m]", "not negative", "clearance")]
+    per_rev: Annotated[
+        float, Key("rate of the motion, in revolutions per revolution of the casing [-]", least=-1000.0, most=1000.0)
+    ] = 0.0
     hz: float = 0.0
-    phase_deg: Annotated[float, Key("where it is at t = 0 [degrees]", "turn")] = 0.0
+    phase_deg: Annotated[float, Key("angle of the centre at t = 0 [degrees]", "turn")] = 0.0
 
     def __post_init__(self) -> None:
         require_not_negative(amplitude=self.amplitude)

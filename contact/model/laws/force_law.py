@@ -127,9 +127,13 @@ class Hertz(_GivesWay):
     [10000, 150000000]
     """
 
-    k: Annotated[float, Key("4/3 E* sqrt(R) for a sphere, p the exponent [N/m^p]", "positive")]
-    exponent: Annotated[float, Key("3/2 for an elastic point contact [-]", least=1.0, most=10.0)] = 1.5
-    dissipation: Annotated[float, Key("of Hunt and Crossley [s/m]", "not negative")] = 0.0
+    k: Annotated[
+        float, Key("constant of the law, 4/3 E* sqrt(R) for a sphere, p being the exponent [N/m^p]", "positive")
+    ]
+    exponent: Annotated[
+        float, Key("exponent of the depth, 3/2 for an elastic point contact [-]", least=1.0, most=10.0)
+    ] = 1.5
+    dissipation: Annotated[float, Key("dissipation constant of Hunt and Crossley's law [s/m]", "not negative")] = 0.0
     mu: float = 0.0
 
     def __post_init__(self) -> None:
@@ -163,7 +167,7 @@ class ForceTable(_GivesWay):
 
     depth: ArrayLike
     force: ArrayLike
-    damping: Annotated[float, Key("of a dashpot beside it [N s/m]", "not negative")] = 0.0
+    damping: Annotated[float, Key("damping constant of a parallel dashpot [N s/m]", "not negative")] = 0.0
     mu: float = 0.0
     words: ClassVar[str] = "force by table"
 

@@ -29,10 +29,12 @@ class Jeffcott:
     (('disk.x', 'disk.y'), 632.456)
     """
 
-    mass: Annotated[float, Key("of the disk [kg]", "positive", "mass")]
-    stiffness: Annotated[float, Key("of the shaft at the disk, both directions [N/m]", "positive", "stiffness")]
-    zeta: Annotated[float, Key("ratio of the damping that acts in space [-]", "ratio", "zeta")] = 0.0
-    zeta_internal: Annotated[float, Key("ratio of the damping that turns with the shaft [-]", "ratio", "zeta")] = 0.0
+    mass: Annotated[float, Key("mass of the disk [kg]", "positive", "mass")]
+    stiffness: Annotated[
+        float, Key("stiffness of the shaft at the disk, in both directions [N/m]", "positive", "stiffness")
+    ]
+    zeta: Annotated[float, Key("damping ratio of external, non-rotating damping [-]", "ratio", "zeta")] = 0.0
+    zeta_internal: Annotated[float, Key("damping ratio of internal, rotating damping [-]", "ratio", "zeta")] = 0.0
 
     def __post_init__(self) -> None:
         require_keyed(self)

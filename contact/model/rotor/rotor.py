@@ -36,7 +36,7 @@ class Release:
     0.05
     """
 
-    time: Annotated[float, Key("when the part leaves [s]", "not negative", "time or 0")]
+    time: Annotated[float, Key("time at which the part leaves [s]", "not negative", "time or 0")]
     moment: Annotated[
         float, Key("added unbalance, mass times its distance from the axis [kg m]", "not negative", "unbalance")
     ]
@@ -59,8 +59,12 @@ class Unbalance:
     (0.001+0.001j)
     """
 
-    moment: Annotated[float, Key("mass times its distance from the axis [kg m]", "not negative", "unbalance")] = 0.0
-    angle_deg: Annotated[float, Key("its direction in the rotor from the rotor's x axis [degrees]", "turn")] = 0.0
+    moment: Annotated[
+        float, Key("unbalance, mass times its distance from the axis [kg m]", "not negative", "unbalance")
+    ] = 0.0
+    angle_deg: Annotated[
+        float, Key("direction of the unbalance in the rotor, from the rotor's x axis [degrees]", "turn")
+    ] = 0.0
     release: Release | None = None
 
     def __post_init__(self) -> None:
@@ -109,10 +113,10 @@ class Spin:
     0.0
     """
 
-    inertia: Annotated[float, Key("polar moment of all that turns [kg m^2]", "positive")]
-    torque: Annotated[float, Key("of the drive, positive in the sense from x to y [N m]")] = 0.0
+    inertia: Annotated[float, Key("polar moment of inertia of all rotating parts [kg m^2]", "positive")]
+    torque: Annotated[float, Key("torque of the drive, positive from x to y [N m]")] = 0.0
     most_hz: Annotated[
-        float | None, Key("highest speed that the run may reach; 1.2 times the one at the start if left out [turns/s]",
+        float | None, Key("speed above which the run stops; 1.2 times the initial speed if left out [turns/s]",
                           "positive")
     ] = None  # fmt: skip
 

@@ -34,14 +34,14 @@ class Piece:
     2.205
     """
 
-    length: Annotated[float, Key("along the axis [m]", "length", "size")]
+    length: Annotated[float, Key("length along the axis [m]", "length", "size")]
     diameter: Annotated[float, Key("outer diameter [m]", "length", "size")]
-    inner_diameter: Annotated[float, Key("of its bore [m]", "not negative")] = 0.0
+    inner_diameter: Annotated[float, Key("diameter of the bore [m]", "not negative")] = 0.0
     E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")] = 210e9
     rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")] = 7800.0
     nu: Annotated[float, Key("Poisson's ratio [-]", "poisson", "nu")] = 0.3
     loss_time: Annotated[
-        float, Key("internal damping over stiffness, of a material that is viscous [s]", "not negative")
+        float, Key("ratio of the material's internal viscous damping to its stiffness [s]", "not negative")
     ] = 0.0
     elements: Annotated[int, Key("number of beam elements", most=100)] = 4
 
@@ -85,8 +85,8 @@ class Disk:
     0.06
     """
 
-    at: Annotated[float, Key("its place on the axis, from the first end of the shaft [m]", "not negative")]
-    mass: Annotated[float, Key("of the disk [kg]", "positive", "mass")]
+    at: Annotated[float, Key("position along the axis, from the first end of the shaft [m]", "not negative")]
+    mass: Annotated[float, Key("mass of the disk [kg]", "positive", "mass")]
     polar: Annotated[float, Key("moment of inertia about the axis [kg m^2]", "not negative")] = 0.0
     diametral: Annotated[float, Key("moment of inertia about a diameter [kg m^2]", "not negative")] = 0.0
 
@@ -109,20 +109,22 @@ class Bearing:
     [[10000000.0, 2000000.0], [-2000000.0, 10000000.0]]
     """
 
-    at: Annotated[float, Key("its place on the axis, from the first end of the shaft [m]", "not negative")]
-    kxx: Annotated[float, Key("force along -x by a displacement along x [N/m]", "not negative", "stiffness or 0")]
+    at: Annotated[float, Key("position along the axis, from the first end of the shaft [m]", "not negative")]
+    kxx: Annotated[
+        float, Key("stiffness, force along -x per displacement along x [N/m]", "not negative", "stiffness or 0")
+    ]
     kyy: Annotated[
-        float | None, Key("force along -y by a displacement along y; kxx if left out [N/m]", "not negative")
+        float | None, Key("stiffness, force along -y per displacement along y; kxx if left out [N/m]", "not negative")
     ] = None
-    kxy: Annotated[float, Key("force along -x by a displacement along y [N/m]")] = 0.0
-    kyx: Annotated[float, Key("force along -y by a displacement along x [N/m]")] = 0.0
-    cxx: Annotated[float, Key("force along -x by a velocity along x [N s/m]", "not negative")] = 0.0
+    kxy: Annotated[float, Key("stiffness, force along -x per displacement along y [N/m]")] = 0.0
+    kyx: Annotated[float, Key("stiffness, force along -y per displacement along x [N/m]")] = 0.0
+    cxx: Annotated[float, Key("damping, force along -x per velocity along x [N s/m]", "not negative")] = 0.0
     cyy: Annotated[
-        float | None, Key("force along -y by a velocity along y; cxx if left out [N s/m]", "not negative")
+        float | None, Key("damping, force along -y per velocity along y; cxx if left out [N s/m]", "not negative")
     ] = None
-    cxy: Annotated[float, Key("force along -x by a velocity along y [N s/m]")] = 0.0
-    cyx: Annotated[float, Key("force along -y by a velocity along x [N s/m]")] = 0.0
-    k_tilt: Annotated[float, Key("moment against a tilt in either plane [N m/rad]", "not negative")] = 0.0
+    cxy: Annotated[float, Key("damping, force along -x per velocity along y [N s/m]")] = 0.0
+    cyx: Annotated[float, Key("damping, force along -y per velocity along x [N s/m]")] = 0.0
+    k_tilt: Annotated[float, Key("tilting stiffness in both planes [N m/rad]", "not negative")] = 0.0
 
     def __post_init__(self) -> None:
         require_keyed(self)

@@ -20,7 +20,7 @@ def asked(*args):
         ("chart.frustum", ["r_base  mean radius at z = 0 [m]"]),
         ("support.base.elastic", ["k_face   foundation modulus of the end face [N/m^3]"]),
         ("update.parameter", ["lower bound [unit of the parameter]"]),
-        ("rub.closing", ["time_constant  of an exponential closing [s]"]),
+        ("rub.closing", ["time_constant  time constant of an exponential reduction [s]"]),
         (
             "coating",
             [

@@ -210,7 +210,7 @@ def test_an_unknown_key_suggests_the_known_one(tmp_path):
     (problem, missing) = sorted(problems_of(tmp_path, FRUSTUM.replace("r_top", "rtop")), key=len, reverse=True)
     assert "chart.rtop: found an unknown key" in problem
     assert "did you mean r_top?" in problem
-    assert "chart.r_top: found nothing, expected its mean radius at z = height [m]" in missing
+    assert "chart.r_top: found nothing, expected mean radius at z = height [m]" in missing
 
 
 def test_start_values_move_the_start_but_not_the_study(tmp_path):
@@ -303,10 +303,10 @@ thickness = 12e-3
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("from = 0.1\n", "", "strip[1].from: found nothing, expected its where it begins"),
+        ("from = 0.1\n", "", "strip[1].from: found nothing, expected start along the axis"),
         ("from = 0.1\n", "start = 0.1\n", "strip[1].start: found an unknown key, expected one of from, to, thickness"),
         ("from = 0.1\n", "from = 0.2\n", "strip[1]: found from = 0.2 and to = 0.15, expected from < to"),
-        ("to = 0.25\n", "to = 0.26\n", "strip: strip[2] from 0.24 to 0.26 m leaves the shell"),
+        ("to = 0.25\n", "to = 0.26\n", "strip: strip[2] from 0.24 to 0.26 m reaches beyond the shell"),
         ("from = 0.24\n", "from = 0.14\n", "strip: strip[2] from 0.14 to 0.25 m overlaps strip[1]"),
         ("thickness = 12e-3", "thickness = -1.0", "strip[2].thickness: found -1.0, expected greater than 0"),
         ("order = 4", "order = 4\nrows = 3", "mesh: strip[1] from 0.1 to 0.15 m: no element"),
@@ -326,7 +326,7 @@ BLADE = (STUDIES / "tapered_blade.toml").read_text(encoding="utf-8")
     [
         ("chord = [0.12, 0.10, 0.09]", "chord = [0.12, -0.1]", "chart.chord[2]: found -0.1, expected greater than 0"),
         ("chord = [0.12, 0.10, 0.09]", "chord = []", "chart.chord: "),
-        ("chord = [0.12, 0.10, 0.09]", "", "chart.chord: found nothing, expected its chord [m]"),
+        ("chord = [0.12, 0.10, 0.09]", "", "chart.chord: found nothing, expected chord [m]"),
         ("along = [1.0, 0.6]", "along = [1.0, 0.0]", "taper.along[2]: found 0.0, expected greater than or equal"),
         (
             "camber_deg = [35.0, 12.0]",
