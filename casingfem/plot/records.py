@@ -23,7 +23,9 @@ def figure_hit(found: Estimate) -> Figure:
     force.plot(1e3 * shown.time[near], shown.force[near], ".-", color=MEASURED, markersize=3, label="force")
     force.set(xlabel="time from the trigger [ms]", ylabel="force [N]")
     top = float(np.abs(shown.force).max())
-    force.plot(1e3 * shown.time[near], top * shown.force_window[near], color=AFTER, label="its window, scaled to the peak")
+    force.plot(
+        1e3 * shown.time[near], top * shown.force_window[near], color=AFTER, label="its window, scaled to the peak"
+    )
     response.set_title("First hit used: responses and window")
     scale = np.abs(shown.responses).max(axis=1, keepdims=True)
     values = np.abs(shown.responses / np.where(scale > 0.0, scale, 1.0))
