@@ -49,8 +49,8 @@ def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
     turned = whole_numbers(tables.get("axes", np.zeros((0, 7))), 7, "matrix-file", f"{path.name}: axes", numbered=1)
     matrices = {role: fitting(f"{path.name}: {name}", square[name]) for role, name in roles.items()}
     if odd := [name for role, name in roles.items() if matrices[role].dtype.kind == "c"]:
-        found = f"found complex numbers in {odd[0]}, expected real K, M and C"
-        raise ModelError("matrix-file", f"{path.name}: {found}")
+        text = f"found complex numbers in {odd[0]}, expected real K, M and C"
+        raise ModelError("matrix-file", f"{path.name}: {text}")
     named = {role: A.astype(float) for role, A in matrices.items()}
     points = {int(row[0]): row[1:] for row in nodes}
     left_out = tuple(name for name in numeric if name not in roles.values())

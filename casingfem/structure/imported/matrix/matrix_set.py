@@ -126,8 +126,8 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
             fitting = [name for name in fitting if OF_A_SET.fullmatch(name.upper())] or fitting
         if len(fitting) > 1 or (not fitting and role in NEEDED):
             have = ", ".join(names) or "none"
-            found = f"found the matrices {have}; {len(fitting)} of these names mean {role}, expected one"
-            raise ModelError("matrix-names", f"{source}: {found}")
+            text = f"found the matrices {have}; {len(fitting)} of these names mean {role}, expected one"
+            raise ModelError("matrix-names", f"{source}: {text}")
         if fitting:
             found[role] = fitting[0]
     return found

@@ -202,8 +202,8 @@ class AbaqusAttachments:
             for number in numbers.tolist():
                 if number not in self.elements or self.elements[number][0] not in PROPERTIES[card.keyword]:
                     expected = " or ".join(PROPERTIES[card.keyword])
-                    found = f"found element {number} of another type, expected {expected}"
-                    raise self.names.fault(card.line, f"*{card.keyword}: {found}")
+                    text = f"*{card.keyword}: found element {number} of another type, expected {expected}"
+                    raise self.names.fault(card.line, text)
                 kind, nodes, _ = self.elements[number]
                 owned.add(number)
                 where = f"{kind} {number} (line {card.line})"
@@ -217,8 +217,8 @@ class AbaqusAttachments:
         if missing := sorted(set(self.elements) - owned):
             kind, _, line = self.elements[missing[0]]
             needed = next(key for key, kinds in PROPERTIES.items() if kind in kinds)
-            found = f"found element {missing[0]} of type {kind} without a property, expected *{needed} for it"
-            raise self.names.fault(line, found)
+            text = f"found element {missing[0]} of type {kind} without a property, expected *{needed} for it"
+            raise self.names.fault(line, text)
         found = Attachments(
             masses=tuple(masses),
             springs=tuple(springs),

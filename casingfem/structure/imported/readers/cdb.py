@@ -65,8 +65,8 @@ class Archive:
         found = COLUMNS.match(self.lines[at].strip()) if at < len(self.lines) else None
         if found is None:
             at = min(at, len(self.lines) - 1)
-            found = self.lines[at].strip()
-            raise self.fault(at, f"found {found!r}, expected the columns of a block, such as (19i9)")
+            line = self.lines[at].strip()
+            raise self.fault(at, f"found {line!r}, expected the columns of a block, such as (19i9)")
         fields = [(int(times or 1), int(width)) for times, width in INTEGERS.findall(found[1])]
         if not all(0 < times < WIDEST and 0 < width < WIDEST for times, width in fields):
             raise self.fault(at, f"found {self.lines[at].strip()!r}, expected columns such as (19i9)")
