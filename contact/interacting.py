@@ -34,6 +34,7 @@ from contact.prepared import Scene
 from contact.speed_runs import SpeedRun, Verdict, speed_runs
 from contact.stability.peaks import Peak, Peaks, growth_at, peaks
 from contact.stability.rotor import rotor_peaks
+from contact.stability.split_casing import AVERAGED
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
@@ -164,11 +165,7 @@ class Interactions(Reported):
         """Sentences on the runs and the conclusions."""
         low, high = (float(hz) for hz in self.peaks.map.speed_hz[[0, -1]])
         span = f"{low:.4g} to {high:.4g} Hz ({60.0 * low:,.0f} to {60.0 * high:,.0f} rpm)"
-        pairs = (
-            "The mode pairs of the casing are split: the poles use the mean of each pair."
-            if self.peaks.averaged
-            else ""
-        )
+        pairs = AVERAGED if self.peaks.averaged else ""
         if not self.runs:
             grows = "The motion grows in the ranges above." if self.rows else "No motion grows."
             return f"{grows} The speeds are {span}. In a pair the contact is always closed: its poles decide."

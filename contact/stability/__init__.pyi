@@ -5,7 +5,7 @@ from .of_run import of_run
 from .on_springs import on_springs, slope_of
 from .peaks import Peaks, peaks
 from .rotor import of_rotor
-from .split_casing import perfect_mean
+from .split_casing import floquet_growth, perfect_mean
 from .varied import Cases, growth_of_cases
 from .whirling import RotorStability, rotor_stability
 
@@ -14,6 +14,7 @@ __all__ = [
     "Peaks",
     "RotorStability",
     "StabilityMap",
+    "floquet_growth",
     "growth_of_cases",
     "of_contact",
     "of_rim",

@@ -13,10 +13,10 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
-from contact.stability.closed_contact import FLOOR
-from contact.stability.growth_map import StabilityMap, ascending, scan
+from contact.model.gaps.permanent import ClosedContact
+from contact.stability.growth_map import StabilityMap, ascending
 from contact.stability.peaks import Peak, growth_map, peaks_of
+from contact.stability.split_casing import AVERAGED, mean_contact
 from contact.stability.waves import waves_of
 
 AT_REST = 1e-6  # of the frequency in the casing's frame: a slower motion is at rest in the blade's
@@ -46,7 +46,8 @@ def of_contact(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
 def of_rim(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMap:
     """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
 
-    Eigenvalues serve for a perfect casing. A split one needs Floquet theory, which follows every turn and takes longer.
+    Split pairs of the casing are replaced by their mean, as for the peaks of `ct.interactions`. Its runs have the split
+    pairs. `ct.stability.floquet_growth` has the exact growth of a split casing at single speeds.
 
     >>> import contact as ct
     >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
@@ -55,17 +56,11 @@ def of_rim(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMa
     >>> of_rim(rim, np.array([20.0, 21.0]), mu=0.1).diverges
     True
     """
-    try:
-        contact = rim_contact(rim, mu=mu)
-    except SplitError:
-        from contact.stability.split_casing import floquet_growth
-
-        floor = FLOOR * float(max(rim.casing.omega.max(initial=0.0), rim.blade.omega.max(initial=0.0)))
-        found = scan(lambda at: floquet_growth(rim, at, mu=mu), np.asarray(speed_hz, dtype=float), floor=floor)
-        words = [_verdict(found), *_highest(found)]
-        words.append("The casing's pairs are split: the growth is that of one turn, by Floquet's theory.")
-        return replace(found, words=" ".join(words))
-    return of_contact(contact, speed_hz)
+    contact, averaged = mean_contact(rim, mu=mu)
+    found = of_contact(contact, speed_hz)
+    if not averaged:
+        return found
+    return replace(found, words=f"{found.words} {AVERAGED} `casingfem interactions` runs the scene with split pairs.")
 
 
 def _verdict(found: StabilityMap) -> str:
@@ -75,11 +70,6 @@ def _verdict(found: StabilityMap) -> str:
         return f"Closed contact is stable from {span}: nothing grows."
     bands = ", ".join(f"from {_span(*band)}" for band in found.bands_hz)
     return f"Closed contact is unstable {bands}."
-
-
-def _highest(found: StabilityMap) -> list[str]:
-    """The highest growth of an unstable contact, in words."""
-    return [f"The highest growth is {_rate(found.peak_growth, found.peak_speed_hz)}."] if found.diverges else []
 
 
 def _span(low: float, high: float) -> str:

@@ -36,6 +36,7 @@ KICKS = np.array([P, P, 1.0 - 4.0 * P, P, P])
 PHASE = 0.4  # of the fastest vibration in one step, in radians
 MOST_STEPS = 5_000_000
 CHUNK = 5_000  # steps between two words on how far a turn is: a second, with some hundred modes
+AVERAGED = "The mode pairs of the casing are split: the poles use the mean of each pair."
 WELL = 1e6  # condition of the eigenvectors up to which free motion is separated by them
 
 
@@ -166,8 +167,17 @@ def _mean_compliance(S: Array, size: int, N: int) -> Array:
 def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase: float = PHASE) -> Array:
     """Growth rates [1/s] of a rim and blade in closed contact at speeds [Hz], (speeds,).
 
+    The pairs of the casing may be split: growth is that over one turn, by Floquet's theory. A speed takes seconds.
     `phase` [rad] is the step in radians of the fastest vibration, loaded by the contact; the error falls with its
     fourth power. Raises InputError at rest, where there are no turns, LimitError beyond 5,000,000 steps a turn.
+
+    >>> import contact as ct
+    >>> pair = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> split = replace(pair, omega=pair.omega * [1.0, 1.001])
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.01], channels=("span", "flap"), rows=[[0.0], [1.0]], S=np.eye(2))
+    >>> rim = ct.RotatingRim(split, blade, clearance=0.0, speed_hz=20.0)
+    >>> bool(floquet_growth(rim, np.array([20.0]), mu=0.1)[0] < 1.0)
+    True
     """
     speeds = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     seen = matrices_of(rub_of(rim))

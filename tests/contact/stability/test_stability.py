@@ -185,16 +185,22 @@ def test_a_rim_that_turns_is_the_same_wherever_it_starts():
     )
 
 
-@pytest.mark.slow
-def test_a_split_casing_goes_to_floquet():
-    split = rim(imperfect=1e-2)
+def test_the_map_of_a_split_casing_is_that_of_the_poles_of_the_table():
+    split, speeds = rim(imperfect=1e-2), np.array([18.0, 20.0, 22.0])
     with pytest.raises(ct.InputError, match="expected a perfect casing"):
         ct.gaps.rim_contact(split)
-    found = ct.stability.of_rim(split, np.array([18.0, 20.0, 22.0]), mu=0.3)
-    assert "Floquet" in found.words
+    found, table = ct.stability.of_rim(split, speeds, mu=0.3), ct.stability.peaks(split, speeds, mu=0.3)
+    assert table.averaged
+    assert np.array_equal(found.growth, table.map.growth)
+    assert found.bands_hz == table.map.bands_hz
     assert found.diverges
+    assert "the poles use the mean of each pair. `casingfem interactions` runs the scene" in found.words
+
+
+@pytest.mark.slow
+def test_a_split_casing_at_rest_has_no_turn():
     with pytest.raises(ct.InputError, match="found 0 Hz with a split casing"):
-        ct.stability.of_rim(split, np.array([0.0, 1.0]), mu=0.3)
+        ct.stability.floquet_growth(rim(imperfect=1e-2), np.array([0.0]), mu=0.3)
 
 
 @pytest.mark.parametrize(
