@@ -55,15 +55,16 @@ variants: ## every test on other Pythons, versions, processors and orders: a tab
 fast: $(READY) ## the tests that take seconds
 	$(BIN)/python -m pytest $(CORES) -m 'not slow and not campaign'
 
-check: types lint doctests collect ## lint, format, types, layers, doctests, imports of tests; with -j2 two at a time
+check: doctests types lint collect ## lint, format, types, layers, doctests, imports of tests; with -j2 two at a time
 
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
 
+# doctests take longest, in one process: that one goes first where both run
 types: $(READY)
-	$(BIN)/mypy --num-workers 2
+	nice $(BIN)/mypy --num-workers 2
 
 doctests: $(READY)
 	$(BIN)/python -m pytest --doctest-modules casingfem contact
