@@ -1,8 +1,10 @@
 """Structures that many tests share. Meshes are coarse where the point is an invariant."""
 
 import gc
+import importlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import pandas as pd
@@ -12,6 +14,7 @@ from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
 import casingfem as cf
+from casingfem.io import probe
 
 # On an empty cache a loop takes longer to compile than its tests to run. Files that compile the same loops go to one
 # process and go first, so that no two processes compile the same thing; what comes later finds the loops compiled.
@@ -172,6 +175,17 @@ def perfect_modes() -> cf.Modes:
 def split_modes() -> cf.Modes:
     """First 40 modes with cos 8 theta, 0.2 % of the radius."""
     return cf.modes(reference_frustum(radius_defect=cf.FourierField.of({8: 0.002})), 40)
+
+
+@pytest.fixture
+def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are read by this process: the start of a child takes half a second. `test_probe.py` tests the child."""
+
+    def call(task: str, path: Path, module: str, function: str, stream: IO[bytes]) -> tuple[int, str]:
+        assert task == "hand_over"
+        return probe.give(stream, getattr(importlib.import_module(module), function), path), ""
+
+    monkeypatch.setattr(probe, "in_child", call)
 
 
 @pytest.fixture

@@ -48,7 +48,7 @@ def change(path, edit):
         edit(file)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize(
     ("edit", "said"),
     [

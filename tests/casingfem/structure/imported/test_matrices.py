@@ -568,6 +568,7 @@ def test_import_and_export_on_the_command_line(tmp_path):
     assert document["channels"] == list(EXACT.channels)
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("form", ["mtx", "pch", "op4", "npz", "mat"])
 @pytest.mark.parametrize("residual", [True, False])
 def test_basis_that_turns_comes_back_with_its_matrices_in_every_format(residual, form, tmp_path):
@@ -792,7 +793,7 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
     binary = binary_op4("K", small.K) + binary_op4("M", small.M)
     path = tmp_path / "a.op4"
     for content in (text, binary):
-        for end in range(5, len(content) - 1):
+        for end in range(5, len(content) - 1, 3):
             path.write_bytes(content[:end])
             try:
                 found = cf.imported.read_matrices(path, dofs=tmp_path / "a_dofs.csv")
