@@ -28,7 +28,7 @@ of = "radius"
 random = "example"
 seed = 7
 scale = 0.2
-p_max = 8
+p_max = 5
 [[imperfection]]
 of = "thickness"
 random = [{p = 2, median = 0.002}, {p = 8, median = 0.001}]
@@ -202,7 +202,7 @@ def test_all_that_is_wrong_is_reported_at_once(made):
 
 
 def test_a_spectrum_beyond_the_mesh_is_refused(made):
-    (made / "fine.toml").write_text(STUDY.replace("p_max = 8", "p_max = 40"))
+    (made / "fine.toml").write_text(STUDY.replace("p_max = 5", "p_max = 40"))
     (made / "bad.toml").write_text(SCENE.replace("casing.toml", "fine.toml"))
     result = run(made, scene="bad.toml")
     assert result.exit_code == 2

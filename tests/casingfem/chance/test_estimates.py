@@ -1,5 +1,7 @@
 """Estimates from draws against distributions that are known: intervals, quantiles, rare events, Sobol indices."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.special import ndtri
@@ -35,10 +37,15 @@ def test_intervals_of_probabilities_contain_the_truth_as_often_as_they_say():
     assert plain > inside
 
 
+@cache
+def points_of_seeds():
+    return [cf.chance.points(seed, range(512), 1)[:, 0] for seed in range(100)]
+
+
 @pytest.mark.parametrize("limit", [0.5, 0.501, 0.507, 0.513])
 def test_an_interval_is_narrow_and_right_where_sequences_have_nearly_the_same_number_of_hits(limit):
     """Half of each sequence is below 0.5: 256 of 512 draws, where independent draws leave +-0.044."""
-    found = [cf.chance.probability(cf.chance.points(seed, range(512), 1)[:, 0] < limit) for seed in range(100)]
+    found = [cf.chance.probability(points < limit) for points in points_of_seeds()]
     assert sum(each.low <= limit <= each.high for each in found) >= 93
     assert max(each.high - each.low for each in found) < 0.03
     if limit == 0.5:

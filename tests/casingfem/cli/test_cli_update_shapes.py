@@ -108,6 +108,7 @@ def test_the_mac_of_each_shape_is_that_with_the_mode_it_pairs_with(updated, side
     study = cf.load_study(at)
     modes = cf.modes(study.shell, 12)
     readings, shapes = study.shapes.readings(modes), study.shapes.shapes
+    np.testing.assert_array_equal(shapes, cf.load_study(folder / "study.toml").shapes.shapes)  # the updated study's too
     rows = document_of(folder)["shapes"]["rows"]
     assert [row["mode"] for row in rows] == [1, 2, 3, 4]
     for k, row in enumerate(rows):

@@ -19,7 +19,6 @@ from casingfem.io import probe
 @pytest.mark.parametrize(
     ("code", "fault"),
     [
-        ("while True: pass", True),
         ("bytearray(10**11)", True),
         ("import os; os.abort()", True),
         ("raise KeyError('x')", False),

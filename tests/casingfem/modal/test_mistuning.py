@@ -17,7 +17,7 @@ from tests.casingfem.study.study_texts import STEEL
 
 COUNT = 10
 SOFT = cf.ElasticEdge(k_r=2e9, k_theta=5e9, k_z=2e10, k_rot=1e6, k_face=1e10)
-SPECTRUM = cf.field.Spectrum.between({1: 0.004, 8: 0.001}, {1: 0.01, 8: 0.003})
+SPECTRUM = cf.field.Spectrum(p=[1, 3, 8], median=[0.004, 0.002, 0.001], high=[0.01, 0.005, 0.003])
 STUDY = (
     STEEL
     + """
@@ -34,7 +34,7 @@ of = "radius"
 random = "example"
 seed = 7
 scale = 0.2
-p_max = 12
+p_max = 8
 [modes]
 count = 6
 [mesh]
@@ -78,7 +78,6 @@ def field(stream):
 
 
 CASINGS = {
-    "radius, on a clamp": {"radius_defect": lab(0.3)},
     "all four fields, on springs": {
         "radius_defect": lab(0.1), "thickness_defect": field(1), "modulus_defect": field(2), "density_defect": field(3),
         "supports": {"base": SOFT},
@@ -98,16 +97,15 @@ CASINGS = {
 def test_draws_are_their_full_solutions(fields):
     shell = tube(**fields)
     found = cf.modal.mistune(shell, 2, count=COUNT)
-    for draw in (0, 1):
-        drawn = {name: redrawn(part, draw) for name, part in fields.items()}
-        full = of_modes(cf.modes(tube(**drawn), COUNT, method="shell"))
-        n, m, freq, split, angle = of_draw(found, draw)
-        np.testing.assert_array_equal((n, m), full[:2])
-        np.testing.assert_allclose(freq, full[2], rtol=3e-5)
-        np.testing.assert_allclose(split, full[3], rtol=1e-2, atol=5e-3 * full[3].max())
-        wide = full[3] > 0.05 * full[3].max()
-        apart = np.mod(angle - full[4] + 90.0 / n, 180.0 / n) - 90.0 / n
-        assert np.abs(apart[wide]).max() < 0.1
+    drawn = {name: redrawn(part, 1) for name, part in fields.items()}
+    full = of_modes(cf.modes(tube(**drawn), COUNT, method="shell"))
+    n, m, freq, split, angle = of_draw(found, 1)
+    np.testing.assert_array_equal((n, m), full[:2])
+    np.testing.assert_allclose(freq, full[2], rtol=3e-5)
+    np.testing.assert_allclose(split, full[3], rtol=1e-2, atol=5e-3 * full[3].max())
+    wide = full[3] > 0.05 * full[3].max()
+    apart = np.mod(angle - full[4] + 90.0 / n, 180.0 / n) - 90.0 / n
+    assert np.abs(apart[wide]).max() < 0.1
 
 
 def redrawn(part, draw):
@@ -198,7 +196,7 @@ def run(study, out, draws, *more):
 
 
 def test_a_study_without_random_fields_is_refused(study):
-    study.write_text(STUDY.replace('random = "example"\nseed = 7\nscale = 0.2\np_max = 12', "harmonics = [{p = 3}]"))
+    study.write_text(STUDY.replace('random = "example"\nseed = 7\nscale = 0.2\np_max = 8', "harmonics = [{p = 3}]"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2"])
     assert result.exit_code == 2
     assert "study.toml: imperfection: nothing of this shell is random" in result.stderr

@@ -79,7 +79,7 @@ def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("spin", "speeds"), [(0.0, (620.0, 900.0)), (-900.0, (-620.0, -900.0, -1200.0))])
+@pytest.mark.parametrize(("spin", "speeds"), [(0.0, (900.0,)), (-900.0, (-620.0, -1200.0))])
 def test_frequencies_err_by_less_than_a_millionth_where_the_speed_changes_none_by_two_fifths(casing, spin, speeds):
     """By its projections alone the basis at rest errs by 7e-5 and 2e-4, that at speed by 1e-4 beside its speed."""
     part = replace(casing, rotation=cf.Rotation(omega=spin)) if spin else casing
@@ -122,7 +122,7 @@ def test_ring_at_rest_reduced_turns_as_the_closed_form():
 def test_rim_turns_about_its_own_axis_whichever_way_the_study_turns():
     """A speed about -z is a negative speed about z: same receptances, same spin."""
     wall = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), thickness=2e-3, supports=BASE, material=STEEL,
-                    rotation=cf.Rotation(omega=-300.0), mesh=cf.ShellMesh(order=6, rows=2, around=9))  # fmt: skip
+                    rotation=cf.Rotation(omega=-300.0), mesh=cf.ShellMesh(order=6, rows=1, around=9))  # fmt: skip
     other = replace(wall, rotation=cf.Rotation(omega=300.0, axis=(0.0, 0.0, -2.0)))
     one, two = (ct.ModalBody.of(cf.reduce(part, cf.Rim("top", n_max=8), modes=12)) for part in (wall, other))
     assert one.spin == two.spin == -300.0

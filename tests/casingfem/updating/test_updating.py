@@ -132,7 +132,7 @@ def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
 @pytest.mark.slow
 def test_two_updates_agree_bit_by_bit(frustum, measured):
     start = cf.updating.with_value(truth(frustum), "material.E", 207e9)
-    fits = [cf.update(start, table_of(measured), [VARY[0], VARY[3]]) for _ in range(2)]
+    fits = [cf.update(start, table_of(measured, rows=6), [VARY[0], VARY[3]]) for _ in range(2)]
     assert fits[0].value == fits[1].value
     assert fits[0].covariance.tobytes() == fits[1].covariance.tobytes()
 

@@ -421,7 +421,6 @@ def test_two_members_of_nearly_one_frequency_are_distinguished_without_noise():
         ([370.0, 370.0], [1.0, 0.0], 1),
         ([370.0, 370.0], [1.0, 0.8], None),
         ([370.0, 370.0001], [1.0, 0.8], 1),
-        ([370.0, 370.0001], [1.0, 0.8], None),
     ],
 )
 @pytest.mark.slow

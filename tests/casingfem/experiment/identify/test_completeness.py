@@ -107,13 +107,13 @@ def test_noise_that_channels_share_makes_no_mode_and_its_intervals_keep():
 @pytest.mark.slow
 def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencies():
     at = np.r_[THETA, 0.4]
-    orders = (4, 4, 2, 2, 5, 5, 3, 3, 6, 6)
-    freqs = np.array([300.0, 301.5, 320.0, 321.0, 345.0, 347.0, 366.0, 366.8, 390.0, 392.0])
+    orders = (4, 4, 2, 2, 5, 5)
+    freqs = np.array([300.0, 301.5, 320.0, 321.0, 345.0, 347.0])
     rows = np.array([np.cos(n * (at - 0.1) - k % 2 * np.pi / 2) for k, n in enumerate(orders)]).T
     probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
     rig = cf.rig.Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
     what = cf.rig.Troubles(snr_db=45.0, setups=3, shift=2e-3)
-    test = cf.rig.troubled_frfs(rig, np.arange(290.0, 402.0, 0.1), what, sensors=range(16), drives=[16], seed=5)
+    test = cf.rig.troubled_frfs(rig, np.arange(290.0, 357.0, 0.1), what, sensors=range(16), drives=[16], seed=5)
     found = cf.identify(test.frfs, angles={k + 1: float(np.degrees(a)) for k, a in enumerate(THETA)})
     assert found.n.tolist() == list(orders)
     mean = test.truth.freq.mean(axis=0)
@@ -137,12 +137,11 @@ def roving(modes, setups, shift, sensors=12, **places):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("setups", "sensors"), [(2, 12), (6, 6)])
-def test_a_mode_that_a_roving_mass_shifts_by_a_quarter_of_a_bandwidth_is_given_once(setups, sensors):
-    found = cf.identify(roving(6, setups, 0.25, sensors))
+def test_a_mode_that_a_roving_mass_shifts_by_a_quarter_of_a_bandwidth_is_given_once():
+    found = cf.identify(roving(6, 6, 0.25, 6))
     assert len(found) == 6
     assert found.sure.all()
-    assert f"different frequencies in {setups} groups of channels" in " ".join(found.notes)
+    assert "different frequencies in 6 groups of channels" in " ".join(found.notes)
 
 
 @pytest.mark.slow
@@ -193,16 +192,16 @@ def test_strong_modes_just_beyond_the_band_do_not_move_those_inside(seed):
 @pytest.mark.parametrize("shift", [0.0, 1e-3])
 def test_channels_are_of_two_set_ups_only_where_their_poles_are_shifted(shift):
     """Bandwidths are 4e-3. Each half of the channels also sees a local mode that the other half does not see."""
-    freqs, rng = 300.0 * 1.03 ** np.arange(12), np.random.default_rng(11)
-    halves = rng.uniform(0.5, 1.5, (12, 2, 8)) * rng.choice([-1.0, 1.0], (12, 2, 8))
+    freqs, rng = 300.0 * 1.03 ** np.arange(7), np.random.default_rng(11)
+    halves = rng.uniform(0.5, 1.5, (7, 2, 8)) * rng.choice([-1.0, 1.0], (7, 2, 8))
     none, local = np.zeros(8), rng.uniform(0.5, 1.5, 8)
     poles = [(freq * (1.0 + 0.5 * shift), 2e-3, np.r_[half[0], none]) for freq, half in zip(freqs, halves, strict=True)]
     poles += [
         (freq * (1.0 - 0.5 * shift), 2e-3, np.r_[none, half[1]]) for freq, half in zip(freqs, halves, strict=True)
     ]
-    poles += [(313.5, 2e-3, np.r_[local, none]), (375.3, 2e-3, np.r_[none, local])]
-    found = cf.identify(receptances(np.arange(290.0, 430.0, 0.1), poles, noise=2e-2, seed=4))
-    assert len(found) == 14
+    poles += [(313.5, 2e-3, np.r_[local, none]), (332.6, 2e-3, np.r_[none, local])]
+    found = cf.identify(receptances(np.arange(290.0, 370.0, 0.1), poles, noise=2e-2, seed=4))
+    assert len(found) == 9
     at = [int(np.argmin(np.abs(found.freq - freq))) for freq in freqs]
     np.testing.assert_allclose(found.freq[at], freqs, atol=0.01)
     np.testing.assert_allclose(found.zeta[at], 2e-3, rtol=0.02)
