@@ -35,7 +35,7 @@ def determinant(w, W):
 
 
 def roots(W, sign):
-    grid = sign * np.linspace(0.5, 4000.0, 40_001)
+    grid = sign * np.linspace(0.5, 4000.0, 4_001)
     value = np.array([determinant(w, W) for w in grid])
     at = np.flatnonzero(value[:-1] * value[1:] < 0.0)
     return np.sort([abs(brentq(determinant, grid[k], grid[k + 1], args=(W,), xtol=1e-13)) for k in at])
