@@ -106,10 +106,12 @@ class ModeSet(Reported):
         return records_of(self.COLUMNS, self.rows())
 
     def __repr__(self) -> str:
-        """The columns as a table, and the method of computation."""
+        """The columns that have a value for some mode as a table, and the method of computation."""
         counted = f"Sturm count {self.sturm_count}" if self.sturm_count is not None else "not counted"
         computed = f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s"
-        return "\n".join([*table_lines(self.COLUMNS, self.records()), computed])
+        rows = self.records()
+        shown = tuple(column for column in self.COLUMNS if any(row.get(column.name) is not None for row in rows))
+        return "\n".join([*table_lines(shown or self.COLUMNS, rows), computed])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)

@@ -13,6 +13,7 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.field.survey.stray import LARGEST
 from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.geometry.chart_checks import real
 from casingfem.structure.geometry.revolved import RevolvedPanel, chart_lines
@@ -105,7 +106,7 @@ SHEAR = (0.5, 1.0, 10.0)  # 5/6 and its kin up to 1; above 10 it means the limit
 TWIST = np.pi  # rad: more is probably in degrees
 SOFT = 1e-9  # springs per length over E: a casing on softer ones swings below a hertz
 NEARLY_CLOSED = 0.99  # of a full turn
-DEFECT = {"radius": 0.1}  # relative; others 1: a wall half or twice as thick is a law, not an imperfection
+DEFECT = LARGEST  # relative; others 1: a wall half or twice as thick is a law, not an imperfection
 
 Concern = tuple[str, str]  # code, message
 

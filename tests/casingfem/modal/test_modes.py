@@ -227,7 +227,8 @@ def test_open_shell_has_no_diameters(steel):
     assert found.splits.shape == (0,)
     assert found.rings is None
     assert found.records()[0]["n_purity"] is None
-    assert " - " in repr(found)
+    head = repr(found).splitlines()[0]  # without the columns that are empty for every mode
+    assert head.split() == ["mode", "freq", "[Hz]", "m"]
 
 
 def test_cantilever_strip_bends_as_a_beam_does(steel):

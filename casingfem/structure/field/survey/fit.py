@@ -32,6 +32,7 @@ class SurveyFit(NamedTuple):
     heights: int
     stray: BoolArray | None = None  # points that a plain fit took in and that contradict all others
     without: FourierField | None = None  # the fit without them
+    apart: FloatArray | None = None  # deviation of each point from that fit, relative to its mean
 
 
 def resolved_harmonic(gap_deg: float) -> int:
@@ -85,7 +86,8 @@ def fit_points(
         stray = stray_points(design, whole.residual)
         if not stray.any() or not _Problem(points.at(~stray), heights, n, d).determined(margin=False):
             return whole
-        return whole._replace(stray=stray, without=problem.solved((~stray).astype(float))[0])
+        without, _, apart = problem.solved((~stray).astype(float))
+        return whole._replace(stray=stray, without=without, apart=apart)
     weights = robust_weights(design, whole.residual)
     kept = weights > 0.0
     if np.mean(kept) < _LEAST_KEPT:

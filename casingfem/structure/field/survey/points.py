@@ -43,6 +43,7 @@ class SurveyPoints:
     quantity: Quantity = "radius"
     path: str = "survey"
     card: tuple[str, ...] = field(default=())
+    lines: IntArray | None = None  # of each point in its file
 
     def __post_init__(self) -> None:
         arrays = {name: np.array(getattr(self, name), float) for name in ("theta", "z", "value")}
@@ -62,7 +63,8 @@ class SurveyPoints:
 
     def at(self, kept: BoolArray) -> SurveyPoints:
         """Some of the points, by a mask (points,)."""
-        return replace(self, theta=self.theta[kept], z=self.z[kept], value=self.value[kept])
+        lines = None if self.lines is None else self.lines[kept]
+        return replace(self, theta=self.theta[kept], z=self.z[kept], value=self.value[kept], lines=lines)
 
     def rings(self) -> IntArray:
         """Number the heights from the lowest: points within half a millimetre share a ring; (points,)."""
@@ -152,7 +154,8 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     _check_height_unit(table, z_name, z, float(np.median(value)), quantity)
     if rest := [table.written.get(name, name) for name in table.header if name not in taken | {value_name}]:
         warn("survey-columns", f"{table.path}: found columns that are not read: {', '.join(rest)}", stacklevel=4)
-    return SurveyPoints(theta=theta, z=z, value=value, quantity=quantity, path=table.path, card=table.card)
+    return SurveyPoints(theta=theta, z=z, value=value, quantity=quantity, path=table.path, card=table.card,
+                        lines=table.lines)  # fmt: skip
 
 
 def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, str]:

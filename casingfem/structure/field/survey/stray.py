@@ -9,7 +9,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.special import stdtr, stdtrit
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
+from casingfem.io.together import together
 from casingfem.structure.field.survey.points import SurveyPoints
 
 HUBER = 0.05  # in standard deviations: nearly the loss |r|, which a third of outliers cannot shift
@@ -17,6 +19,8 @@ BISQUARE = 4.685  # in standard deviations: 95 % efficient on Gaussian noise
 NORMAL = 1.4826  # standard deviation over median absolute deviation, Gaussian
 EXACT = 1e-12  # relative: residuals below this are round-off
 HUBER_STEPS, MOST_STEPS = 30, 90
+LARGEST: dict[str, float] = {"radius": 0.1, "thickness": 1.0}
+"""Largest relative deviation of an imperfection; a larger one is another design, which belongs in the chart."""
 
 
 def least_squares(design: FloatArray, values: FloatArray, weights: FloatArray | None = None) -> FloatArray:
@@ -96,6 +100,36 @@ def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
         if candidates.sum() <= len(residual) - design.shape[1] - FREE:  # of more, none can be judged
             return significant(design, residual, candidates)
     return stray
+
+
+def refuse_impossible(points: SurveyPoints, relative: FloatArray, stray: BoolArray) -> None:
+    """Refuse outliers that no imperfection explains: a mistyped or misplaced number bends the fit of the whole casing.
+
+    `relative` is the deviation of each point from the surface through the points that are not `stray`, (points,).
+
+    Raises
+    ------
+    InputError
+        With the line and place of each such point.
+    """
+    most = LARGEST[points.quantity]
+    wrong = np.flatnonzero(stray & (np.abs(relative) > most)).tolist()
+    if not wrong:
+        return
+    expected = f"at most {100.0 * most:.0f} % of an imperfection: correct the point, or leave it out by robust = true"
+    raise together(
+        [
+            InputError(
+                points.path,
+                line=None if points.lines is None else int(points.lines[k]),
+                where=f"point {k + 1}" if points.lines is None else "",
+                found=f"a {points.quantity} of {points.value[k]:.4g} m at theta {np.degrees(points.theta[k]):.4g} deg, "
+                f"z {points.z[k]:.4g} m, {100.0 * relative[k]:+.3g} % from the surface through the other points",
+                expected=expected,
+            )
+            for k in wrong
+        ]
+    )
 
 
 def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArray:

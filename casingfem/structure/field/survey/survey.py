@@ -18,7 +18,7 @@ from casingfem.structure.field.reach import Outside, Reach
 from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric, refuse_outside
 from casingfem.structure.field.survey.fit import SurveyFit, fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
-from casingfem.structure.field.survey.stray import passes_words, pure_error
+from casingfem.structure.field.survey.stray import passes_words, pure_error, refuse_impossible
 
 WORDS: dict[Outside, str] = {
     "fit": "the fitted polynomial continues",
@@ -120,7 +120,8 @@ class SurveyField(SeriesBehind):
         ------
         InputError
             The table is malformed or implausible, the circle is not covered for the requested n_max, or there are too
-            few points.
+            few points. Without `robust`: a point lies further from the surface through the others than an imperfection
+            can, a tenth of the radius or the whole thickness.
         """
         survey = cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust, centred=centred)
         return survey.bounded(outside)
@@ -169,6 +170,8 @@ class SurveyField(SeriesBehind):
             refuse_outside(points)
         points = points if placed is None else placed(points)
         fit = fit_points(points, n_max, degree, robust)
+        if fit.stray is not None and fit.apart is not None:
+            refuse_impossible(points, fit.apart, fit.stray)
         none, name = np.zeros(len(points), bool), Path(points.path).name
         table = np.column_stack([np.degrees(points.theta), points.z, fit.residual])
         stray = (~fit.kept, none if fit.stray is None else fit.stray)

@@ -387,3 +387,26 @@ def test_fits_beyond_the_points_are_refused():
         cf.SurveyField.from_points(theta, z[:-1], z)
     with pytest.raises(cf.errors.InputError, match="value = nan"):
         cf.SurveyField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
+
+
+@pytest.mark.parametrize(("part", "refused"), [(1.6, True), (0.42, True), (1.05, False)])
+def test_a_point_that_no_imperfection_explains_is_an_error_with_its_line_unless_the_fit_is_robust(
+    part, refused, tmp_path
+):
+    """A radius of 0.5 m in noise of 20 um; one point is off by more than a tenth of it, or by less."""
+    rng = np.random.default_rng(11)
+    theta, z = np.tile(np.arange(0.0, 360.0, 5.0), 3), np.repeat([0.02, 0.12, 0.22], 72)
+    radius = 0.5 + rng.normal(0.0, 2e-5, theta.size)
+    radius[100] *= part
+    path = tmp_path / "stray.csv"
+    rows = (f"{a},{b},{c!r}\n" for a, b, c in zip(theta, z, radius.tolist(), strict=True))
+    path.write_text("# a survey\ntheta_deg,z_m,radius_m\n" + "".join(rows), encoding="utf-8")
+    if refused:
+        found = rf"line 103: found a radius of {radius[100]:.4g} m at theta 140 deg.* {100 * (part - 1):+.3g} % from"
+        with pytest.raises(cf.errors.InputError, match=found.replace("+", r"\+")):
+            cf.SurveyField.from_csv(path, n_max=8)
+    else:
+        with pytest.warns(cf.errors.ModelWarning, match="survey-stray"):
+            cf.SurveyField.from_csv(path, n_max=8)
+    with pytest.warns(cf.errors.ModelWarning, match="survey-outliers"):
+        assert cf.SurveyField.from_csv(path, n_max=8, robust=True).residual_max < 2e-4
