@@ -206,6 +206,8 @@ def excited(order: int, blades: int) -> int:
 def whitehead(blades: int) -> float:
     """Whitehead's bound (1 + sqrt(N))/2 for the amplification of a mistuned wheel (J. Mech. Eng. Sci. 8, 1966, 15).
 
+    It holds for small deviations: a soft blade moves further by itself.
+
     >>> whitehead(25)
     3.0
     """
