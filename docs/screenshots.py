@@ -32,11 +32,15 @@ PAGES = {
     "sweep": (("sweep", "scenes/two_rods_sweep.toml", "--jobs", "1"), "sweep.html"),
     "cycles": (("cycles", "scenes/cycles/bouncing_ball.toml"), "cycles.html"),
     "identification": (("identify", "test/frfs.uff"), "identified.html"),
+    "chance": (("chance", "scenes/chance/scene.toml"), "chance.html"),
     "speeds_tutorial": (("beside", ""), "tutorial.html"),
     "speeds_rotor37": (("beside", ""), "rotor_37.html"),
     "speeds_titanium": (("beside", ""), "track_inside.html"),
 }
-FIRST = {"identification": (("rig", "studies/rig_test.toml", "test"),)}
+FIRST = {
+    "identification": (("rig", "studies/rig_test.toml", "test"),),
+    "chance": tuple(("reduce", f"scenes/chance/{part}.toml", "scenes/chance") for part in ("casing", "blade")),
+}
 COLOURS = 128  # of a picture: files of some ten kilobytes
 
 
@@ -83,10 +87,10 @@ def few_colours(png: bytes) -> bytes:
 def main() -> None:
     """Write the pictures of these pages, of all if none is named."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", choices=[[], *PAGES], default=list(PAGES))
+    parser.add_argument("names", nargs="*", choices=[[], *PAGES])
     parser.add_argument("--made", type=Path, help="folder of pages that are there already")
     given = parser.parse_args()
-    names, made = given.names, given.made
+    names, made = given.names or list(PAGES), given.made
     HERE.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         data = Path(shutil.copytree(DATA, Path(folder) / "data"))

@@ -186,20 +186,20 @@ class Chance(Reported):
 
 
 def largest_effect(name: str, rows: Sequence[Importance]) -> str:
-    """The input with the largest effect on a result, unless the intervals of its index and another's overlap.
+    """The input with the largest effect on a result, and the others whose intervals overlap with its own.
 
     >>> from dataclasses import replace
     >>> rows = [Importance("a", 0.5, 0.4, 0.6, 0.8, 0.7, 0.9), Importance("b", 0.1, 0.0, 0.2, 0.3, 0.2, 0.4)]
     >>> largest_effect("largest split", rows)
     'Largest split: a has the largest effect (total Sobol index 0.80, 95 %: 0.70 to 0.90).'
     >>> largest_effect("largest split", [replace(rows[0], total_low=0.3), rows[1]])
-    'Largest split: the inputs cannot be ranked, the intervals of a and b overlap: raise chance.importance.'
+    'Largest split: a and b have the largest effects. Their intervals overlap; more chance.importance narrows them.'
     """
     most, *others = sorted(rows, key=lambda row: -row.total)
     equal = [row.group for row in others if row.total_high >= most.total_low]
     if equal:
         names = " and ".join(filter(None, [", ".join([most.group, *equal[:-1]]), equal[-1]]))
-        words = f"the inputs cannot be ranked, the intervals of {names} overlap: raise chance.importance"
+        words = f"{names} have the largest effects. Their intervals overlap; more chance.importance narrows them"
     else:
         interval = f"95 %: {most.total_low:.2f} to {most.total_high:.2f}"
         words = f"{most.group} has the largest effect (total Sobol index {most.total:.2f}, {interval})"

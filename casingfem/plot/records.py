@@ -1,5 +1,7 @@
 """Pictures of records: force and responses of a hit with their windows, estimated responses, coherence."""
 
+from typing import Any, cast
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -59,7 +61,7 @@ def figure_estimate(found: Estimate) -> Figure:
 def figure_peaks(found: Estimate) -> Figure:
     """Peak and remaining ringing of every hit; crosses for those that were left out."""
     figure = new_figure(9.6, 2.6)
-    peak, left = figure.subplots(1, 2)
+    peak, left = (cast("Any", axes) for axes in figure.subplots(1, 2))
     for used, style, label in ((True, "o", "used"), (False, "x", "left out")):
         chosen = [(k + 1, hit) for k, hit in enumerate(found.hits) if (not hit.fault) == used]
         if chosen:
@@ -67,7 +69,10 @@ def figure_peaks(found: Estimate) -> Figure:
             colour = BEFORE if used else AFTER
             peak.plot(numbers, [abs(hit.peak) for _, hit in chosen], style, color=colour, label=label)
             left.plot(numbers, [100.0 * hit.left for _, hit in chosen], style, color=colour, label=label)
-    peak.set(xlabel="number of the hit", ylabel="peak of the force [N]", ylim=(0.0, None))
-    left.set(xlabel="number of the hit", ylabel="vibration left at the end [%]", ylim=(0.0, None))
+    peak.set(xlabel="number of the hit", ylabel="peak of the force [N]")
+    left.set(xlabel="number of the hit", ylabel="vibration left at the end [%]")
+    for axes in (peak, left):
+        axes.set_ylim(0.0, 1.1 * axes.get_ylim()[1])
+        axes.xaxis.get_major_locator().set_params(integer=True)
     figure.legend(*peak.get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure

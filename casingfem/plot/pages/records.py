@@ -9,7 +9,7 @@ from casingfem.plot.style import Drawn
 
 CAPTIONS = {
     "hit": "Left: the force of the first hit that was used, with its window. Right: size of the responses, each over"
-    " its peak, with the exponential window.",
+    " its peak, with their window.",
     "frfs": "Responses of all channels, and below them the lowest coherence of all channels at each line.",
     "hits": "Peak of the force of every hit, and the vibration that remains at the end of its record; crosses mark "
     "hits that were excluded.",
@@ -38,7 +38,7 @@ def records_verdict(found: Estimate) -> Verdict:
     low, high = found.frfs.x[[0, -1]].tolist()
     step = float(found.frfs.x[1] - found.frfs.x[0]) if len(found.frfs.x) > 1 else low
     count = len(found.frfs)
-    first = f"{count} response{'s' * (count > 1)} from {low:.4g} to {high:.4g} Hz, lines {step:.3g} Hz apart."
+    first = f"{count} response{'s' * (count > 1)} from {low:.4g} to {high:.5g} Hz, lines {step:.3g} Hz apart."
     if found.hits:
         sure = f"{len(found.kept)} of {len(found.hits)} hits are used, {found.averages} at each point. "
     else:

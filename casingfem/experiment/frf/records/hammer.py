@@ -160,7 +160,7 @@ def _weak(shown: Shown, fs: float, lines: FloatArray) -> Iterator[str]:
     weak = x[(force < WEAK * force.max()) & (x >= lines[0]) & (x <= lines[-1])]
     if len(weak):
         yield (
-            f"above {weak[0]:.4g} Hz the hammer gives less than {100.0 * WEAK:g} % of its largest force spectrum:"
+            f"above {weak[0]:.5g} Hz the hammer gives less than {100.0 * WEAK:g} % of its largest force spectrum:"
             " use a harder tip for these lines"
         )
 
