@@ -187,7 +187,8 @@ def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple
     else:
         found = [(n, m + 1, float(f)) for n, freq in casing.items() if n >= 1 for m, f in enumerate(sorted(freq))]
     if not found or min(freq for _, _, freq in found) <= 0.0:
-        raise ModelError("interaction-casing", f"interactions: found {len(found)} pairs of at least one nodal diameter")
+        expected = "expected frequencies above 0 Hz for at least one mode of n = 1 or more nodal diameters"
+        raise ModelError("interaction-casing", f"interactions: found {len(found)} such modes of the casing, {expected}")
     return tuple(found)
 
 
