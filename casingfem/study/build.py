@@ -47,7 +47,7 @@ NOISE = 4.0  # standard deviations: amplitudes of a survey below are left out of
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     """The shell of a study, or None with the collected reasons: first of each part, then of the whole."""
     if tables.cyclic is not None:
-        problems.add("cyclic", "it beside [chart]", "an imported mesh: the sector of a wheel", "study-key")
+        problems.add("cyclic", "[cyclic] and [chart]", "[cyclic] with an imported mesh, one sector", "study-key")
     chart = try_chart(tables, problems)
     material = problems.made("material", Material, tables.material)
     supports = build_supports(tables.support, chart, problems)
@@ -60,7 +60,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     surveys = [table.of for table in tables.imperfection if table.survey is not None]
     for of in {of for of in surveys if surveys.count(of) > 1}:
         found = f"{surveys.count(of)} surveys of the {of}"
-        problems.add("imperfection", found, "one: what both measured would count twice", "survey-twice")
+        problems.add("imperfection", found, "one, because the deviation would be counted twice", "survey-twice")
     for k, table in enumerate(tables.imperfection):
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
         if field is not None:
@@ -90,7 +90,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         shell.geometry(*(np.array([ends[0]]) for ends in chart.bounds))
     if not problems:
         if not supports:
-            warn("shell-free", f"{problems.file}: no [support.EDGE]")
+            warn("shell-free", f"{problems.file}: found no table [support.EDGE]")
         with problems.at("mesh"):
             return replace(shell, mesh=build_mesh(tables.mesh, shell.mesh))
     return None

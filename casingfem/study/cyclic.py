@@ -52,9 +52,10 @@ def build_wheel(tables: StudyFile, structure: Solid | MeshShell | None, problems
     if table is None:
         return None
     if tables.update is not None:
-        problems.add("update", "an update beside [cyclic]", "a study of the sector alone", "study-key")
+        problems.add("update", "[update] and [cyclic]", "a study of the sector alone, without [cyclic]", "study-key")
     if table.coriolis and tables.rotation is None:
-        problems.add("cyclic.coriolis", "true at rest", "a table [rotation]: speed_hz, axis, point", "study-missing")
+        expected = "a table [rotation]: speed_hz, axis, point"
+        problems.add("cyclic.coriolis", "true for a wheel at rest", expected, "study-missing")
     if structure is None:
         return None
     with problems.at("cyclic"):
@@ -102,7 +103,7 @@ def read_deviations(path: Path) -> FloatArray:
     order = np.argsort(blades)
     if not np.array_equal(blades[order], np.arange(1, len(blades) + 1)):
         found = f"blades {', '.join(map(str, blades[order][:5]))}, ..."
-        raise InputError(str(path), found=found, expected=f"each of 1 to {len(blades)} once")
+        raise InputError(str(path), found=found, expected=f"each blade from 1 to {len(blades)} once")
     return np.asarray(deviations[order])
 
 
@@ -116,7 +117,8 @@ def build_rotation(table: RotationTable | None, chart: Chart | None, problems: P
     point = table.centre or table.point
     on_hub = table.hub_radius is not None or table.stagger_deg != 0.0
     if on_hub and (table.axis is not None or point is not None):
-        problems.add("rotation", "hub_radius or stagger_deg beside axis, centre or point", "one way to place the axis")
+        found = "hub_radius or stagger_deg, and axis, centre or point"
+        problems.add("rotation", found, "one of these two ways to place the axis")
         return None
     if not on_hub and table.axis is None and not chart.periodic:
         problems.add("rotation", "neither hub_radius nor axis on an open chart", "hub_radius, or axis and centre")

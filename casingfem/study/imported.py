@@ -81,7 +81,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
             expected = f"no [{name}] beside an imported mesh"
             problems.add(name, "a table for shells on a chart", expected, "structure-chart")
     if "solid" in data and "shell" in data:
-        problems.add("shell", "it beside [solid]", "one of the two")
+        problems.add("shell", "[shell] and [solid]", "one of the two")
     material = problems.made("material", Material, tables.material)
     supports = build_supports(tables.support, problems)
     rotation = build_mesh_rotation(tables.rotation, problems)
@@ -123,7 +123,7 @@ def mesh_interface(
     if table.at is not None:
         for key in ("nodes", *rim):
             if key in table.model_fields_set:
-                problems.add(f"reduce.{key}", "it beside at", "the nodes alone", "study-key")
+                problems.add(f"reduce.{key}", f"{key} and at", "at alone", "study-key")
         return AtNodes(tuple(table.at))
     edge = table.interface or ""
     if structure is not None:
@@ -132,7 +132,7 @@ def mesh_interface(
     if table.nodes is not None:
         axis = None if table.axis is None else axis_vector(table.axis)
         if axis is None and table.point is not None:
-            problems.add("reduce.point", "it without axis", "an axis through it", "study-key")
+            problems.add("reduce.point", "a point without axis", "an axis through this point", "study-key")
         return TipNodes(edge, table.nodes, axis=axis, point=vector(table.point))
     if rim:
         n_max = 40 if table.n_max is None else table.n_max

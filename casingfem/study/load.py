@@ -127,7 +127,8 @@ def load_study(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
         seen = mesh_interface(tables.reduce, structure, problems)
         whole = build_wheel(tables, structure, problems)
         if tables.cyclic is not None and not wheel:
-            problems.add("cyclic", "a wheel", "a study without it: this command takes a part alone", "study-key")
+            expected = "a study without it, as this command computes a single part"
+            problems.add("cyclic", "a table [cyclic]", expected, "study-key")
         add_implausible(tables, structure, problems)
         if problems or structure is None or not isinstance(begun, Solid | MeshShell):
             raise StudyError(problems)
@@ -194,7 +195,7 @@ def load_update(
     if tables.update is None:
         return None, (), shell
     if tables.rotation is not None:
-        problems.add("update", "an update beside [rotation]", "a test at rest; give the fitted part its speed later")
+        problems.add("update", "[update] and [rotation]", "a test at rest; add [rotation] after the update")
     table = None
     with problems.at("update.table"):
         table = FrequencyTable.from_csv(problems.file.parent / tables.update.table, sigma=tables.update.sigma)

@@ -151,8 +151,8 @@ def run_reduce(study: Study | MeshStudy, shell: Shell | MeshStructure | None = N
     if wheel is not None:
         for key in ("method", "output"):
             if key in tables.model_fields_set:
-                expected = "no such key: a wheel has free modes, no outputs"
-                raise study.error(f"reduce.{key}", "it beside [cyclic]", expected)
+                expected = "no such key, as a wheel is reduced with free modes and without outputs"
+                raise study.error(f"reduce.{key}", f"{key} and [cyclic]", expected)
     try:
         if wheel is not None:
             basis = cyclic_reduce(

@@ -435,7 +435,7 @@ def test_what_a_command_needs_and_the_study_lacks(study):
     free = STUDY[: STUDY.index("[support")] + STUDY[STUDY.index("[modes]") :]
     study.write_text(free.replace("count = 6", "count = 8\nelastic_only = true"))
     refused(study, "modes.elastic_only: found true, and 6 rigid modes")
-    refused(study, "reduce: an unsupported structure has rigid motions", "reduce")
+    refused(study, "reduce: found a structure without supports", "reduce")
     refused(study, "update: found nothing, expected a table [update]", "update")
     study.write_text(STUDY.replace("n_max = 6", "n_max = 60"))
     refused(study, "reduce: rim.n_max must lie between 1 and", "reduce")

@@ -55,7 +55,7 @@ def told(tmp_path):
         (CASING.replace('"frustum"', '"cone"'), "chart.kind: found 'cone', expected one of .*frustum"),
         (CASING.replace("[material]", "material = 3\n[m]"), "material: found 3, expected a table"),
         (CASING.replace("thickness = 3.0e-3", "thickness = 0.0"), "thickness: found 0.0, expected greater than 0"),
-        (CASING + "[cyclic]\nsectors = 4\n", r"cyclic: found it beside \[chart\]"),
+        (CASING + "[cyclic]\nsectors = 4\n", r"cyclic: found \[cyclic\] and \[chart\]"),
         (CASING + UPDATE + PARAMETER, "found material.E again, expected each parameter once"),
         (CASING + UPDATE + "start = 4e11\n", r"found the start 4e\+11, expected it within \[1e\+11, 3e\+11\]"),
         (CASING + UPDATE.replace("table.csv", "none.csv"), "none.csv"),
@@ -67,7 +67,7 @@ def told(tmp_path):
         (SOLID + "[rotation]\nspeed_hz = 1.0\nhub_radius = 0.1\n", "rotation.hub_radius: found it on an imported mesh"),
         (SOLID.replace('kind = "clamped"', 'kind = "bolts"\ncount = 3\nk = 1.0'), "support.root.kind: found 'bolts'"),
         (SOLID.replace('"clamped"', '"elastic"\nk_r = 1.0'), "support.root: found k_r, expected k_face alone"),
-        (SOLID + '[reduce]\nat = [1]\nmodes = 2\nnodes = 3\n', "reduce.nodes: found it beside at"),
+        (SOLID + '[reduce]\nat = [1]\nmodes = 2\nnodes = 3\n', "reduce.nodes: found nodes and at"),
         (SOLID + REDUCE.replace("top", "tip") + "lines = [0.1]\n", "reduce.lines"),
     ],
 )  # fmt: skip
@@ -106,7 +106,7 @@ def test_a_file_that_is_no_study_has_its_code(tmp_path):
 
 
 def test_a_shell_on_no_support_is_doubted_and_a_ring_of_rods_is_taken(tmp_path):
-    with pytest.warns(cf.errors.ModelWarning, match=r"no \[support.EDGE\].*shell-free"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"found no table \[support.EDGE\].*shell-free"):
         cf.load_study(written(tmp_path, THIN))
     ring = CASING + '[support.top]\nkind = "ring"\ndiameter = 0.02\n'
     ring += "[[stiffener]]\nat = 0.1\noffset = [0.01, 0.0]\ndiameter = 0.03\n"

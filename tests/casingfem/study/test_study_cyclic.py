@@ -120,11 +120,11 @@ def test_a_band_of_a_mistuned_or_a_whirling_wheel_is_refused(write, old, new):
     [
         ("sectors = 6", "sectors = 1", "cyclic.sectors: found 1"),
         ("sectors = 6", "sectors = 6\nsector = 3", "cyclic.sector: found an unknown key"),
-        ("sectors = 6", "sectors = 5", "cyclic: disk.inp: turned by 72 degrees"),
-        ("sectors = 6", "sectors = 6\ncoriolis = true", "cyclic.coriolis: found true at rest"),
+        ("sectors = 6", "sectors = 5", "cyclic: disk.inp: rotated by 72 degrees"),
+        ("sectors = 6", "sectors = 6\ncoriolis = true", "cyclic.coriolis: found true for a wheel at rest"),
         ("sectors = 6", "sectors = 6\nnodal_diameters = [4]", r"nodal_diameters: found [4], expected some of 0 to 3"),
         ("sectors = 6", 'sectors = 6\nfaces = ["low"]', "cyclic.faces: found ['low']"),
-        ("sectors = 6", 'sectors = 6\nfaces = ["low", "tip"]', "faces 30 degrees apart"),
+        ("sectors = 6", 'sectors = 6\nfaces = ["low", "tip"]', "found an angle of 30 degrees between the faces"),
         ('mistuning = "blades.csv"', "mistuning = [0.1]", "cyclic.mistuning: found 1 values, expected 6"),
         ('mistuning = "blades.csv"', 'mistuning = "none.csv"', "none.csv"),
         ('mistuning = "blades.csv"\n', "", "found blade without mistuning"),
@@ -141,7 +141,7 @@ def test_bad_wheels_are_named_by_key(write, old, new, words):
     ("table", "words"),
     [
         ("blade,freq\n1,0.1\n", "line 1: found blade,freq; expected blade,deviation"),
-        (TABLE.replace("5,0.02", "4,0.02"), "expected each of 1 to 6 once"),
+        (TABLE.replace("5,0.02", "4,0.02"), "expected each blade from 1 to 6 once"),
         (TABLE.replace("0.02", "two"), "line 4, column 'deviation': found 'two'"),
     ],
 )
@@ -200,9 +200,9 @@ def test_engine_orders_of_a_file_are_those_of_python(write, disk, tmp_path):
     ("old", "new", "words"),
     [
         ("[modes]", "[modes]", r"response: found none, expected a table \[\[response\]\]"),
-        ("[modes]", RESPONSE.replace("to_hz = 800.0", "to_hz = 80.0") + "[modes]", "two speeds in order"),
+        ("[modes]", RESPONSE.replace("to_hz = 800.0", "to_hz = 80.0") + "[modes]", "0 < from_hz < to_hz"),
         ("[modes]", RESPONSE.replace("zeta = 0.005\n", "").replace('influence = "air.csv"\n', "") + "[modes]",
-         "nothing damps"),
+         "a wheel without damping"),
         ("[modes]", RESPONSE.replace("order = 5", "order = 0") + "[modes]", "response.*order"),
         ("[modes]", RESPONSE.replace("force", 'channel = "twist"\nforce') + "[modes]", "found 'twist'"),
         ("[modes]", RESPONSE.replace("air.csv", "wind.csv") + "[modes]", "wind.csv"),

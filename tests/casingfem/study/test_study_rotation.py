@@ -62,7 +62,7 @@ def test_the_angles_of_a_dome_stay_within_one_turn(tmp_path):
     ("change", "message"),
     [
         ((HUB, ""), "rotation: found neither hub_radius nor axis"),
-        (("hub_radius = 0.3", 'axis = "x"'), "rotation: found hub_radius or stagger_deg beside"),
+        (("hub_radius = 0.3", 'axis = "x"'), "rotation: found hub_radius or stagger_deg, and axis"),
         (("speed_hz = 100.0", "speed_hz = -1.0"), "rotation.speed_hz"),
         ((HUB, "axis = [0.0, 0.0, 0.0]\n"), "rotation-axis"),
         ((HUB, 'axis = "w"\n'), "rotation.axis"),

@@ -266,7 +266,9 @@ def test_modes_beyond_the_surveys_resolution_are_doubted(frustum):
     survey = cf.SurveyField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
     assert survey.n_resolved == 11
     for field in (survey, survey.fit + RandomlyNothing() + survey):
-        with pytest.warns(cf.errors.ModelWarning, match=r"modes to n = .* resolves 11.*field-resolution") as caught:
+        with pytest.warns(
+            cf.errors.ModelWarning, match=r"pairs up to n = .* resolves harmonics up to 11.*field-resolution"
+        ) as caught:
             cf.modes(frustum(mesh=mesh, radius_defect=field), 6)
         assert len(caught) == 1
     cf.modes(frustum(mesh=mesh, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say

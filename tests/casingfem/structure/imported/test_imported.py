@@ -103,7 +103,7 @@ BAD = {
     "reduce group": (SOLID + '[reduce]\ninterface = "tpo"\n', "reduce.interface: .*no group 'tpo' .did you mean 'top'"),
     "reduce nothing": (SOLID + "[reduce]\nmodes = 3\n", "reduce: found none of interface, lines and at, expected one"),
     "reduce two": (SOLID + '[reduce]\ninterface = "top"\nat = [3]\n', "reduce: found interface and at, expected one"),
-    "reduce at pieces": (SOLID + "[reduce]\nat = [3]\nnodes = 2\n", "reduce.nodes: found it beside at"),
+    "reduce at pieces": (SOLID + "[reduce]\nat = [3]\nnodes = 2\n", "reduce.nodes: found nodes and at"),
     "reduce lines": (SOLID + '[reduce]\ninterface = "top"\nlines = [0.1]\n', "reduce.lines: .*no such key here"),
     "rim in pieces": (SOLID + '[reduce]\ninterface = "top"\nnodes = 2\nn_max = 3\n', "reduce.n_max: found 3"),
     "shell beside": (SOLID + "[shell]\nthickness = 0.01\n", "shell: found it beside"),

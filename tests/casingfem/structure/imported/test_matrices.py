@@ -482,7 +482,7 @@ def test_a_shell_on_a_chart_as_matrices():
         chart=cf.Cylinder(radius=0.5, height=0.2), thickness=0.01, material=STEEL,
         supports={"base": cf.Clamped(), "top": cf.ShearDiaphragm()}, mesh=cf.ShellMesh(order=4, rows=1, around=7),
     )  # fmt: skip
-    with pytest.raises(cf.errors.ModelError, match="an edge fixed in its own frame"):
+    with pytest.raises(cf.errors.ModelError, match="an edge that is fixed along its own directions"):
         cf.modal.structure_matrices(ringed)
 
 
@@ -498,9 +498,7 @@ def test_what_ties_nodes_to_others_has_no_matrices_of_its_nodes():
     tied = replace(
         MESH, attachments=cf.imported.Attachments(rigids=(cf.imported.Rigid(reference=int(tip[0]), nodes=tip[1:]),))
     )
-    with pytest.raises(
-        cf.errors.ModelError, match=r"matrices: found connections in grid, which tie nodes.*matrix-size"
-    ):
+    with pytest.raises(cf.errors.ModelError, match=r"matrices: found connections between nodes in grid.*matrix-size"):
         cf.modal.structure_matrices(replace(BLADE, mesh=tied))
 
 
@@ -508,7 +506,7 @@ def test_bases_whose_channels_hang_together_are_refused():
     basis = cf.reduce(BLADE, cf.modal.AtNodes(NODES), modes=5)
     with pytest.raises(cf.errors.ModelError, match="a singular S"):
         cf.modal.basis_matrices(replace(basis, S=np.ones_like(basis.S) * 1e-9))
-    with pytest.raises(cf.errors.ModelError, match="6 channels that 5 modes do not move"):
+    with pytest.raises(cf.errors.ModelError, match="6 channels whose motions in 5 modes"):
         cf.modal.basis_matrices(replace(basis, S=np.zeros_like(basis.S)))
 
 

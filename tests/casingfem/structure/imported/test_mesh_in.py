@@ -238,7 +238,7 @@ BROKEN = {
     "node.inp": (INP.replace(" 10, 0., 0.", " 1.5, 0., 0."), "line 5: found the node 1.5, expected a whole number"),
     "range.inp": (INP.replace("10, 30, 10", "10, 1000000000000"), "999999999991 numbers, more than the file can"),
     "step.inp": (INP.replace("10, 30, 10", "10, 30, 0"), "expected first, last, step"),
-    "last.inp": (INP[: INP.index("*Surface") - 2], "the last line, 'bod', has no end: cut short?"),
+    "last.inp": (INP[: INP.index("*Surface") - 2], "found no line break after the last line, 'bod': cut short?"),
     "no element.inp": (INP[: INP.index(" 7, 10")], "found 4 nodes and no elements"),
     "no node.inp": ("*NODE\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n", "found 0 nodes and no elements"),
     "name.inp": (
@@ -256,7 +256,7 @@ BROKEN = {
     ),
     "digits.bdf": (BDF.replace("GRID,3,", f"GRID,{10**20},"), "expected a number of at most eight digits"),
     "nan.bdf": (BDF.replace("2.0D0", "nan"), "found 'nan', expected a real number"),
-    "last.bdf": (BDF[: BDF.index("MAT1") - 1], "the last line, .* has no end: cut short?"),
+    "last.bdf": (BDF[: BDF.index("MAT1") - 1], "found no line break after the last line, .*: cut short?"),
     "lines.msh": (ELEMENTS.format("2\n1 1 2 1 1 3 9\n2 1 2 1 1 9 4"), "lines.msh: found 2 line: .*mesh-no-cells"),
     "nothing.msh": (ELEMENTS.format(0), "nothing.msh: found no cells: .*mesh-no-cells"),
     "number.msh": (GMSH_TWICE.replace("\n4 0 ", "\n1600000000 0 "), "the number 1600000000 in a file of .* bytes"),

@@ -111,7 +111,9 @@ def test_a_last_number_that_may_lack_digits_is_warned_of(case, tmp_path):
 @pytest.mark.parametrize("case", CUT)
 def test_a_last_line_that_may_lack_a_part_is_refused(case, tmp_path):
     ending, text = CUT[case]
-    with pytest.raises(cf.errors.ModelError, match=rf"a\.{ending}: the last line, .* has no end: cut short\?"):
+    with pytest.raises(
+        cf.errors.ModelError, match=rf"a\.{ending}: found no line break after the last line, .*: cut short\?"
+    ):
         read(tmp_path / f"a.{ending}", text)
 
 
