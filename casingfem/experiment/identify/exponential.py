@@ -50,7 +50,7 @@ def _without(mode: Mode, tau: float, rules: Thresholds) -> Mode:
     omega = 2.0 * np.pi * mode.freq
     decay, damped = mode.zeta * omega - 1.0 / tau, omega * np.sqrt(1.0 - mode.zeta**2)
     own = float(np.hypot(decay, damped))
-    added = f"its damping is within the {100.0 / (tau * omega):.2g} % that the exponential window adds: check tau"
+    added = f"its damping does not exceed the {100.0 / (tau * omega):.2g} % that the exponential window adds: check tau"
     unclear = decay / omega < rules.above_zero * mode.sigma_zeta
     reason = "; ".join(part for part in (mode.reason, added if unclear else "") if part)
     return replace(mode, freq=own / (2.0 * np.pi), zeta=max(decay, 0.0) / own, reason=reason)

@@ -158,7 +158,7 @@ def _of_records(records: FrfSet, refused: Mapping[str, object], **options: Any) 
     given = [name for name, value in refused.items() if value is not None]
     if given:
         found = f"{', '.join(given)} with time records"
-        raise InputError(records.path, found=found, expected="frequency responses for these options")
+        raise InputError(records.path, found=found, expected="frequency responses with these options")
     return identify_output_only(records, **options)
 
 
@@ -225,10 +225,10 @@ def _empty(modes: list[Mode], rules: Thresholds) -> tuple[str, ...]:
 def _test_notes(data: Responses, rules: Thresholds) -> tuple[str, ...]:
     """Notes on the record: whether it ends before the ringing has decayed, and leakage."""
     ended = (
-        f"the records end {data.end:.3g} s after the hit, when {100.0 * data.left:.0f} % of the ringing is left; the"
-        " fit includes this end. Measure longer, or use an exponential window and give its time constant"
+        f"the records end {data.end:.3g} s after the hit, where {100.0 * data.left:.0f} % of the vibration remains; the"
+        " fit includes this effect. Measure longer, or use an exponential window and give its time constant"
     )
-    leaked = "peaks are widened as by a Hann window; the fit includes this"
+    leaked = "peaks are as wide as with the leakage of a Hann window; the fit includes this effect"
     return (*([ended] if data.left > rules.ended else []), *([leaked] if data.leak else []))
 
 

@@ -179,7 +179,7 @@ class Identified(Reported):
         Its sigma is `sigma_setup`: it includes the difference to the structure without the moved mass.
         """
         if not len(self):
-            raise ValueError("no mode was identified: there is no table")
+            raise ValueError("table: found no identified modes, expected at least one")
         stated = any(line.startswith("identified from") for line in self.card)
         made = () if stated else ("identified from frequency responses: p-LSCF poles, refined by maximum likelihood",)
         return FrequencyTable.from_arrays(

@@ -15,7 +15,7 @@ from casingfem.io.arrays import Array
 from casingfem.io.npz import read_npz
 from contact.io.npz import ArrayKind, require_kinds, write_npz
 
-WANTED = "what Identified.save or `casingfem identify --out` wrote"
+WANTED = "a file that Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
 TEXTS = ("reasons", "notes", "card")
 COMPLEX = ("shapes", "sigma_shapes", "residues", "fitted", "measured")

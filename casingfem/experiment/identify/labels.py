@@ -75,12 +75,12 @@ def circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> 
     if not circle.orders:
         low, high = np.degrees([grid.theta.min(), grid.theta.max()]).tolist()
         where = f"{len(np.unique(grid.theta))} angles from {low:.4g} to {high:.4g} deg"
-        return (f"no n is given: the {len(grid)} sensors have {where}, too few or too near (angles in radians?)",)
+        return (f"no n is stated: the {len(grid)} sensors have {where}, too few or too close (angles in radians?)",)
     if not any(mode.n == circle.n_max for mode in modes):
         return ()
     return (
-        f"n = {circle.n_max} is the largest that {len(grid)} sensors resolve, or that was asked for: modes of a larger"
-        " n would be given a smaller one",
+        f"n = {circle.n_max} is the largest that {len(grid)} sensors resolve, or that was asked for: modes with a"
+        " larger n would appear with a smaller one",
     )
 
 
@@ -163,7 +163,7 @@ def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) ->
         as_other = min(along[a, b], along[b, a]) > AS_OTHER and max(own[a], own[b]) < OTHERS
         if better > GAIN and as_other and not named & {a, b}:
             named |= {a, b}
-            text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves as the other should"
+            text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves like the other"
             yield (a, b), text
     for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
         if own[sensor] < OPPOSES:
@@ -171,8 +171,8 @@ def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) ->
             text = f"point {points[sensor]} {what}"
             yield (sensor,), text
         elif own[sensor] < SILENT:
-            what = f"does not move as the others predict, in {modes} modes: dead, loose, or not at its angle?"
+            what = f"does not move as the others predict, in {modes} modes: no signal, loose, or at another angle?"
             yield (sensor,), f"point {points[sensor]} {what}"
         elif not 1.0 / SCALE < size[sensor] < SCALE:
             what = f"{float(f'{size[sensor]:.2g}'):g} times as much as the others predict, in {modes} modes"
-            yield (sensor,), f"point {points[sensor]} moves {what}: its sensitivity or unit?"
+            yield (sensor,), f"point {points[sensor]} moves {what}: wrong sensitivity or unit?"

@@ -221,7 +221,7 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
         )
         return
     if lines < rules.narrow and _one_line(fit, k):
-        yield "one line without skirts: mains hum or another tone? Measure again at another time"
+        yield "its peak is one line without flanks: mains hum or another tone? Measure again at another time"
         return
     if by_freq > rules.sure_freq:
         yield (
@@ -243,16 +243,19 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
     least = rules.sure_peak * max(1.0, FEW / channels)
     if ratio < least:
         few = f" in {channels} channel{'s' * (channels > 1)}" if channels < FEW else ""
-        yield f"its peak is {ratio:.2g} times what the fit leaves there{few}, {least:.2g} are needed: use more sensors"
+        yield f"its peak is {ratio:.2g} times the residual there{few}, expected {least:.2g} or more: use more sensors"
     if phase < rules.in_phase:
-        yield f"only {100.0 * phase:.0f} % of its shape is in phase: two modes, or a sensor's phase?"
+        yield f"only {100.0 * phase:.0f} % of its shape is in phase: two modes, or a phase error of a sensor?"
     if channels >= MANY and share < rules.local:
         yield (
-            f"only {max(1, round(share * channels))} of {channels} channels see it: a local mode, of a fixture or a"
+            f"only {max(1, round(share * channels))} of {channels} channels show it: a local mode, of a fixture or a"
             " sensor's mount?"
         )
     if twice:
-        yield "it repeats the shape of a stronger mode within a bandwidth: one mode? Check for loose parts or level"
+        yield (
+            "it has the shape of a stronger mode less than a bandwidth away: a single mode? Check for loose parts, and"
+            " whether the frequency depends on the force"
+        )
 
 
 def _one_line(fit: PoleFit, k: int) -> bool:

@@ -110,7 +110,7 @@ def test_leaving_out_rows_keeps_what_belongs_to_the_others(tmp_path):
     ("mode,freq_hz,sigma_hz,angle", "column 'angle': found a column without a unit in its name; expected angle_deg"),
     ("mode,freq_hz,sigma_hz,damping", "column 'damping': found a column without a unit in its name; expected zeta"),
     ("mode,freq_hz,sigma_hz,zetas", "column 'zetas': found an unknown column; expected zeta, unit and all"),
-    ("mode,f [Hz],fn [Hz],sigma_hz", "'f [Hz]' and 'fn [Hz]' for one quantity; expected one column, freq_hz, or"),
+    ("mode,f [Hz],fn [Hz],sigma_hz", "'f [Hz]' and 'fn [Hz]' for the same quantity; expected one column, freq_hz, or"),
 ])  # fmt: skip
 def test_a_column_without_its_unit_or_misspelt_is_refused(header, words, tmp_path):
     (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * header.count(",")) + ",1\n")

@@ -212,7 +212,7 @@ def _reasons(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
     found = estimated.found
     reasons, wide = list[str](), 2.0 * found.zeta * found.freq
     if found.zeta < rules.above_zero * found.sigma_zeta:
-        reasons.append("its damping is not above zero: a tone of a machine, mains hum? Measure again at another time")
+        reasons.append("its damping is not above 0: a tone of a machine, or mains hum? Measure again at another time")
     if found.sigma_freq > rules.sure_freq * wide:
         reasons.append(
             f"its frequency is known to {100.0 * found.sigma_freq / wide:.0f} % of its bandwidth only: measure longer"

@@ -158,8 +158,8 @@ def test_the_table_has_sigma_and_states_synthetic():
     ("angles", "n", "told"),
     [
         (np.arange(9) * 40.0, 4, "n = 4 is the largest that 9 sensors resolve"),  # it is 5
-        (np.radians(np.arange(9) * 40.0), -1, "no n is given: the 9 sensors have 9 angles from 0 to 5.585 deg"),
-        (np.zeros(9), -1, "no n is given: the 9 sensors have 1 angles from 0 to 0 deg"),
+        (np.radians(np.arange(9) * 40.0), -1, "no n is stated: the 9 sensors have 9 angles from 0 to 5.585 deg"),
+        (np.zeros(9), -1, "no n is stated: the 9 sensors have 1 angles from 0 to 0 deg"),
     ],
 )
 def test_sensors_that_do_not_show_n_apart_state_so(angles, n, told):

@@ -72,8 +72,8 @@ def spoilt(path, found, **arrays):
 @pytest.mark.parametrize(
     ("arrays", "words"),
     [
-        ({"sigma_freq": None}, "an npz without sigma_freq"),
-        ({"sensors.theta": None}, "an npz without sensors.theta"),
+        ({"sigma_freq": None}, "no array sigma_freq"),
+        ({"sensors.theta": None}, "no array sensors.theta"),
         ({"zeta": np.zeros(2)}, r"zeta of shape \(2,\)"),
         ({"shapes": np.full((COUNT, 3), np.nan)}, "shapes with nan"),
         ({"shapes": np.zeros((COUNT, 2))}, "for 3 modes at 12 sensors"),
