@@ -110,7 +110,7 @@ def chosen_modes(modes: Modes | MeshModes, which: Sequence[int] | None) -> Seque
     chosen = range(len(modes)) if which is None else which
     for mode in chosen:
         if not 0 <= mode < len(modes):
-            raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
+            raise ValueError(f"modes: found mode {mode + 1}, expected 1 to {len(modes)}")
     return chosen
 
 

@@ -121,7 +121,9 @@ def named(table: StrictCsv, quantities: Sequence[Quantity]) -> StrictCsv:
             continue
         if len(found) > 1:
             both = " and ".join(repr(name) for name, _ in found)
-            wrong.append(_error(table, found[0][0], f"{both} for one quantity", f"one column, {_wanted(quantity)}"))
+            wrong.append(
+                _error(table, found[0][0], f"{both} for the same quantity", f"one column, {_wanted(quantity)}")
+            )
         elif found and quantity.units and found[0][1] not in quantity.units:
             what = (
                 f"an unknown unit in its name, {found[0][1]!r}"

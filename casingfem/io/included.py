@@ -71,7 +71,7 @@ def _files(
         if found is None:
             raise ModelError("mesh-include", f"{main.name}: line {place}: found no file {match[1]}")
         if found in (*above, path) or len(above) == DEEPEST:
-            raise ModelError("mesh-include", f"{main.name}: line {place}: {found.name} includes itself")
+            raise ModelError("mesh-include", f"{main.name}: line {place}: found {found.name}, which includes itself")
         yield from _files(found, main, (*above, path), read)
     yield path, lines
 
@@ -125,9 +125,11 @@ def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str]
         if full(last, abaqus) or padded(found, above):
             return
         if DECIMAL.fullmatch(number):
-            warn("mesh-last-line", f"{name}: found the last line, {last.strip()[-40:]!r}, without an end", stacklevel=6)
+            text = f"{name}: found no line break after the last line, {last.strip()[-40:]!r}"
+            warn("mesh-last-line", text, stacklevel=6)
             return
-    raise ModelError("mesh-file", f"{name}: the last line, {last.strip()[-40:]!r}, has no end: cut short?")
+    text = f"{name}: found no line break after the last line, {last.strip()[-40:]!r}: cut short?"
+    raise ModelError("mesh-file", text)
 
 
 def owner(lines: list[str], abaqus: bool) -> str:

@@ -28,7 +28,7 @@ def read_npz(
         expected = expected or "a file of arrays"
         raise InputError(str(path), found=f"no readable npz file ({error})", expected=expected) from error
     if missing := set(wanted) - stored.keys():
-        found = f"an npz without {', '.join(sorted(missing))}"
+        found = f"no array {', '.join(sorted(missing))}"
         raise InputError(str(path), found=found, expected=expected or ", ".join(sorted(wanted)))
     if kinds is not None:
         try:

@@ -86,7 +86,7 @@ def gap_after(
     """
     found = gaps(eigenvalues, count, floor, clear)
     if not len(found):
-        raise NumericsError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
+        raise NumericsError(f"found no gap between eigenvalues {count} and {len(eigenvalues)}: ask for more modes")
     wide = found[np.diff(eigenvalues)[count - 1 :][found] > 2.0 * noise]
     found = wide if len(wide) else found
     below = count + int(found[0])
@@ -197,7 +197,7 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
     """
     low, high = band
     if not 0.0 <= low < high < np.inf:
-        raise NumericsError(f"a band runs from 0 or above to a higher end, found {low:.6g} to {high:.6g}")
+        raise NumericsError(f"band: found {low:.6g} to {high:.6g}, expected 0 <= from < to")
     pencil = make_pencil(K, mass)
     parts = list(slices(pencil, low, high, shift, direct))
     values = np.concatenate([part.values for part in parts])

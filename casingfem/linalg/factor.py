@@ -44,7 +44,9 @@ class SuperLUFactor:
     def negative(self) -> int:
         """Number of negative pivots, also for a Hermitian matrix; NumericsError if pivots left the diagonal."""
         if not np.array_equal(self.lu.perm_r, self.lu.perm_c):
-            raise NumericsError("pivots left the diagonal")
+            raise NumericsError(
+                'SuperLU used pivots off the diagonal, so that modes cannot be counted: use direct = "multifrontal"'
+            )
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 

@@ -165,4 +165,4 @@ def around_middle(counter: Counter, start: End, end: End, block: int, clear: flo
             if wanted >= pencil.modes or reach[-1] > radius:
                 return RitzPairs(values=found.values, vectors=found.vectors, products=products)
             wanted += max(8, wanted // 2)
-    raise NumericsError(f"no shift between {low:.6g} and {high:.6g} [rad^2/s^2] lies clear of the modes")
+    raise NumericsError(f"found no shift between {low:.6g} and {high:.6g} rad^2/s^2 that is far enough from every mode")

@@ -37,7 +37,7 @@ def bolted_edge(shell: Shell) -> str:
     """
     edges = [edge for edge, support in outer_supports(shell).items() if isinstance(support, Bolts)]
     if len(edges) != 1:
-        raise ModelError("locate-bolts", f"locate among bolts: {len(edges)} edges of the structure have bolts")
+        raise ModelError("locate-bolts", f"locate among bolts: found {len(edges)} edges with bolts, expected one")
     return edges[0]
 
 

@@ -87,7 +87,7 @@ def search_model(
         raise ModelError("locate-among", f"locate among {among!r}")
     edge = edge or (bolted_edge(shell) if among == "bolts" else EDGE)
     if edge not in shell.chart.edges or shell.chart.edges[edge][0] != 0 or not shell.chart.periodic:
-        raise ModelError("locate-edge", f"locate on the edge {edge!r}")
+        raise ModelError("locate-edge", f"edge: found {edge!r}, expected an edge that runs around a closed casing")
     wanted = count_below(shell, 1.1 * float(table.freq_hz.max())) + 6
     system = assemble(shell)
     if among == "bolts":

@@ -184,20 +184,20 @@ class Localisation(Reported):
         )
         if self.scale > NOISE:
             lines.append(
-                f"this explains the table badly, do not rely on it: noise hardly leaves {NOISE:.0f} sigma. Check the "
-                "zero and sense of angle_deg, whether table and baseline show this casing in the states meant, and "
-                "sigma_hz; the model's own error goes into model_error"
+                f"do not rely on this result: noise alone rarely leaves residuals above {NOISE:.0f} sigma. Check the "
+                "zero and direction of angle_deg, whether table and baseline belong to this casing in the intended "
+                "states, and sigma_hz; state the error of the model as model_error"
             )
         lines += unpaired_words(self.unpaired) + unpaired_words(self.baseline_unpaired, "baseline")
         explained = (self.best, *self.others)
         axes = [tuple(sorted(round(f.angle_deg % 180.0, 3) for f in e.found)) for e in explained]  # but for half turns
         if self.among == "bolts" and len(set(axes)) > 1:
             lines.append(
-                f"{len(self.others) + 1} explanations, and nothing in the table to choose: orientations of more pairs "
-                "(angle_deg), better measured ones, or shapes distinguish turned and mirrored places"
+                f"{len(self.others) + 1} explanations fit the table equally: orientations of more pairs (angle_deg), "
+                "more accurate ones, or mode shapes distinguish rotated and mirrored places"
             )
         if axes[0] in axes[1:] or (self.among == "mass" and self.others):
-            lines.append("half a turn changes no frequency and no orientation: measured shapes decide")
+            lines.append("places 180 degrees apart give the same frequencies and orientations: measured shapes decide")
         lines.append(self.seen())
         return "\n".join(lines)
 
@@ -205,13 +205,14 @@ class Localisation(Reported):
         """Smallest detectable size of a single change, in words; a bolt cannot lose more than its stiffness."""
         blind = ~(self.smallest < (WHOLE if self.among == "bolts" else np.inf))
         if blind.all():
-            lost = {"bolts": "a bolt lost wholly", "mass": "any mass"}[self.among]
+            lost = {"bolts": "a missing bolt", "mass": "any mass"}[self.among]
             return (
-                f"nothing can be seen: even {lost} stays within what the rows leave open, and to find none means "
-                "nothing. Check that table and baseline are of one casing and each sigma_hz, or measure more pairs"
+                f"the table cannot show any change: even {lost} would stay within its uncertainty, so that a search "
+                "without result proves nothing. Check that table and baseline belong to one casing and check each "
+                "sigma_hz, or measure more pairs"
             )
         unit = {"bolts": "of a bolt's stiffness", "mass": "kg"}[self.among]
         seen = self.smallest[~blind]
-        line = f"a single change is seen from {seen.min():.2g} to {seen.max():.2g} {unit}"
+        line = f"the smallest change that the table shows is {seen.min():.2g} to {seen.max():.2g} {unit}"
         places = ", ".join(str(k + 1) for k in np.flatnonzero(blind))
-        return f"{line}, at places {places} not at all" if places else line
+        return f"{line}; at places {places} it shows none" if places else line

@@ -68,7 +68,7 @@ def unlike(
     likeness = seen_mac(shapes.real, rows @ modes.coordinates)
     matches = pair(modes, shapes.table(), reach=reach, shape_mac=likeness).matches
     if not matches:
-        near = f"one within {reach:.2g} of a mode's frequency and like it"
+        near = f"one within {100.0 * reach:.2g} % of a mode's frequency, and similar to it"
         raise InputError(shapes.path, found="no shape that pairs with a mode", expected=near)
     macs = [likeness[row, mode] for match in matches for row, mode in zip(match.rows, match.modes, strict=True)]
     return float(1.0 - np.mean(macs))

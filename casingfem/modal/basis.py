@@ -126,10 +126,10 @@ class ModalBasis(Reported):
         shapes = {"omega": (modes,), "zeta": (modes,), "rows": (channels, modes), "S": (channels, channels)}
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
-                raise InputError(f"{name} must have shape {shape}, found {getattr(self, name).shape}")
+                raise InputError(f"{name}: found the shape {getattr(self, name).shape}, expected {shape}")
         for name in ("omega", "zeta", "rows", "S"):
             if not np.all(np.isfinite(getattr(self, name))):
-                raise InputError(f"{name} contains values that are not finite")
+                raise InputError(f"{name}: found nan or infinity, expected finite numbers")
         if len(self) and float(self.omega.min()) < 0.0:
             raise InputError(f"omega: found {self.omega.min():g} rad/s, expected every frequency >= 0")
         for key in ("channels", "outputs"):
@@ -192,7 +192,7 @@ class ModalBasis(Reported):
         if str(data.get("format")) != FORMAT:
             raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
         if missing := {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys():
-            raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
+            raise InputError(f"{path}: found no arrays {', '.join(sorted(missing))}, expected a whole modal basis")
         values: dict[str, Any] = {name: data[name] for name in ARRAYS if name in data}
         try:
             values |= {name: float(data.get(name, 0.0)) for name in ("radius", "thickness", "spin")}

@@ -229,7 +229,7 @@ def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System 
         require_structure(structure, what)
     rotation = rotation_of(structure)
     if rotation is None:
-        raise ModelError("rotation-none", f"{what}: found a structure without rotation")
+        raise ModelError("rotation-none", f"{what}: found a structure without rotation, expected one with")
     if isinstance(structure, Shell):
         at_rest = assemble(replace(structure, rotation=None))
         return at_rest, spin(at_rest, rotation)

@@ -118,13 +118,13 @@ class Interactions(Reported):
         low, high = self.speed_hz
         if self.turning == "casing":
             lines.append(
-                "f_c by ring theory; with a turning casing the blade overtakes no wave, so f_c + f_b = n f is never met"
+                "f_c by ring theory. Blades overtake no wave of a rotating casing: f_c + f_b = n f is not possible"
             )
         lines.append(f"{len(self.meetings)} coincidences from {low:g} to {high:g} Hz, the {self.turning} turns")
         if self.turning == "blade" and self.pairs and all(n * high < freq for n, _, freq in self.pairs):
             n, _, freq = max(self.pairs, key=lambda pair: pair[0] * high / pair[2])
             below = f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz"
-            lines.append(f"{below}, and so for every n here: f_c + f_b = n f cannot be met")
+            lines.append(f"{below}, and likewise for every n of the table: f_c + f_b = n f is not possible")
         return "\n".join(lines)
 
 

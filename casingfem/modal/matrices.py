@@ -41,7 +41,8 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
         parts = slice(0, 3), slice(3, system.dofs)
         straight = all(np.all(system.frames[:, part, part] == np.eye(part.stop - part.start)) for part in parts)
         if system.own or system.change is not None or not straight:
-            raise ModelError("matrix-size", "matrices: found rings, masses or an edge fixed in its own frame")
+            found = "found rings, masses or an edge that is fixed along its own directions"
+            raise ModelError("matrix-size", f"matrices: {found}, expected dofs along x, y, z alone")
         numbers = np.arange(1, len(system.points) + 1)
         nodes = np.arange(len(numbers) + 1)
         back = bsr_array((np.linalg.inv(system.frames), nodes[:-1], nodes)).tocsc()[system.free][:, system.free]
@@ -51,7 +52,7 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     assembled = structure.assembled()
     mesh = structure.mesh
     if assembled.lift is not None:
-        raise ModelError("matrix-size", f"matrices: found connections in {mesh.source}, which tie nodes to others")
+        raise ModelError("matrix-size", f"matrices: found connections between nodes in {mesh.source}, expected none")
     return of_system(assembled.K, assembled.M, assembled.free, assembled.dofs, mesh.labels, mesh.points)
 
 
@@ -108,7 +109,8 @@ def basis_matrices(basis: ModalBasis) -> MatrixSet:
     else:
         sizes = np.linalg.svd(basis.rows, compute_uv=False)
         if k > m or sizes[-1] <= SOUND * sizes[0]:
-            raise ModelError("matrix-size", f"basis: found {k} channels that {m} modes do not move independently")
+            found = f"found {k} channels whose motions in {m} modes are not independent"
+            raise ModelError("matrix-size", f"basis: {found}, expected more modes or fewer channels")
         T = np.hstack([pinv(basis.rows), null_space(basis.rows)])
         K, M, C, G = T.T @ (stiff @ T), T.T @ T, T.T @ (damp @ T), T.T @ (turn @ T)
     damping, gyroscopic = (csc_array(part) if part.any() else None for part in (C, 0.5 * (G - G.T)))

@@ -139,7 +139,7 @@ def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
     near_zero = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * system.frequency_scale))
     if near_zero > system.rigid:
         where = system.structure.mesh.source
-        found = f"{where}: {near_zero} modes near zero, rigid motions explain {system.rigid}"
+        found = f"{where}: found {near_zero} modes near 0 Hz, expected {system.rigid} rigid-body modes"
         warn("mesh-mechanism", found, stacklevel=5)
 
 

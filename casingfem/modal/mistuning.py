@@ -104,7 +104,7 @@ def redrawn_shell(shell: Shell, draw: int) -> Shell:
         If it has no random fields.
     """
     if not any(map(is_random, shell.defects.values())):
-        found = "nothing of this shell is random: give it a RandomField, in study.toml [[imperfection]] random"
+        found = "found a shell without random fields, expected a RandomField ([[imperfection]] random in study.toml)"
         raise ValueError(found)
     fields: dict[str, Any] = {f"{quantity}_defect": field for quantity, field in drawn_fields(shell, draw).items()}
     return replace(shell, **fields)
@@ -297,7 +297,9 @@ def require_pairs(shell: Shell) -> None:
     """Refuse shells whose modes do not come in pairs, and those on which nothing is random."""
     require_shell(shell, "mistune")
     if not is_axisymmetric(shell.chart):
-        raise ValueError("mistuning is about the pairs of casings of revolution; this chart is not axisymmetric")
+        raise ValueError(
+            "mistune: found a chart that is not axisymmetric, expected a casing of revolution, which has pairs"
+        )
     redrawn_shell(shell, 0)
 
 

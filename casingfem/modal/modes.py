@@ -150,7 +150,8 @@ def warn_of_surveys(found: Modes) -> None:
             gap = getattr(field, "coverage_deg", None)
             wide = "" if gap is None else f": its widest gap around is {gap:.3g} degrees"
             message = (
-                f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}{wide}"
+                f"pairs up to n = {n} are split by harmonic {2 * n}, but the survey of the {quantity} resolves "
+                f"harmonics up to {resolved}{wide}"
             )
             warn("field-resolution", message, stacklevel=5)
 
@@ -158,9 +159,9 @@ def warn_of_surveys(found: Modes) -> None:
 def count_or_band(count: int | None, band: Band | None) -> int | Band:
     """The requested count or band after checks; the default is 40 modes."""
     if count is not None and band is not None:
-        raise ModelError("modes-band", "found both a count of modes and a band")
+        raise ModelError("modes-band", "modes: found both count and band, expected one of them")
     if band is not None and not 0.0 <= band[0] < band[1] < HIGHEST:
-        raise ModelError("modes-band", f"the band runs from {band[0]!r} to {band[1]!r} Hz")
+        raise ModelError("modes-band", f"band: found {band[0]!r} to {band[1]!r} Hz")
     if count is not None and count < 1:
         raise ModelError("modes-count", f"count must be at least 1, found {count}")
     return band or count or COUNT
@@ -178,7 +179,7 @@ def plate_count(shell: Shell, wanted: int | Band) -> float:
 def count_below(structure: Shell | MeshStructure, freq: float, system: System | None = None) -> int:
     """Number of modes below a frequency [Hz], by one factorisation and its inertia; `system` is the assembled shell."""
     if not freq < HIGHEST:
-        raise ModelError("modes-band", f"modes below {freq!r} Hz were to be counted")
+        raise ModelError("modes-band", f"count_below: found {freq!r} Hz, expected a finite frequency")
     place = (2.0 * np.pi * freq) ** 2
     if isinstance(structure, Shell):
         shell = system or assemble(structure)
@@ -218,8 +219,8 @@ def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
         which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
         mesh, share = modes.grid.mesh, worst[poor].max()
         elements = f"{len(mesh.breaks) - 1} x {mesh.around} elements of order {mesh.order}"
-        more = "; the mesh itself splits pairs whose 2n it divides" if split[poor].any() else ""
-        found = f"{which}: up to {share:.1%} of the shape in the finest polynomials of {elements}{more}"
+        more = "; with so few elements around, the mesh itself splits pairs" if split[poor].any() else ""
+        found = f"{which}: found up to {share:.1%} of the shape in the highest polynomials of {elements}{more}"
         warn("mesh-coarse", found, stacklevel=5)
 
 
@@ -230,7 +231,7 @@ def checked_resolution(modes: Modes, *, around: bool = True) -> Modes:
     warn_of_coarse_mesh(modes, around=around)
     held = ", ".join(edge for edge, holding in outer_supports(modes.shell).items() if holding is not None)
     if modes.rigid and held:
-        warn("support-incomplete", f"{modes.rigid} rigid motions beside supports at {held}", stacklevel=4)
+        warn("support-incomplete", f"found {modes.rigid} rigid-body modes, although {held} is supported", stacklevel=4)
     return modes
 
 

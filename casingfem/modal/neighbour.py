@@ -122,7 +122,7 @@ def solved_near(shell: Shell, known: Solution, count: int) -> Solution:
         If the meshes differ.
     """
     if shell.mesh != known.modes.shell.mesh:
-        raise ValueError("a restart needs a shell on the same mesh")
+        raise ValueError("restart: found a shell on another mesh, expected the mesh of the known modes")
     started = time.perf_counter()
     system = assemble(shell)
     assembled = time.perf_counter() - started

@@ -105,7 +105,7 @@ def reduce(
     if not isinstance(structure, Shell):
         require_structure(structure, "reduce")
     if not any(structure.supports.values()):
-        raise ModelError("reduce-rigid", "an unsupported structure has rigid motions")
+        raise ModelError("reduce-rigid", "found a structure without supports, expected one without rigid motions")
     if isinstance(structure, Shell):
         warn_of(structure)
         system = system or assemble(structure)
@@ -225,7 +225,7 @@ def free_vectors(system: System | MeshSystem, count: int) -> tuple[FloatArray, F
 def refuse_rigid(rigid: int) -> None:
     """Refuse a structure with rigid motions."""
     if rigid:
-        raise ModelError("reduce-rigid", f"the structure has {rigid} rigid motions")
+        raise ModelError("reduce-rigid", f"found {rigid} rigid-body modes of the structure, expected none")
 
 
 def craig_bampton_vectors(

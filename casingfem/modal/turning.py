@@ -144,7 +144,6 @@ def require_axis(rotation: Rotation, rim: Rotation, radius: float) -> None:
     aside = np.linalg.norm(np.cross(rim.direction, apart))
     tilted = np.linalg.norm(np.cross(rim.direction, rotation.direction))
     if tilted > ALONG or aside > ALONG * radius:
-        found = f"axis {rotation.axis!r} through {rotation.centre!r} of the rotation"
-        raise ModelError(
-            "reduce-axis", f"rotation: found {found}, beside {rim.axis!r} through {rim.centre!r} of the rim"
-        )
+        found = f"found the axis {rotation.axis!r} through {rotation.centre!r}"
+        expected = f"expected that of the rim, {rim.axis!r} through {rim.centre!r}"
+        raise ModelError("reduce-axis", f"rotation: {found}, {expected}")

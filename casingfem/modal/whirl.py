@@ -128,7 +128,7 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
     ([7, 7], [1, -1])
     """
     if isinstance(shell, Shell) and shell.rotation is None:
-        raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
+        raise ModelError("rotation-none", "whirl_modes: found a shell without rotation, expected one with")
     system, added = spin_from_rest(shell, "whirl_modes")
     rotation = rotation_of(shell)
     assert rotation is not None  # or spin_from_rest would have refused it
@@ -160,7 +160,8 @@ def gyroscopic_modes(
         raise NumericsError(f"count must lie between 1 and {size // 2 - extra - 1}, found {count}")
     factor = factorise(A)
     if factor.negative():
-        raise ModelError("rotation-unstable", f"whirl_modes: found {factor.negative()} negative stiffnesses")
+        text = f"whirl_modes: found {factor.negative()} negative eigenvalues of the stiffness, expected none"
+        raise ModelError("rotation-unstable", text)
 
     def inverse(state: Array) -> Array:
         x, v = np.split(np.ravel(state), 2)  # v represents x'/scale
@@ -174,7 +175,8 @@ def gyroscopic_modes(
     except ArpackError as error:
         found, states = getattr(error, "eigenvalues", ()), getattr(error, "eigenvectors", None)
         if len(found) < wanted:  # scipy 1.14 may hand over all of them with this error; they are counted below
-            raise NumericsError(f"ARPACK did not converge on {count + extra} rotating modes: {error}") from error
+            text = f"whirl_modes: ARPACK did not converge to {count + extra} modes ({error}); ask for fewer modes"
+            raise NumericsError(text) from error
     upper = np.flatnonzero(found.imag < 0.0)  # 1/(i omega), omega > 0
     upper = upper[np.argsort(-np.abs(found[upper]))]
     omega = 1.0 / np.abs(found[upper])

@@ -48,7 +48,9 @@ class Influence:
         offset = np.asarray(self.offset)
         sizes = {np.shape(values) for values in (offset, self.stiffness, self.damping)}
         if offset.ndim != 1 or len(sizes) != 1 or not np.issubdtype(offset.dtype, np.integer):
-            raise InputError("influence", found=f"shapes {sizes}", expected="one stiffness and damping an offset")
+            raise InputError(
+                "influence", found=f"shapes {sizes}", expected="one stiffness and one damping for each offset"
+            )
         if len(set(offset.tolist())) != offset.size:
             raise InputError("influence.offset", found=f"{offset.tolist()}", expected="each offset once")
         object.__setattr__(self, "offset", frozen(offset))

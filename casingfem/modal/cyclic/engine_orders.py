@@ -70,7 +70,7 @@ class OrderLoad:
     def __post_init__(self) -> None:
         if not 0.0 < self.from_hz < self.to_hz:
             found = f"from_hz = {self.from_hz:g}, to_hz = {self.to_hz:g}"
-            raise InputError("response", found=found, expected="two speeds in order")
+            raise InputError("response", found=found, expected="0 < from_hz < to_hz")
 
     @property
     def speeds(self) -> FloatArray:
@@ -283,8 +283,8 @@ def largest(
     lam, P, g = poles(wheel, order, zeta, deviations, influence, at_hz)
     root = np.sqrt(lam)
     if not (root.imag > 0.0).all():
-        expected = "zeta above 0, or air that damps every wave"
-        raise InputError("response.zeta", found="a wheel that nothing damps, or that flutters", expected=expected)
+        expected = "zeta above 0, or aerodynamic influence that damps every wave"
+        raise InputError("response.zeta", found="a wheel without damping, or one that flutters", expected=expected)
     low, high = (2.0 * np.pi * end for end in band_hz)
     centres = root.real + np.multiply.outer(ROUND, root.imag)
     places = np.unique(np.clip(centres.ravel(), low, high))

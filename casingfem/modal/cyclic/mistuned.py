@@ -156,7 +156,8 @@ def mixed(waves: Waves, deviations: FloatArray | None) -> tuple[FloatArray, Floa
             stiffness += ((1.0 + deviation) ** 2 - 1.0) * waves.blade_energy(j)
     squares, turn = eigh(0.5 * (stiffness + stiffness.T))
     if squares[0] < 0.0:
-        raise NumericsError(f"mistuned wheel: found omega^2 = {squares[0]:.4g} rad^2/s^2")
+        found = f"found omega^2 = {squares[0]:.4g} rad^2/s^2, expected 0 or more"
+        raise NumericsError(f"mistuned wheel: {found}: the wheel is unstable at this speed")
     return np.sqrt(squares), turn
 
 

@@ -63,12 +63,12 @@ def cyclic_reduce(
     (8, 8, 'sector0.span')
     """
     if isinstance(interface, Rim):
-        found = "a wheel is seen at its tips: found a Rim, expected Tip, TipNodes or AtNodes"
+        found = "interface: found a Rim on a wheel, expected Tip, TipNodes or AtNodes"
         raise ModelError("interface-edge", found)
     if not 0.0 <= zeta < 1.0:
         raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
     if not any(sector.structure.supports.values()):
-        raise ModelError("reduce-rigid", "an unsupported structure has rigid motions")
+        raise ModelError("reduce-rigid", "found a structure without supports, expected one without rigid motions")
     values = None if deviations is None else checked_deviations(deviations, sector.sectors)
     mistuned = values is not None and bool(values.any())
     system = assemble_cyclic(sector)
@@ -79,7 +79,7 @@ def cyclic_reduce(
     if isinstance(interface, AtNodes):
         P, channels = cylindrical(sector, system.system, interface, P)
     if not P.any():
-        raise ModelError("interface-held", "interface: it is fixed, nothing can be pushed there")
+        raise ModelError("interface-held", "interface: found fixed nodes, where forces have no effect")
     stiff = blade_stiffness(sector.structure, system.system, blade) if mistuned else None
     waves = wheel_waves(system, richer(modes) if mistuned else modes, P, stiff)
     omega, turn = mixed(waves, values if mistuned else None)

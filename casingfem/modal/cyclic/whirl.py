@@ -111,7 +111,7 @@ def cyclic_whirl(sector: CyclicSector, count: int = 6, *, diameters: Sequence[in
     chosen = checked_diameters(sector, diameters)
     system, rotation = assemble_cyclic(sector), sector.structure.rotation
     if rotation is None or system.spin is None:
-        raise ModelError("rotation-none", "cyclic_whirl: found a wheel without rotation")
+        raise ModelError("rotation-none", "cyclic_whirl: found a wheel without rotation, expected one with")
     axis = np.asarray(sector.axis) / np.linalg.norm(sector.axis)
     turning = int(np.sign(rotation.omega * (rotation.direction @ axis)))
     freq, fields, labels = [], [], []

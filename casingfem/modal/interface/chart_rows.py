@@ -27,7 +27,10 @@ def interface_rows(system: System, interface: Interface) -> tuple[FloatArray, tu
         raise ModelError("interface-nodes", f"at: found {found}")
     if isinstance(interface, Rim):
         if (interface.axis, interface.point) != ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)):
-            raise ModelError("interface-edge", "a Rim of a chart turns about z, found another axis")
+            raise ModelError(
+                "interface-edge",
+                f"rim: found the axis {interface.axis} through {interface.point}, expected z on a chart",
+            )
         return rim_rows(system, interface)
     return tip_rows(system, interface) if isinstance(interface, Tip) else node_rows(system, interface)
 
@@ -36,7 +39,7 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (channels, 5 nodes) of a rim, and the channel names: radial, then tangential."""
     grid, chart = system.grid, system.shell.chart
     if not chart.periodic or not (rim.lines or rim.edge in chart.edges):
-        raise ModelError("interface-edge", f"a Rim needs a closed casing with {rim.where}{found_edges(chart)}")
+        raise ModelError("interface-edge", f"rim: expected a closed casing with {rim.where}{found_edges(chart)}")
     around = grid.mesh.order * grid.mesh.around
     if not 0 < rim.n_max <= around // 3:
         found = f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
@@ -70,7 +73,7 @@ def require_lines(chart: Chart, lines: Sequence[float]) -> None:
 
 def found_edges(chart: Chart) -> str:
     """Edges of a chart that is not a closed casing, in words."""
-    return f"; this one has {', '.join(chart.edges)}" if chart.periodic else "; this chart is open"
+    return f", found one with {', '.join(chart.edges)}" if chart.periodic else ", found an open chart"
 
 
 def require_circles(shell: Shell, rim: Rim) -> None:
@@ -88,8 +91,8 @@ def require_circles(shell: Shell, rim: Rim) -> None:
         off = float(np.abs(np.angle((x + 1j * y) * turn)).max())
         height = float(np.ptp(z) / np.hypot(x, y).mean())
         if max(off, height) > CIRCLE:
-            found = f"angles about z {off:.2g} rad off the chart's second parameter, heights {height:.2g} radii apart"
-            raise ModelError("interface-circle", f"a Rim needs a circle about z: on {rim.where} found {found}")
+            found = f"found angles {off:.2g} rad from the chart's second parameter, heights {height:.2g} radii apart"
+            raise ModelError("interface-circle", f"rim: {rim.where}: {found}, expected a plane circle about z")
 
 
 def line_transforms(system: System, rim: Rim) -> list[Array]:
@@ -147,7 +150,9 @@ def tip_directions(system: System, tip: Tip | TipNodes) -> FloatArray:
     """
     grid, shell = system.grid, system.shell
     if shell.chart.periodic or tip.edge not in grid.edges:
-        raise ModelError("interface-edge", f"a Tip needs an open panel or plate with an edge {tip.edge!r}")
+        raise ModelError(
+            "interface-edge", f"tip: found no edge {tip.edge!r}, expected an edge of an open panel or blade"
+        )
     edge = grid.edges[tip.edge]
     surface = shell.geometry(*grid.nodes[:, edge.nodes]).surface
     middle = len(edge.nodes) // 2

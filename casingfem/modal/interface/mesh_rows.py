@@ -99,7 +99,7 @@ def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
     total = facets.weight @ facets.outward
     size = float(np.linalg.norm(total))
     if size < CLOSED * facets.weight.sum():
-        found = f"{system.structure.mesh.source}: the facets of {name!r} point to all sides"
+        found = f"{system.structure.mesh.source}: found facets of {name!r} whose normals cancel, expected a face"
         raise ModelError("interface-edge", found)
     span = total / size
     away = facets.x - np.average(facets.x, axis=0, weights=facets.weight)
@@ -209,8 +209,8 @@ def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
     waves = np.concatenate([np.cos(n * theta), np.sin(n[1:] * theta)])
     gap = float(np.diff(np.sort(theta), append=theta.min() + 2.0 * np.pi).max())
     if gap > OPEN:
-        found = f"{rim.edge!r} has a gap of {np.degrees(gap):.0f} degrees"
-        raise ModelError("interface-edge", f"a Rim needs facets all around its axis, {found}")
+        found = f"found a gap of {np.degrees(gap):.0f} degrees in {rim.edge!r}"
+        raise ModelError("interface-edge", f"rim: {found}, expected facets all around the axis")
     waves = np.linalg.solve((waves * facets.weight) @ waves.T, waves)
     e1, e2, a = axes
     c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
@@ -232,7 +232,7 @@ def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
     for number, place in zip(at.nodes, places, strict=True):
         if not moving[place, :3].any():
             source = system.structure.mesh.source
-            raise ModelError("interface-held", f"{source}: node {number} is fixed, nothing can be pushed there")
+            raise ModelError("interface-held", f"{source}: found node {number} fixed, where forces have no effect")
     rows = np.zeros((len(places), 3, len(system.points), 3))
     rows[np.arange(len(places))[:, None], np.arange(3), places[:, None], np.arange(3)] = 1.0
     return rows.reshape(-1, len(system.points), 3)

@@ -282,5 +282,5 @@ def test_gap_after_goes_past_a_double():
 
 
 def test_no_gap_is_an_error():
-    with pytest.raises(cf.errors.NumericsError, match="no gap among eigenvalues 2 to 4"):
+    with pytest.raises(cf.errors.NumericsError, match="found no gap between eigenvalues 2 and 4"):
         gap_after(np.array([1.0, 2.0, 2.0, 2.0]), 2)

@@ -190,9 +190,7 @@ def test_a_search_that_does_not_converge_is_begun_from_another_shift(monkeypatch
 
 def test_a_search_that_converges_from_nowhere_is_an_error(monkeypatch):
     monkeypatch.setattr(slicing, "nearest", failing(99)[0])
-    with pytest.raises(
-        cf.errors.NumericsError, match=r"no shift between 3\.3 and 8\.3 \[rad\^2/s\^2\] lies clear of the modes"
-    ):
+    with pytest.raises(cf.errors.NumericsError, match=r"no shift between 3\.3 and 8\.3 rad\^2/s\^2 that is far enough"):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), (3.3, 8.3), shift=-0.01)
 
 
@@ -226,7 +224,7 @@ def test_a_band_from_zero_contains_the_rigid_motions():
 
 @pytest.mark.parametrize("band", [(-1.0, 2.0), (3.0, 3.0), (4.0, 2.0), (0.0, np.inf), (np.nan, 2.0)])
 def test_refuses_a_band_that_is_none(band):
-    with pytest.raises(cf.errors.NumericsError, match="a band runs from 0 or above to a higher end"):
+    with pytest.raises(cf.errors.NumericsError, match=r"band: found .*, expected 0 <= from < to"):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), band, shift=-0.01)
 
 
@@ -255,7 +253,7 @@ def test_a_slice_with_a_mode_wherever_a_shift_may_are_is_an_error():
     for modes in (taken[:-1], taken):
         spectrum = np.r_[np.arange(1.0, 10.0), 10.5, 19.5, np.arange(21.0, 50.0), modes]
         if modes == taken:
-            with pytest.raises(cf.errors.NumericsError, match=r"no shift between 10 and 20 .* lies clear of the modes"):
+            with pytest.raises(cf.errors.NumericsError, match=r"no shift between 10 and 20 .* that is far enough"):
                 solve_band(*with_spectrum(spectrum), (10.0, 20.0), shift=-0.01)
         else:
             found = solve_band(*with_spectrum(spectrum), (10.0, 20.0), shift=-0.01)

@@ -167,7 +167,7 @@ def test_refuses_files_that_keep_no_basis(tmp_path):
     with np.load(path) as file:
         data = dict(file)
     for change, words in (
-        ({"rows": None, "S": None}, "arrays missing: S, rows"),
+        ({"rows": None, "S": None}, "found no arrays S, rows"),
         ({"format": np.array("other")}, "expected format '.*', found 'other'"),
         ({"format": None}, "found 'None'"),
     ):

@@ -258,9 +258,9 @@ BAD = {
     "gaps": (
         lambda: cf.MeshShell(mesh=OPEN, thickness=0.02, material=STEEL, supports={"base": cf.Clamped()}),
         cf.Rim("top", 3),
-        "'top' has a gap of 7. degrees",
+        "found a gap of 7. degrees in 'top'",
     ),
-    "all round": (lambda: tube({"base": (2, 0.0), "top": (0, 1.0)}), cf.Tip("top"), "point to all sides"),
+    "all round": (lambda: tube({"base": (2, 0.0), "top": (0, 1.0)}), cf.Tip("top"), "whose normals cancel"),
     "free": (lambda: replace(solid(), supports={}), cf.Tip("tip"), "rigid motions"),
     "chart": (
         lambda: cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.1, material=STEEL, supports=CLAMPED),

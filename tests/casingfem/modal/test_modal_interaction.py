@@ -32,12 +32,12 @@ def test_waves_change_sides_with_what_turns():
     assert (c.branch, c.wave) == ("backward", "backward")
     assert c.speed_hz == pytest.approx(75600.0 / (2.0 * (8.0 - 16.0 / 65.0) * 120.0), rel=1e-5)
     assert c.casing_hz - 8.0 * c.speed_hz == pytest.approx(120.0, rel=1e-5)
-    assert "f_c + f_b = n f is never met" in repr(casing)
+    assert "f_c + f_b = n f is not possible" in repr(casing)
 
 
 def test_the_table_states_when_the_sum_is_out_of_reach():
     text = repr(cf.interactions({10: [426.0], 8: [371.0]}, [380.0], speed_hz=(0.0, 5.0)))
-    assert "n f = 50 Hz < f_c = 426 Hz, and so for every n here: f_c + f_b = n f cannot be met" in text
+    assert "n f = 50 Hz < f_c = 426 Hz, and likewise for every n of the table: f_c + f_b = n f is not possible" in text
     assert "f_b = f_c - n f" in text
     assert "resonance; flutter if mu > tan(lean)" in text
     assert "cannot be met" not in repr(cf.interactions({10: [426.0]}, [380.0], speed_hz=(0.0, 50.0)))

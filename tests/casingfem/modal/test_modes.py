@@ -385,9 +385,9 @@ def test_a_band_without_modes(frustum, coarse, method):
 
 
 def test_refuses_bands_that_are_none(frustum):
-    with pytest.raises(ValueError, match="found both a count of modes and a band"):
+    with pytest.raises(ValueError, match="found both count and band"):
         cf.modes(frustum(), 4, band=(0.0, 10.0))
-    with pytest.raises(ValueError, match=r"the band runs from 9.0 to 3.0 Hz.*modes-band"):
+    with pytest.raises(ValueError, match=r"band: found 9.0 to 3.0 Hz.*modes-band"):
         cf.modes(frustum(), band=(9.0, 3.0))
 
 
@@ -432,9 +432,7 @@ def test_a_casing_that_may_slide_and_turn_has_two_rigid_motions(frustum, coarse)
 def test_pairs_that_the_mesh_itself_splits_are_doubted(frustum):
     """Eighteen elements of order 4 split n = 9 by 3 %; nineteen split no pair below n = 19."""
     thinner = cf.FourierField.of({2: 1e-3})
-    with pytest.warns(
-        cf.errors.ModelWarning, match=r"2 modes .*the mesh itself splits pairs whose 2n it divides.*mesh-coarse"
-    ):
+    with pytest.warns(cf.errors.ModelWarning, match=r"2 modes .*the mesh itself splits pairs.*mesh-coarse"):
         doubted = cf.modes(frustum(mesh=cf.ShellMesh(order=4, rows=2, around=18), thickness_defect=thinner), 6)
     assert 0.03 < np.ptp(doubted.freq[doubted.nodal_diameters == 9]) / 390.0 < 0.04
     whole = cf.modes(frustum(mesh=cf.ShellMesh(order=4, rows=2, around=19), thickness_defect=thinner), 6)

@@ -151,10 +151,10 @@ def test_matrices_of_channels_that_hang_together_are_refused():
     with pytest.raises(cf.errors.ModelError, match="found a singular S"):
         cf.modal.basis_matrices(basis(np.array([[1.0, 1.0], [1.0, 1.0]]) * 1e-3))
     given = basis(np.zeros((2, 2)))
-    with pytest.raises(cf.errors.ModelError, match="found 2 channels that 3 modes do not move independently"):
+    with pytest.raises(cf.errors.ModelError, match="found 2 channels whose motions in 3 modes are not independent"):
         cf.modal.basis_matrices(replace(given, rows=np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]])))
     few = cf.ModalBasis(
         omega=np.ones(1), zeta=np.zeros(1), channels=("a", "b"), rows=np.ones((2, 1)), S=np.zeros((2, 2)), kind="point"
     )
-    with pytest.raises(cf.errors.ModelError, match="found 2 channels that 1 modes"):
+    with pytest.raises(cf.errors.ModelError, match="found 2 channels whose motions in 1 modes"):
         cf.modal.basis_matrices(few)

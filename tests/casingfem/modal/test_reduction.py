@@ -224,7 +224,7 @@ def test_a_line_of_a_rim_at_an_edge_is_that_edge_and_one_between_reads_the_shape
     [
         (lambda: cf.Rim("top", n_max=0), "n_max must lie between 1 and 18"),
         (lambda: cf.Rim("top", n_max=19), "n_max must lie between 1 and 18 on this mesh, found 19"),
-        (lambda: cf.Rim("rim", n_max=2), "needs a closed casing with"),
+        (lambda: cf.Rim("rim", n_max=2), "expected a closed casing with"),
         (lambda: cf.Rim(n_max=2), "found neither an edge nor lines"),
         (lambda: cf.Rim(n_max=2, lines=(0.1, 0.1)), r"lines: found 0.1, 0.1 m, expected places from 0 to 0.25\d* m"),
         (lambda: cf.Rim(n_max=2, lines=(-1e-6, 0.1)), "lines: found -1e-06 m, expected places"),

@@ -97,13 +97,13 @@ def test_amplification_comes_near_whiteheads_bound_and_does_not_pass_it():
         (lambda: cf.modal.engine_order_response(chain(), 0, [30.0], zeta=ZETA), "response.order: found 0"),
         (lambda: cf.modal.engine_order_response(chain(), 3, [30.0, 20.0], zeta=ZETA), "ascending speeds"),
         (lambda: cf.modal.engine_order_response(chain(), 3, [30.0], zeta=1.5), "response.zeta: found 1.5"),
-        (lambda: cf.modal.engine_order_response(chain(), 3, [33.0, 34.0]), "nothing damps"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [33.0, 34.0]), "a wheel without damping"),
         (
             lambda: cf.modal.engine_order_response(
                 chain(), 3, [33.0, 34.0], zeta=ZETA,
                 influence=cf.modal.Influence(offset=[0], stiffness=[0.0], damping=[-5.0]),
             ),
-            "or that flutters",
+            "or one that flutters",
         ),
         (lambda: cf.modal.Influence(offset=[0, 0], stiffness=[1.0, 1.0], damping=[0.0, 0.0]), "each offset once"),
         (lambda: cf.modal.Influence(offset=[0], stiffness=[np.nan], damping=[0.0]), "influence.stiffness"),
