@@ -117,7 +117,7 @@ def suspected(
     >>> shapes[[7, 9]] = shapes[[9, 7]]
     >>> for sensors, why in suspected(shapes, 5, theta, np.arange(12) + 1):
     ...     print(sensors, why)
-    (7, 9) points 8 and 10 seem exchanged: in 6 modes each moves as the other should
+    (7, 9) points 8 and 10 seem exchanged: in 6 modes each moves like the other
     (4,) point 5 seems to have the wrong sign: in 6 modes it moves against the prediction
     """
     if len(theta) < FEWEST[0] or shapes.shape[1] < FEWEST[1]:
