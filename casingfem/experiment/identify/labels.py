@@ -117,7 +117,7 @@ def suspected(
     >>> shapes[[7, 9]] = shapes[[9, 7]]
     >>> for sensors, why in suspected(shapes, 5, theta, np.arange(12) + 1):
     ...     print(sensors, why)
-    (7, 9) points 8 and 10 seem exchanged: in 6 modes each moves like the other
+    (7, 9) points 8 and 10 seem exchanged: in 6 modes each moves as the other should
     (4,) point 5 seems to have the wrong sign: in 6 modes it moves against the prediction
     """
     if len(theta) < FEWEST[0] or shapes.shape[1] < FEWEST[1]:
@@ -163,7 +163,7 @@ def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) ->
         as_other = min(along[a, b], along[b, a]) > AS_OTHER and max(own[a], own[b]) < OTHERS
         if better > GAIN and as_other and not named & {a, b}:
             named |= {a, b}
-            text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves like the other"
+            text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves as the other should"
             yield (a, b), text
     for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
         if own[sensor] < OPPOSES:
