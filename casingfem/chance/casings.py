@@ -170,7 +170,8 @@ def wide_of(body: ModalBody, own: Casings) -> Wide:
     off = float(np.abs(turn.T @ turn - np.eye(len(turn.T))).max())
     if off > TURNED:
         raise NumericsError(
-            f"chance: modes of the perfect casing differ from its waves by {off:.1e}, expected {TURNED:g}"
+            f"chance: found modes of the perfect casing that differ from its waves by {off:.1e}, expected at most "
+            f"{TURNED:g}: take another number of modes in [reduce]"
         )
     return Wide(body, turn)
 

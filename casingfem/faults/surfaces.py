@@ -131,7 +131,8 @@ SURFACES = {
     ),
     "meridian-pieces": (
         "the pieces of a meridian do not join: a corner without a fillet that fits, an arc that is too small",
-        "give arcs a radius above half of their way, and corners a fillet: the wall's thickness where they are sharp",
+        "give each arc a radius above half the distance of its ends, and each corner a fillet, of the wall thickness "
+        "if the corner is sharp",
     ),
     "meridian-points": (
         "no smooth meridian goes through these points",
