@@ -30,7 +30,7 @@ def asked(*args):
         ),
         ("contact", ["differs between kinds of file", "rub.contact: clearance [m]"]),
         ("material.E", ["Young's modulus [Pa]"]),
-        ("sweep.vary", ["log     whether steps", "false if left out"]),
+        ("sweep.vary", ["log     whether values are evenly spaced", "false if left out"]),
         ("scene", ["rods: A scene of rods", "patch: A modal body"]),
     ],
 )

@@ -222,7 +222,7 @@ def test_superlu_states_where_it_cannot_factor_or_count():
         factorise(csc_array(np.ones((3, 3))), "superlu")
     swapped = factorise(csc_array(np.array([[0.0, 1.0], [1.0, 0.0]])), "superlu")
     np.testing.assert_allclose(swapped.solve(np.array([2.0, 3.0])), [3.0, 2.0])
-    with pytest.raises(cf.errors.NumericsError, match="pivots left the diagonal"):
+    with pytest.raises(cf.errors.NumericsError, match="pivots off the diagonal"):
         swapped.negative()
     assert factorise(csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])), "superlu").negative() == 1
 

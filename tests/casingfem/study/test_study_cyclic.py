@@ -154,7 +154,7 @@ def test_bad_tables_of_blades_are_named_by_line(write, table, words):
 def test_commands_for_a_part_alone_refuse_a_wheel(write):
     answer = run("export", write())
     assert answer.exit_code == 2
-    assert "cyclic: found a wheel" in answer.stderr
+    assert "cyclic: found a table [cyclic]" in answer.stderr
     answer = run("reduce", write("modes = 2\nout", 'modes = 2\nmethod = "free"\nout'))
     assert (answer.exit_code, "reduce.method" in answer.stderr) == (2, True)
 

@@ -36,8 +36,8 @@ def study(tmp_path):
         ("k = 2e8", "", r"support\.base: found neither k nor k_r"),
         ("k = 2e8", "k = 2e8\nk_r = 1e8", r"support\.base: found k beside k_r"),
         ("bolt = 7", "bolt = 3", r"support\.base: loose: found bolts \[3, 3\]"),
-        ("bolt = 7", "bolt = 25", r"support\.base: loose bolt 25 .*bolt-number"),
-        ("width_m = 0.05", "width_m = 0.5", r"support\.base: patches .*bolt-overlap"),
+        ("bolt = 7", "bolt = 25", r"support\.base: .*found bolt 25, .*bolt-number"),
+        ("width_m = 0.05", "width_m = 0.5", r"support\.base: .*patches overlap.*bolt-overlap"),
         ("count = 24", "counts = 24", r"support\.base\.counts: found an unknown key"),
     ],
 )

@@ -65,7 +65,7 @@ def test_a_piece_has_a_wall_of_its_own_by_thickness_or_material_alone(tmp_path, 
     ("old", "new", "words"),
     [
         ("fillet = 3e-3\n", "", "chart.piece[3].fillet: found none at a corner of"),
-        ("fillet = 6e-3", "fillet = 2.0", "chart.piece[2].fillet: found 2 m, which does not fit"),
+        ("fillet = 6e-3", "fillet = 2.0", "chart.piece[2].fillet: found 2 m, expected a smaller radius"),
         ("radius = -0.1", "radius = -0.01", "chart.piece[3].radius: found -0.01 m"),
         ("to = [0.22, 0.30]", "to = [0.22]", "chart.piece[2].to: found [0.22]"),
         ("to = [0.22, 0.30]", "to = [0.22, 0.30]\nend = 3", "chart.piece[2].end: found an unknown key"),

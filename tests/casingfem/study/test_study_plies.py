@@ -93,7 +93,7 @@ def test_plies_on_a_mesh_count_from_a_direction(tmp_path):
     assert wall.density().tolist() == pytest.approx([2e-3 * 2700.0 + 4e-3 * 1380.0])
     path.write_text(ON_MESH.replace("[shell]", '[shell]\nmesh = "wall.inp"', 1) + held)
     with pytest.raises(
-        cf.errors.InputError, match=r"angle_from: found \(0.0, 0.0, 1.0\), 1 cell .*across it.*shell-plies"
+        cf.errors.InputError, match=r"angle_from: found \(0.0, 0.0, 1.0\), which is normal to 1 cell.*shell-plies"
     ):
         cf.load_study(path)
     path.write_text(STUDY.replace("[shell]", '[shell]\nangle_from = "x"', 1))

@@ -139,7 +139,7 @@ def test_noise_alone_has_no_modes():
     frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=range(8))
     found = cf.identify(frfs)
     assert len(found) == 0
-    with pytest.raises(ValueError, match="no mode"):
+    with pytest.raises(ValueError, match="no identified modes"):
         found.table()
 
 

@@ -106,7 +106,7 @@ BAD = {
     "reduce at pieces": (SOLID + "[reduce]\nat = [3]\nnodes = 2\n", "reduce.nodes: found nodes and at"),
     "reduce lines": (SOLID + '[reduce]\ninterface = "top"\nlines = [0.1]\n', "reduce.lines: .*no such key here"),
     "rim in pieces": (SOLID + '[reduce]\ninterface = "top"\nnodes = 2\nn_max = 3\n', "reduce.n_max: found 3"),
-    "shell beside": (SOLID + "[shell]\nthickness = 0.01\n", "shell: found it beside"),
+    "shell beside": (SOLID + "[shell]\nthickness = 0.01\n", r"shell: found \[shell\] and \[solid\]"),
     "no axis": (SOLID + "[rotation]\nspeed_hz = 5.0\n", "rotation.axis: found nothing"),
     "hub": (SOLID + ROTATION + "hub_radius = 0.2\n", "rotation.hub_radius: found it on an imported mesh"),
     "two points": (SOLID + ROTATION + "centre = [0.0, 0.0, 0.0]\n", "found centre and point"),

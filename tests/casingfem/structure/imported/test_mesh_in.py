@@ -219,7 +219,7 @@ BROKEN = {
     "word.inp": (INP.replace("2., 0., 0.", "2., 0., x"), "line 6: found '20, 2., 0., x'"),
     "plane.inp": (INP.replace("2., 0., 0.", "2., 0."), "expected a node number and x, y, z"),
     "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "line 24: found no file b.inp: .*mesh-include"),
-    "itself.inp": (INP + "*include, input=itself.inp\n", "itself.inp includes itself"),
+    "itself.inp": (INP + "*include, input=itself.inp\n", "itself.inp, which includes itself"),
     "include.bdf": ("INCLUDE 'b.bdf'\n" + BDF, "line 1: found no file b.bdf"),
     "set.inp": (INP.replace(" Some, 40", " Sum, 40"), "no set 'Sum' above this line"),
     "face.inp": (INP.replace("S1\n", "S5\n"), "face 'S5' of tetra"),

@@ -158,7 +158,7 @@ def test_parts_without_an_axis_or_without_support_are_named():
 def test_the_basis_of_a_blade_that_untwists_has_the_frequencies_near_its_speed():
     """Its steady shape follows the speed; its stiffness over speed is right to 0.25 % in the stated range."""
     axis = cf.Rotation(omega=0.0, axis=(0.0, 1.0, 1.0), centre=(-0.2, 0.05, 0.03))
-    with pytest.warns(cf.errors.ModelWarning, match=r"from 223.1 to 253.4 turns a second.*reduce-steady"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"from 223.1 to 253.4 Hz .*reduce-steady"):
         basis = cf.reduce(block(axis.at(1500.0)), cf.TipNodes("tip", 1), modes=6, zeta=0.0)
     body = ct.ModalBody.of(basis)
     for omega in (1415.0, 1580.0):

@@ -84,7 +84,7 @@ def test_a_set_has_a_dof_for_each_row():
     ):
         with pytest.raises(cf.errors.ModelError, match=f"a: {told}.*matrix-size"):
             cf.imported.MatrixSet(**({"K": two, "M": two, "dofs": dofs, "source": "a"} | changes))
-    with pytest.raises(cf.errors.ModelError, match=r"a: found direction 2 of node 7 twice.*matrix-dofs"):
+    with pytest.raises(cf.errors.ModelError, match=r"a: found direction 2 of node 7 in two rows.*matrix-dofs"):
         cf.imported.MatrixSet(
             K=csc_array(np.eye(3)), M=csc_array(np.eye(3)), dofs=np.array([[7, 2], [7, 1], [7, 2]]), source="a"
         )
