@@ -236,7 +236,7 @@ class Universal:
         moved = [label for label, system, *_ in self.nodes if system in self.elsewhere]
         if moved:
             found = f"found {len(moved)} nodes in local coordinate systems, the first {moved[0]}"
-            raise ModelError("mesh-file", f"{self.source}: {found}, expected all in the global one")
+            raise ModelError("mesh-file", f"{self.source}: {found}, expected all nodes in the global system")
         numbers = np.array([node[0] for node in self.nodes], dtype=np.int64)
         points = np.array([node[2:] for node in self.nodes])
         nodes = Lookup(numbers, self.source, "node")
