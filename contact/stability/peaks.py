@@ -42,9 +42,10 @@ SETTLED = 1e-7  # of the pole: distance of the shift of inverse iteration
 class Peak:
     """One peak: the speed [turns/s], the growth [1/s] there, and the speeds around it at which its motion grows.
 
-    `n` nodal diameters of the casing in the growing motion; `mode` the blade's mode with most energy; `wave` "with" the
-    blade's direction around the casing, "against" it or "standing"; `casing_share` of the energy, the rest is the
-    blade's; `freq_hz` in the blade's frame; `overtaken` whether the blade is faster than the wave.
+    The casing moves with `n` nodal diameters, the blade mostly in its mode number `mode`. The `wave` runs "with" the
+    blade's direction around the casing, "against" it, or is "standing". `casing_share` is the casing's share of the
+    energy; the rest is the blade's. `freq_hz` is the frequency in the blade's frame. `overtaken`: the blade is faster
+    than the wave.
     """
 
     speed_hz: float
@@ -141,10 +142,11 @@ def growth_at(what: RotatingRim | Rub, speed_hz: Array, *, mu: float = 0.0) -> A
 
 def _refined(contact: ClosedContact, found: StabilityMap, floor: float) -> tuple[Array, list[complex]]:
     """Speeds of the highest peaks above `floor`, ascending, and their leading poles."""
+    from scipy.signal import find_peaks
+
     at, values = found.seen_hz, found.seen_growth
     padded = np.pad(values, 1, constant_values=min(float(values.min()), 0.0) - 1.0)  # peaks at the ends are peaks too
-    places = _tops(padded, PROMINENCE * np.abs(padded))
-    places = places[padded[places] >= floor]
+    places, _ = find_peaks(padded, height=floor, prominence=PROMINENCE * np.abs(padded))
     k = np.sort(places[np.argsort(-padded[places], kind="stable")][:MOST]) - 1
     near = np.clip(np.stack([k - 1, k, k + 1]), 0, at.size - 1)
     x, y = at[near], values[near]
@@ -159,26 +161,6 @@ def _refined(contact: ClosedContact, found: StabilityMap, floor: float) -> tuple
     speed = np.take_along_axis(x, y.argmax(axis=0)[None], axis=0)[0]
     leading = [max(every, key=lambda s: (float(s.real), float(s.imag))) for every in poles_each(contact, speed)]
     return speed, [complex(s.real, abs(s.imag)) for s in leading]
-
-
-def _tops(values: Array, least: Array) -> Indices:
-    """Places of maxima, the middle of flat ones, that rise by `least` (n,) from what lies between them and higher ones.
-
-    As `scipy.signal.find_peaks`, whose import takes longer than the peaks.
-
-    >>> _tops(np.array([0.0, 2.0, 1.0, 4.0, 4.0, 3.5, 3.6, 0.0]), np.full(8, 0.5)).tolist()
-    [1, 3]
-    """
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(values)) + 1, [values.size]])  # of stretches of one value
-    level = values[edges[:-1]]
-    found = []
-    for k in np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])) + 1:
-        higher = np.flatnonzero(level > level[k])
-        left, right = higher[higher < k].max(initial=-1), higher[higher > k].min(initial=level.size)
-        place = int(edges[k] + edges[k + 1] - 1) // 2
-        if level[k] - max(level[left + 1 : k].min(), level[k + 1 : right].min()) >= least[place]:
-            found.append(place)
-    return np.array(found, dtype=np.int64)
 
 
 def _vertex(x: Array, y: Array) -> Array:

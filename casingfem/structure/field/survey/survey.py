@@ -180,8 +180,8 @@ class SurveyField(SeriesBehind):
             warn("survey-outliers", f"{name}: {stray_words(set_aside, len(points))}", stacklevel=4)
         if fit.without is not None:
             effect = largest_change(fit.field, fit.without)
-            said = f"{stray_words(doubted, len(points), 'are outliers')}; {effect}"
-            warn("survey-stray", f"{name}: {said}", stacklevel=4)
+            outliers = stray_words(doubted, len(points), "are outliers")
+            warn("survey-stray", f"{name}: {outliers}; {effect}", stacklevel=4)
         if words := passes_words(points.at(fit.kept)):
             warn("survey-passes", f"{name}: {words}", stacklevel=4)
         if axis is None and (beside := eccentric(fit, points)) is not None:

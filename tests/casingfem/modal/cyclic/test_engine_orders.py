@@ -73,11 +73,19 @@ def test_a_wheel_answers_as_its_full_model_tuned_and_mistuned(deviations):
     assert np.abs(found.amplitude - full).max() < 2e-6 * np.max(full)
 
 
+def test_large_deviations_exceed_whiteheads_bound():
+    """A soft blade moves further by itself: the bound holds for small deviations."""
+    drawn = [-0.374, 0.019, -0.004, 0.1, 0.026, 0.048, 0.025, -0.039, -0.034, 0.023, -0.0, 0.03]
+    found = cf.modal.engine_order_response(chain(), 3, [20.0, 45.0], zeta=ZETA, deviations=drawn)
+    assert found.amplification > found.bound
+
+
 @pytest.mark.slow
-def test_amplification_comes_near_whiteheads_bound_and_does_not_pass_it():
-    """2,000 drawn chains, then a climb from the worst of them."""
+@pytest.mark.parametrize("draws", [2_000, pytest.param(10_000, marks=pytest.mark.campaign)])
+def test_amplification_comes_near_whiteheads_bound_and_does_not_pass_it(draws):
+    """Drawn chains, then a climb from the worst of them."""
     wheel, order = chain(), 3
-    found = cf.modal.amplification(wheel, order, sigma=0.02, draws=2_000, seed=3, zeta=ZETA)
+    found = cf.modal.amplification(wheel, order, sigma=0.02, draws=draws, seed=3, zeta=ZETA)
     assert found.bound == pytest.approx(0.5 * (1.0 + np.sqrt(12.0)))
     assert 0.6 * found.bound < found.amplification.max() < found.bound
     assert 1.0 < found.quantile(0.5) < found.quantile(0.99) < found.amplification.max()
