@@ -69,7 +69,7 @@ def table_of(kind: Any, *names: str, optional: Collection[str] = ()) -> Callable
     ... class WallTable(BaseModel):
     ...     pass
     >>> [(name, info.description, type_words(info)) for name, info in keys(WallTable).items()]
-    [('x', 'where it is [m]', 'number')]
+    [('x', 'position of the wall [m]', 'number')]
     """
     stated = [one for one in keyed(kind) if not names or one.name in names]
     chosen = [one._replace(optional=True, default=None) if one.name in optional else one for one in stated]
