@@ -115,3 +115,29 @@ def test_the_command_line_gives_blas_one_thread_unless_the_environment_sets_a_nu
     command = [sys.executable, "-c", SHOWN]
     done = subprocess.run(command, env=kept | given, cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == str(found)
+
+
+UPDATED = """import numpy, scipy.linalg, threadpoolctl
+import casingfem as cf
+
+def threads():
+    return sorted({one["num_threads"] for one in threadpoolctl.threadpool_info() if one["user_api"] == "blas"})
+
+plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+                 material=cf.Material(E=200e9, nu=0.3, rho=7800.0), mesh=cf.ShellMesh(order=4, rows=1, around=1))
+threadpoolctl.threadpool_limits(2)
+seen = []
+table = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 2).freq * 1.01, sigma_hz=0.01)
+vary = [cf.Parameter(name="material.E", lower=150e9, upper=250e9)]
+cf.update(plate, table, vary, progress=lambda *_: seen.append(threads()))
+print(threads(), seen[0])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("given", "inside"), [({}, "[1]"), ({"OPENBLAS_NUM_THREADS": "2"}, "[2]")])
+def test_an_update_in_a_script_uses_one_blas_thread_unless_the_environment_sets_a_number(given, inside):
+    kept = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    command = [sys.executable, "-W", "ignore", "-c", UPDATED]
+    done = subprocess.run(command, env=kept | given, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == f"[2] {inside}"

@@ -21,6 +21,7 @@ from casingfem.linalg.pencil import (
     warn_of_count,
 )
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices
+from casingfem.linalg.threads import with_one_thread
 
 Band: TypeAlias = tuple[float, float]
 
@@ -93,6 +94,7 @@ def gap_after(
     return below, float(0.5 * (eigenvalues[below - 1] + eigenvalues[below]))
 
 
+@with_one_thread
 def solve_modes(
     K: Symmetric, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "multifrontal"
 ) -> EigenResult:
@@ -170,6 +172,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
     raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
+@with_one_thread
 def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
 

@@ -16,6 +16,7 @@ from casingfem.linalg.element_sum import ElementSum
 from casingfem.linalg.entries import Places, Symmetric
 from casingfem.linalg.fronts import Front, Fronts, Runs
 from casingfem.linalg.substitution import Block, Indefinite, OneFront, Stack, Step, kernels
+from casingfem.linalg.threads import with_one_thread
 
 SINGULAR = "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
 FEWEST = 2  # fronts of one shape that are worth stacking
@@ -34,6 +35,7 @@ class MultifrontalFactor:
         """Number of negative eigenvalues of A."""
         return self.negatives
 
+    @with_one_thread
     def solve(self, rhs: Array) -> Array:
         """A^-1 rhs, for one vector (n,) or several columns (n, k)."""
         order = self.fronts.order
@@ -49,6 +51,7 @@ class MultifrontalFactor:
         return solution.reshape(rhs.shape)
 
 
+@with_one_thread
 def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFactor:
     """Factor a symmetric or Hermitian matrix of the fronts' pattern; without `keep` only count negative eigenvalues.
 

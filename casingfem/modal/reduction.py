@@ -25,6 +25,7 @@ from casingfem.linalg.factor import Factor, factorise
 from casingfem.linalg.krylov import START_SEED
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import static_by_cycles
+from casingfem.linalg.threads import one_thread
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface.kinds import Interface, Rim
 from casingfem.modal.interface.output import Output, output_rows
@@ -119,39 +120,40 @@ def reduce(
     if not P.any():
         where = interface.where if isinstance(interface, Rim) else repr(getattr(interface, "edge", ""))
         raise ModelError("interface-held", f"interface: {where} is fixed, so forces there have no effect")
-    turning = modal_turning(structure, system, interface, seen.axes, seen.radius)
-    loads = P if turning is None else np.hstack([P, turning.load])
-    solve: Solve | None = None
-    if method == "free":
-        vectors, omega = free_vectors(system, modes)
-        solve = static_solver(system)
-        shapes = solve(loads)
-        attachment = shapes[:, : P.shape[1]]
-    else:
-        factor = factorise(stiffness(system))
-        shapes = factor.solve(loads)
-        attachment = shapes[:, : P.shape[1]]
-        vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
-    at_interface = P.T @ vectors
-    left = beside(vectors, attachment, system.M)
-    S = np.zeros((P.shape[1], P.shape[1]))
-    if method == "free":
-        S = left.T @ (stiffness(system) @ left)
-        S = 0.5 * (S + S.T)
-    stored: dict[str, Any] = {}
-    if recovery:
-        stored = {
-            "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
-            "recovery_S": system.expand(left)[:, :3].reshape(-1, P.shape[1]),
-            "recovery_points": system.points,
-            "recovery_cells": system.cells,
-        }
-    if outputs:
-        restricted = load_columns(system, wanted).T
-        stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
-    if turning is not None:
-        kept = Kept(vectors, omega, stiffness(system), system.M, solve)
-        stored |= turning.arrays(shapes[:, P.shape[1] :], kept)
+    with one_thread():
+        turning = modal_turning(structure, system, interface, seen.axes, seen.radius)
+        loads = P if turning is None else np.hstack([P, turning.load])
+        solve: Solve | None = None
+        if method == "free":
+            vectors, omega = free_vectors(system, modes)
+            solve = static_solver(system)
+            shapes = solve(loads)
+            attachment = shapes[:, : P.shape[1]]
+        else:
+            factor = factorise(stiffness(system))
+            shapes = factor.solve(loads)
+            attachment = shapes[:, : P.shape[1]]
+            vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
+        at_interface = P.T @ vectors
+        left = beside(vectors, attachment, system.M)
+        S = np.zeros((P.shape[1], P.shape[1]))
+        if method == "free":
+            S = left.T @ (stiffness(system) @ left)
+            S = 0.5 * (S + S.T)
+        stored: dict[str, Any] = {}
+        if recovery:
+            stored = {
+                "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
+                "recovery_S": system.expand(left)[:, :3].reshape(-1, P.shape[1]),
+                "recovery_points": system.points,
+                "recovery_cells": system.cells,
+            }
+        if outputs:
+            restricted = load_columns(system, wanted).T
+            stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
+        if turning is not None:
+            kept = Kept(vectors, omega, stiffness(system), system.M, solve)
+            stored |= turning.arrays(shapes[:, P.shape[1] :], kept)
     return ModalBasis(
         omega=omega,
         zeta=np.full(len(omega), zeta),

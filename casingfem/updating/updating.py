@@ -16,6 +16,7 @@ from casingfem.errors import InputError, ModelError, warn
 from casingfem.experiment.correlation.matches import require_hz
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
+from casingfem.linalg.threads import with_one_thread
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.imported.assembly import MeshStructure, require_structure
 from casingfem.structure.shell.assembly import assemble
@@ -158,6 +159,7 @@ def update(
     return min(fit, other, key=lambda one: one.misfit)
 
 
+@with_one_thread
 def fitted(
     problem: Problem,
     table: FrequencyTable,

@@ -42,6 +42,7 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import tracked
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.threads import with_one_thread
 from contact.io.progress import tell
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
@@ -162,6 +163,7 @@ def _of_records(records: FrfSet, refused: Mapping[str, object], **options: Any) 
     return identify_output_only(records, **options)
 
 
+@with_one_thread
 def _recurring(data: Responses, order: int | None, rules: Thresholds) -> tuple[Responses, Candidates]:
     """Find the recurring poles, and the responses with the duration of ringing that fits them."""
     found = recurring_poles(data, order, rules)
@@ -171,6 +173,7 @@ def _recurring(data: Responses, order: int | None, rules: Thresholds) -> tuple[R
     return data, found
 
 
+@with_one_thread
 def _identified(data: Responses, poles: Array, grid: SensorGrid, order: int | None, rules: Thresholds) -> list[SetUp]:
     """Fit all channels together; if they were measured in several set-ups, fit each alone."""
     whole = SetUp(np.arange(len(data.noise)), data, all_fitted(data, with_residues(data, poles, rules), rules))

@@ -14,6 +14,7 @@ from scipy.sparse import bsr_array, csc_array
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.element_sum import Elements, ElementSum
+from casingfem.linalg.threads import with_one_thread
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange
 from casingfem.structure.mesh.kinematics import DOFS
@@ -71,6 +72,7 @@ def nodal_forces(grid: Grid, jets: Array) -> Array:
     return np.asarray(sums.reshape(grid.nodes.shape[1], DOFS, jets.shape[3]))
 
 
+@with_one_thread
 def jet_elements(grid: Grid, H: Array) -> FloatArray:
     """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
     n, elements = grid.mesh.order + 1, len(grid.elements)
