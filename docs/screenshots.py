@@ -69,6 +69,7 @@ def run(*words: str) -> None:
 def first_screen(tab: Tab, page: Path) -> bytes:
     """The first screen of a page as a PNG."""
     tab.open(page, WIDTH, HEIGHT)
+    tab.send("Emulation.setScrollbarsHidden", hidden=True)
     frames = "for (let k = 0; k < 6; k++) await new Promise(requestAnimationFrame);"
     tab.run(f"(async () => {{ {frames} }})()")
     area = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT, "scale": 1}

@@ -43,6 +43,15 @@ def test_headings_go_down_one_level_at_a_time_and_math_is_on_its_own():
         assert not re.search(r"\$[\^_]", text), page
 
 
+def test_no_line_is_hidden_as_a_comment_and_no_row_of_a_table_is_broken():
+    """Markdown takes a line that begins with a per cent sign for a comment, and ends a table at a broken row."""
+    for page in [*DOCS.rglob("*.md"), *ROOT.glob("*.md")]:
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+        for line in text.splitlines():
+            assert not line.lstrip().startswith("%"), (page, line)
+            assert not line.startswith("|") or line.rstrip().endswith("|"), (page, line)
+
+
 def test_the_page_of_keys_is_current():
     """It states the values of every key and its default, so that a changed range or default is seen."""
     page = runpy.run_path(str(DOCS / "keys.py"))["page"]()

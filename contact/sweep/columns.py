@@ -29,7 +29,7 @@ MEASURED = (
     Column("damping_J", "Work of damping.", kept("damping_J"), where="files"),
     Column("rotation_J", "Work of the rotation of the rim.", kept("rotation_J"), where="files"),
     Column("worn_J", "Energy dissipated by wear of a coating.", kept("worn_J"), where="files"),
-    Column("unaccounted_rel", "Energy that the ledger does not account for, over its largest entry.",
+    Column("unaccounted_rel", "Energy that the budget does not account for, over its largest entry.",
            kept("unaccounted_rel"), head="energy not accounted for", format=".4g"),
     Column("amplitude_m", "Rms vibration of the rim in the last quarter; without a rim the largest displacement.",
            kept("amplitude_m"), head="amplitude", unit="m", format=".4g"),

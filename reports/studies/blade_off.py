@@ -138,7 +138,7 @@ def row(name: str, one: Ran) -> Row:
         "orbit [mm]": 1e3 * float(np.hypot(*history.disk.T).max()),
         "casing [mm]": 1e3 * float(np.hypot(*history.casing.T).max()),
         "speed at the end [Hz]": float(history.speed_hz[-1]), "to friction [kJ]": -1e-3 * spin.friction,
-        "ledger": abs(spin.unaccounted) / spin.start,
+        "unaccounted": abs(spin.unaccounted) / spin.start,
     }  # fmt: skip
 
 
@@ -212,7 +212,7 @@ def page(tables: Mapping[str, tuple[str, list[Row]]], runs: Mapping[str, Ran]) -
     verdict = Verdict(
         found=f"The rotor slows from {SPEED:g} to {seen['speed at the end [Hz]']:.3g} Hz and rubs in "
         f"{seen['steps in contact [%]']:.3g} % of all steps.",
-        sure=f"The energy of the spin is accounted for to {seen['ledger']:.1e} of itself.",
+        sure=f"The energy of the spin is accounted for to {seen['unaccounted']:.1e} of itself.",
         further="Compare the histories of the other casings below.",
         facts=(
             ("Mounts", f"The largest force on the casing's mounts is {seen['mounts [kN]']:.4g} kN."),

@@ -60,7 +60,7 @@ def told(body: ct.ModalBody, scene: ct.Scene, result: ct.Result) -> Row:
         f"n = {N}, highest [m]": float(levels[:, N].max()), "at the end [m]": float(levels[-1, N]),
         "worn [cm^3]": 1e6 * wear.volume, "deepest [um]": 1e6 * float(wear.worn.max()),
         "dissipated [J]": wear.dissipated, "against profile": wear.residual,
-        "ledger": abs(result.energy.unaccounted) / result.energy.scale,
+        "unaccounted": abs(result.energy.unaccounted) / result.energy.scale,
     }  # fmt: skip
 
 

@@ -19,7 +19,7 @@ def test_machined_closed_and_worn_free(tmp_path, capsys):
     assert rows["digging hard"]["n = 10, highest [m]"] > 1e-3
     assert rows["digging soft"]["n = 10, highest [m]"] < 5e-5
     assert closed["digging soft"] < 15.0
-    assert all(abs(row["against profile"]) < 1e-11 and row["ledger"] < 1e-10 for row in rows.values())
+    assert all(abs(row["against profile"]) < 1e-11 and row["unaccounted"] < 1e-10 for row in rows.values())
     assert [row["worn [cm^3]"] > 0.0 for row in rows.values()] == [False, False, True, False, True, True, False, True]
     assert (tmp_path / "abradable" / "digging_soft.png").stat().st_size > 10_000
     assert len(pd.read_csv(tmp_path / "wear.csv")) == 8
