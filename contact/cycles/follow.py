@@ -59,15 +59,15 @@ def follow(
     family: Family, between: tuple[float, float], *, first: Orbit | None = None, longest: float = 0.02,
     most: int = 1000, doublings: int = 0, checkpoint: str | Path | None = None, progress: Progress | None = None,
 ) -> Cycles:  # fmt: skip
-    """Follow the orbits of a family from one value of its parameter to the other, and past folds until they leave both.
+    """Follow the orbits of a family over a range of its parameter, past folds, until they leave the range.
 
-    `first` is an orbit at the first value, by default the one a run settles on; `longest` the longest step, 1 being a
-    change of the state by its own size, or the range; `most` the number of orbits of a branch. Where a branch ends
-    inside the range (a rigid contact grazes), a run from its last stable orbit goes on, a hundredth of the range at a
-    time, until it settles on an orbit, which is followed as another branch. From each flip the branch of doubled period
-    is followed, to `doublings` doublings. `checkpoint` names a file that keeps what is found meanwhile; if it exists,
-    the search continues from it with bit-identical results. `progress` receives branch, value and number of orbits.
-    Raises InputError, and NumericsError where no orbit is found.
+    `first` is an orbit at the first value, by default the one on which a run settles. `longest` is the longest step; 1
+    is a change of the state by its own size, or of the parameter by the range. `most` is the largest number of orbits
+    of a branch. If a branch ends inside the range (a rigid contact grazes), runs from its last stable orbit change the
+    parameter by a hundredth of the range each, until one settles on an orbit, which starts another branch. Each flip
+    starts a branch of doubled period, up to `doublings` doublings. `checkpoint` names a file that keeps the orbits
+    found so far; if it exists, the search continues from it with bit-identical results. `progress` receives branch,
+    value and number of orbits. Raises InputError, and NumericsError if no orbit is found.
 
     >>> import numpy as np
     >>> import contact as ct

@@ -285,7 +285,9 @@ def _warn_of_bytes(path: str, sets: Iterable[RawSet]) -> None:
 
 
 def few_gaps(labels: IntArray) -> IntArray:
-    """Missing numbers in a list that resembles a count, from 1 or its least, if they are fewer than a quarter.
+    """Numbers that are missing in a consecutive count, if fewer than a quarter are missing; else none.
+
+    The count begins at 1 if the lowest number is near it, else at the lowest number.
 
     >>> few_gaps(np.array([1, 2, 3, 5, 6])).tolist(), few_gaps(np.array([101, 102, 201, 202])).tolist()
     ([4], [])
