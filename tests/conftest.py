@@ -2,7 +2,11 @@
 
 import gc
 import importlib
-from collections.abc import Callable
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import IO
 
@@ -177,15 +181,36 @@ def split_modes() -> cf.Modes:
     return cf.modes(reference_frustum(radius_defect=cf.FourierField.of({8: 0.002})), 40)
 
 
-@pytest.fixture
-def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files are read by this process: the start of a child takes half a second. `test_probe.py` tests the child."""
+def forked(task: str, path: Path, module: str, function: str, stdout: IO[bytes] | int) -> tuple[int, str]:
+    """As `probe.in_child`, in a copy of this process, which has loaded what readers need."""
+    import resource
 
-    def call(task: str, path: Path, module: str, function: str, stream: IO[bytes]) -> tuple[int, str]:
-        assert task == "hand_over"
-        return probe.give(stream, getattr(importlib.import_module(module), function), path), ""
+    call = getattr(importlib.import_module(module), function)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a fork beside threads; readers warn as in a process of their own
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                resource.setrlimit(resource.RLIMIT_CPU, (int(probe.SECONDS) + 1,) * 2)
+                resource.setrlimit(resource.RLIMIT_AS, (int(probe.BYTES) + used,) * 2)
+                stream = BytesIO() if isinstance(stdout, int) else stdout
+                code = probe.give(stream, call, path)
+                stream.flush()
+            finally:
+                os._exit(code)
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    fault = f"its reader took more than {probe.SECONDS:g} s or {probe.BYTES / 1e9:g} GB, or crashed"
+    return 0 if task == "read" and code == probe.REFUSED else code, fault
 
-    monkeypatch.setattr(probe, "in_child", call)
+
+@pytest.fixture(scope="session", autouse=sys.platform == "linux")
+def readers_forked() -> Iterator[None]:
+    """A new process for each file that is read takes half a second; `test_probe.py` tests those."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(probe, "in_child", forked)
+        yield
 
 
 @pytest.fixture

@@ -14,6 +14,14 @@ import casingfem as cf
 from casingfem.experiment.frf.files import read_hdf5
 from casingfem.io import probe
 
+IN_CHILD = probe.in_child
+
+
+@pytest.fixture(autouse=True)
+def in_new_processes(monkeypatch):
+    """As programs read, not by a fork of this process."""
+    monkeypatch.setattr(probe, "in_child", IN_CHILD)
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize(

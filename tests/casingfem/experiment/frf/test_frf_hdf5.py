@@ -48,7 +48,6 @@ def change(path, edit):
         edit(file)
 
 
-@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize(
     ("edit", "said"),
     [

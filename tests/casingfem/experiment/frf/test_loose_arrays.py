@@ -28,7 +28,6 @@ def written(folder, kind, **arrays):
     return path
 
 
-@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 @pytest.mark.parametrize("names", [("freq_hz", "frf"), ("f", "H"), ("Frequency", "FRFs")])
 @pytest.mark.parametrize("first", [True, False])
@@ -43,7 +42,6 @@ def test_lines_are_first_or_last_and_names_are_common_ones(kind, names, first, t
     assert found.form == "receptance"
 
 
-@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_channels_count_from_one_and_coherence_is_beside(kind, tmp_path):
     path = written(tmp_path, kind, omega=W, frf=H[:, 0], coherence=0.9 * np.ones(H[:, 0].shape))
@@ -54,7 +52,6 @@ def test_channels_count_from_one_and_coherence_is_beside(kind, tmp_path):
     assert cf.frf.read_coherence(written(tmp_path, kind, f=FREQ, H=H)) is None
 
 
-@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_stated_names_of_arrays_come_before_common_ones(kind, tmp_path):
     path = written(tmp_path, kind, Freq_domain=FREQ, Hf_chan_2=H[:, 0], f=np.arange(7.0), form="receptance")

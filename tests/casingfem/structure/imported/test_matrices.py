@@ -566,7 +566,6 @@ def test_import_and_export_on_the_command_line(tmp_path):
     assert document["channels"] == list(EXACT.channels)
 
 
-@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("form", ["mtx", "pch", "op4", "npz", "mat"])
 @pytest.mark.parametrize("residual", [True, False])
 def test_basis_that_turns_comes_back_with_its_matrices_in_every_format(residual, form, tmp_path):

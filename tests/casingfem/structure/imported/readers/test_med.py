@@ -39,7 +39,6 @@ def written(folder, mesh, cells):
     return file
 
 
-@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("kind", ["quad", "hexahedron", "hexahedron20", "tetra", "tetra10"])
 def test_cells_nodes_and_groups_are_those_that_were_written(kind, mirrored, tmp_path):
