@@ -12,7 +12,7 @@ from contact.loop.rub.motion import place_row
 from contact.loop.rub.rows import NOW, RubRows, blade_dot
 from contact.loop.rub.series import fill_row
 from contact.loop.rub.solve import place_now
-from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
+from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, couples, tips
 from contact.record.record import Tally
 from contact.solver.friction.one_contact import one_contact, only_contact
 
@@ -20,7 +20,7 @@ UNSOLVED, SOLVED, DONE = 0, 1, 2
 
 
 @jit
-def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solver: Solver | None, dim: int,
+def alone(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, solver: Solver | None, dim: int,
           share: float, slid: float, step: int, sums: Tally) -> int:  # fmt: skip
     """Force of the single marked tip, its gap and slip; UNSOLVED if `solver` must find it. `slid` = Omega h.
 
@@ -50,13 +50,14 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solve
         slip = slid_by + blade_dot(rows, rows.apart, R + 1, j, s.d) - s.strain[R + 1] + rows.glide[R + 1] * slid
     else:
         nn += share * weighted(ahead, s.c, normal)
-    if blocks is not None:
-        fill_some(blocks.casing, normal, 0, w.normal_moves)
-        nn += share * product(ahead, w.normal_moves)
-        if rubs:
-            fill_some(blocks.casing, tangent, 0, w.tangent_moves)
-            nt, tn = nt + share * product(ahead, w.tangent_moves), tn + product(tangent, w.normal_moves)
-            tt += product(tangent, w.tangent_moves)
+    if solver is not None:
+        if couples(blocks):
+            fill_some(blocks.casing, normal, 0, w.normal_moves)
+            nn += share * product(ahead, w.normal_moves)
+            if rubs:
+                fill_some(blocks.casing, tangent, 0, w.tangent_moves)
+                nt, tn = nt + share * product(ahead, w.tangent_moves), tn + product(tangent, w.normal_moves)
+                tt += product(tangent, w.tangent_moves)
     w.chosen[0] = j
     if rows.turns and rows.few:
         fill_few(rows, w, 1, step)

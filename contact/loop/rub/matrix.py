@@ -15,19 +15,19 @@ from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.rows import fill_some
 from contact.loop.rub.compliance import fill_soft, row_of_few
 from contact.loop.rub.rows import NOW, RubRows, look_at, waves_at
-from contact.loop.rub.state import NODES, TOGETHER, ModalBlocks, RubState, Work
+from contact.loop.rub.state import NODES, TOGETHER, ModalBlocks, RubState, Work, couples
 
 FEWER = 3  # tips over those chosen: of fewer, products take less time
 
 
 @jit
-def fill_factors(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, slot: int, dim: int,
+def fill_factors(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, j: int, slot: int, dim: int,
                  share: float, waves: Array, ahead: Array) -> None:  # fmt: skip
     """Factors of `casing_yields` for tip j; `waves` are at t_n, `ahead` is the normal row at t_{n+1}."""
     for i in range(dim):
         row, test = w.rows[slot * dim + i], w.tests[slot * dim + i]
         law(s.c, row if i > 0 else ahead, 1.0 if i > 0 else share, test)
-        if blocks is not None:
+        if couples(blocks):
             fill_some(blocks.turned, row if i > 0 else ahead, 0, w.spare)
             add_part(w.spare, 1.0 if i > 0 else share, test)
         for k in range(rows.width):

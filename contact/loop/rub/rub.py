@@ -1,8 +1,9 @@
 """Compiled step loop of a rub: exact-modal coefficients, K rotating tips, stick and slip by semi-smooth Newton.
 
-Tips meet a rigid surface, the plastic bars of a coating (`coats`), or a surface with a force-depth law (`y`). With
-`blocks` None the modes are uncoupled. The rows of `steady` contacts are constant. A single tip needs no `solver`. Each
-combination compiles to its own loop, without code of the others.
+Tips meet a rigid surface, the plastic bars of a coating (`coats`), or a surface with a force-depth law (`y`). `blocks`
+couple the modes. The rows of `steady` contacts are constant. What a run lacks has no entries, so that one loop is
+compiled for all runs. A single tip on a rigid surface whose modes are uncoupled needs no `solver`: the loop without it
+is compiled by itself, and is much smaller.
 """
 
 from __future__ import annotations
@@ -43,14 +44,14 @@ from contact.loop.rub.rows import (
 )
 from contact.loop.rub.solve import clear, find_gaps, gather, hand_over, others_close, push, solve, update_gaps
 from contact.loop.rub.spin import spin_on
-from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
+from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, couples, tips
 from contact.loop.rub.steady import Steady, frictionless, note_slips
 from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
-from contact.solver.abradable.tips import Coats
+from contact.solver.abradable.tips import Coats, coated
 from contact.solver.dense import assign
-from contact.solver.yielding.yields import Yielding, note_slope, paced
+from contact.solver.yielding.yields import Yielding, gives_way, note_slope, paced
 
 AGAIN = 8  # steps between two checks whether the only tip is near
 
@@ -121,13 +122,15 @@ def pace(s: RubState, y: Yielding, h: float) -> None:
 
 
 @jit
-def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding | None, steady: Steady | None,
+def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding, steady: Steady,
          dim: int, slid: float, sums: Tally, out: Samples, h: float, time: float) -> None:  # fmt: skip
     """Record forces, gaps and events of this step; advance the gaps of q."""
+    law = False
+    if solver is not None:
+        law = gives_way(y)
     for j in range(tips(s, solver)):
-        if y is None:
-            if s.inside[j] == 0 and sums.closed[j] == 0 and sums.stuck[j] == 0:
-                continue  # far without force in the last step, too
+        if not law and s.inside[j] == 0 and sums.closed[j] == 0 and sums.stuck[j] == 0:
+            continue  # far without force in the last step, too
         R = j * dim
         s.force[j] = s.lam[R]
         before, predicted = 0.0, 0.0
@@ -139,7 +142,7 @@ def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding
             if dim > 1:
                 s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, rows.own, R + 1, j, s.q)))
             tip_motion(s.limits, s.free[j] - rows.clearance[j] - w.rigid[rows.place[j]])
-        if y is None:
+        if not law:
             if rows.steady and s.force[j] > 0.0:
                 s.gap[j] = 0.0  # what is left of it is round-off
             note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
@@ -153,8 +156,8 @@ def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding
             note_stick(sums, out, j, int(stuck), time)
             if tips(s, solver) == 1 and not stuck and s.force[j] > 0.0 and s.lam[R + 1] * slid > 0.0:
                 sums.reversals[j] += 1
-    if steady is not None:
-        if dim > 1:
+    if solver is not None:
+        if rows.steady and dim > 1:
             note_slips(s, rows, steady, dim, sums, out, time, h)
 
 
@@ -202,8 +205,8 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit
-def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
-          steady: Steady | None, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
+def close(s: RubState, rows: RubRows, coats: Coats, y: Yielding, blocks: ModalBlocks,
+          steady: Steady, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
     """Forces of the marked tips and of the tips that these forces close; returns their number, -1 without solution.
 
@@ -211,12 +214,11 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
     """
     while True:
         count = 1
-        if steady is not None:
-            if not solved and steady.roots.size > 0:
-                return close_all(s, rows, blocks, steady, w, share)
+        if not solved and steady.roots.size > 0:
+            return close_all(s, rows, blocks, steady, w, share)
         if not solved:
             interpolated = False
-            if steady is None:
+            if not rows.steady:
                 interpolated = enter_cell(s, rows, w, dim, share)
             count = gather(s, rows, blocks, w, dim, share, interpolated)
             if rows.turns and rows.few:
@@ -229,7 +231,7 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
 
 
 @jit
-def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: Steady, w: Work,
+def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks, steady: Steady, w: Work,
               share: float) -> int:  # fmt: skip
     """Forces of all frictionless contacts at once; returns the number that press, -1 without solution."""
     if not frictionless(s, steady):
@@ -243,29 +245,39 @@ def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: St
 
 
 @jit
-def settle(s: RubState, rows: RubRows, coats: Coats | None, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
+def settle(s: RubState, rows: RubRows, coats: Coats, blocks: ModalBlocks, w: Work, count: int, dim: int,
            share: float, slid: float, sums: Tally) -> None:  # fmt: skip
     """Add the forces to the increments, the gaps and the sums."""
     strains(s, rows, w, count, dim)
-    if coats is not None:
+    if coated(coats):
         flow(s, w, coats, count, dim)
     push(s, rows, w, count, dim)
-    if blocks is not None:
+    if couples(blocks):
         answer(s, blocks, w, s.contact)
     update_gaps(s, w, count, dim, share)
     add_works(s, rows, w, count, dim, slid, sums)
     assign(s.strain, w.strain, w.strain.size)
 
 
+@jit
+def skip(s: RubState, rows: RubRows, blocks: ModalBlocks, solver: Solver | None, flight: FreeFlight, w: Work,
+         angle: float, turn: float, room: int, sums: Tally) -> int:  # fmt: skip
+    """Take steps without contact at once; returns how many, or what `skip_ahead` returns where there are none."""
+    if solver is not None:
+        if couples(blocks):
+            return skip_coupled(s, rows, flight, w, angle, turn, room, sums)
+    return skip_ahead(s, rows, flight, w, angle, turn, room, sums)
+
+
 @jit_vectors
-def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None,
-                blocks: ModalBlocks | None, steady: Steady | None, solver: Solver | None, flight: FreeFlight, w: Work,
+def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, y: Yielding,
+                blocks: ModalBlocks, steady: Steady, solver: Solver | None, flight: FreeFlight, w: Work,
                 dim: int, averaged: bool, sums: Tally, out: Samples, h: float, first: int,
                 steps: int) -> int:  # fmt: skip
     """Take whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step.
 
-    Without `solver` there is a single tip with at most one slip direction, on a rigid surface. Time without contact is
-    skipped up to the next stored step; wear of a coating only widens the gap.
+    Without `solver` there is a single tip with at most one slip direction, on a rigid surface, of uncoupled modes. Time
+    without contact is skipped up to the next stored step; wear of a coating only widens the gap.
     """
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
@@ -285,10 +297,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if step >= retry and may_skip(s, sums):
             room = min(end - step, untouched(out, sums, step))
             skipped = -1
-            if blocks is None:
-                skipped = skip_ahead(s, rows, flight, w, angle, omega * h, room, sums) if room > 0 else -1
-            else:
-                skipped = skip_coupled(s, rows, flight, w, angle, omega * h, room, sums) if room > 0 else -1
+            if room > 0:
+                skipped = skip(s, rows, blocks, solver, flight, w, angle, omega * h, room, sums)
             retry = step - skipped
             if skipped > 0:
                 step += skipped
@@ -306,20 +316,23 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
         look_ahead(w.angles, ahead)
         propagate(s, laws, w.angles, t, omega, h)
-        if blocks is not None:
-            fly_coupled(s, blocks, w)
+        if solver is not None:
+            if couples(blocks):
+                fly_coupled(s, blocks, w)
         slid = 1.0 if rows.steady else base * h
         every = due(step, out.every, out.at, sums.filled[0])
         closing = find_near(s, laws, rows, w, solver, dim, share, every, step % AGAIN == 0 or tips(s, solver) > 1, t, h)
-        if coats is not None:
-            closing -= stand(s, laws, rows, w, coats, dim, angle)
-        if y is not None:
-            pace(s, y, h)
+        rigid = True
+        if solver is not None:
+            if coated(coats):
+                rigid = False
+                closing -= stand(s, laws, rows, w, coats, dim, angle)
+            if gives_way(y):
+                rigid = False
+                pace(s, y, h)
         done = UNSOLVED
-        if coats is None:  # branches that are left out of loops of another kind, and not compiled there
-            if y is None:
-                if closing == 1:
-                    done = alone(s, rows, blocks, w, solver, dim, share, slid, step, sums)
+        if rigid and closing == 1:
+            done = alone(s, rows, blocks, w, solver, dim, share, slid, step, sums)
         if solver is None:
             if closing > 0 and done != DONE:
                 return step
@@ -345,8 +358,9 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             for i in range(s.seen.size - modes):
                 s.seen[modes + i] = s.lam[i]
             store_state(sums, out, step, t, s.seen)
-        if blocks is not None:
-            works_of_coupling(s, blocks, w, sums)
+        if solver is not None:
+            if couples(blocks):
+                works_of_coupling(s, blocks, w, sums)
         if laws.spin.mode >= 0:
             spin_on(s, laws, rows, w.angles, dim, base, t, h, sums)
         advance_modes(s, sums)

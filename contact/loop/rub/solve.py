@@ -11,17 +11,17 @@ from contact.loop.rub.matrix import add_part, assemble, fill_factors, interpolat
 from contact.loop.rub.motion import felt, place_row, press_waves, push_waves, see_spare
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, waves_at
 from contact.loop.rub.series import fill_row
-from contact.loop.rub.state import ROUGH, ModalBlocks, RubState, Solver, Work
-from contact.solver.abradable.tips import Coats
+from contact.loop.rub.state import ROUGH, ModalBlocks, RubState, Solver, Work, couples
+from contact.solver.abradable.tips import Coats, coated
 from contact.solver.dense import affine, assign, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.yielding.several import yielding_forces
-from contact.solver.yielding.yields import Yielding
+from contact.solver.yielding.yields import Yielding, gives_way
 
 
 @jit
-def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float,
+def gather(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, dim: int, share: float,
            interpolated: bool) -> int:  # fmt: skip
     """Rows at t_n of the tips to solve for, and the factors of W unless `interpolated`; returns the number of tips."""
     count, w.slots[0] = 0, 0
@@ -47,7 +47,7 @@ def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim:
 
 
 @jit
-def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, dim: int, share: float,
+def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, j: int, dim: int, share: float,
               interpolated: bool) -> None:  # fmt: skip
     """Set the next slot to the position of tip j."""
     p, slot, now, n = rows.place[j], w.slots[0], w.side[0], w.turn.size
@@ -82,7 +82,7 @@ def place_now(rows: RubRows, w: Work, j: int) -> None:
 
 
 @jit
-def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | None, y: Yielding | None, count: int,
+def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats, y: Yielding, count: int,
           dim: int, share: float, slid: float, interpolated: bool) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`; gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
@@ -93,26 +93,21 @@ def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | No
     else:
         known(rows, w, size)
     start(s, rows, w, count, dim, slid)
-    if coats is None:
-        if y is None:
-            solved = rigid(s, w, solver, count, dim, not rows.steady)
-        else:
-            solved = yielding_forces(
-                None, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
-            )
-    else:
+    if coated(coats) or gives_way(y):
         solved = yielding_forces(
-            coats, None, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
+            coats, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
         )
+    else:
+        solved = rigid(s, w, solver, count, dim, not rows.steady)
     if not solved:
         s.counts[3] = ROUGH
         return False
     affine(w.W, w.lam, w.b, w.motion, size)
-    if coats is not None:
+    if coated(coats):
         for a in range(count):
             coats.memory[w.chosen[a], 2] = w.depth[a]
             w.motion[a * dim] += w.depth[a]
-    if y is not None:
+    if gives_way(y):
         for a in range(count):
             y.depth[w.chosen[a]] = w.depth[a]
             w.motion[a * dim] += w.depth[a]
@@ -171,7 +166,7 @@ def hand_over(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None
 
 
 @jit
-def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
+def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, count: int, dim: int,
                  share: float) -> bool:  # fmt: skip
     """Whether the forces close tips that were left out; marks these, and records the gaps of the others."""
     grown = False
@@ -183,14 +178,14 @@ def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work
 
 
 @jit
-def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
+def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, count: int, dim: int,
               share: float) -> None:  # fmt: skip
     """Gaps of the tips that were left out, under the forces of the chosen ones."""
-    if blocks is not None:
+    if couples(blocks):
         fill_some(blocks.casing, w.pushed, 0, w.normal_moves)
     if rows.many:
         law(s.c, w.pushed, 1.0, w.spare)
-        if blocks is not None:
+        if couples(blocks):
             add_part(w.normal_moves, 1.0, w.spare)
         see_spare(rows, w, dim, 0, 1)
     for j in range(s.mu.size):
@@ -201,7 +196,7 @@ def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, c
             casing = felt(w.motion_waves, rows.line[j] * dim * w.turn.size, w.waves[ahead, p])
         else:
             casing = weighted(w.normal[ahead, p], s.c, w.pushed)
-            if blocks is not None:
+            if couples(blocks):
                 casing += product(w.normal[ahead, p], w.normal_moves)
         if not rows.steady:
             casing += dot(rows.fixed[R], s.lam, s.lam.size)

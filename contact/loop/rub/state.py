@@ -25,7 +25,7 @@ JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; f
 class ModalBlocks(NamedTuple):
     """Coupling of modes, as rows by blocks of eight, over w entries of all modes or `width` of the casing's.
 
-    For coupled modes, `al`, `be`, `c` and `weight` of the state are zero.
+    For coupled modes, `al`, `be`, `c` and `weight` of the state are zero. Without any the blocks have no entries.
     """
 
     free: RowBlocks  # (w, 2 w): D and q to the increment without forces
@@ -145,6 +145,12 @@ class Solver(NamedTuple):
 
     all_sliding: AllSliding
     room: Room  # of the friction solver
+
+
+@jit_inside
+def couples(blocks: ModalBlocks) -> bool:
+    """Whether modes are coupled."""
+    return bool(blocks.casing.start.size > 0)
 
 
 @jit_inside

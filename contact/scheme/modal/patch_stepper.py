@@ -18,6 +18,7 @@ from contact.model.bodies.patch import Patch
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
+from contact.scheme.modal.absent import absent
 from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
 from contact.scheme.modal.free_flight import no_flight
@@ -73,9 +74,10 @@ class PatchStepper(ExactRun):
         """Advance by whole steps; returns -1, or the step that failed."""
         from contact.loop.rub.rub import advance_rub
 
+        none = absent()
         failed = advance_rub(
-            self.wide, self.laws, self.rows, None, self.y, self.coupled, self.steady, self.solver, self.flight,
-            self.work, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps,
+            self.wide, self.laws, self.rows, none.coats, self.y or none.law, self.coupled or none.blocks, self.steady,
+            self.solver, self.flight, self.work, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps,
         )  # fmt: skip
         self.solver.room.otherwise.pass_on()
         return failed

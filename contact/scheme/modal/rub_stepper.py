@@ -20,6 +20,7 @@ from contact.record.energy import Stored
 from contact.record.record import Samples, tally
 from contact.record.spin import SpinBudget
 from contact.record.wear import Wear
+from contact.scheme.modal.absent import absent
 from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.blocks import OF_MODES, narrowed, whole, widened
 from contact.scheme.modal.free_flight import free_flight
@@ -119,9 +120,13 @@ class RubStepper(ExactRun):
 
         if not self.given:
             a = self.arrays
-            parts = (self.wide, a.laws, a.rows, coats, self.y, self.coupled, a.solver, self.flight, a.work, self.sums)
+            none = absent()
+            parts = (
+                self.wide, a.laws, a.rows, coats or none.coats, self.y or none.law, self.coupled or none.blocks,
+                none.steady, a.solver, self.flight, a.work, self.sums,
+            )  # fmt: skip
             self.given.extend(map(bundled, parts))
-        state, laws, rows, coating, y, coupled, solver, flight, work, sums = self.given
+        state, laws, rows, coating, y, coupled, steady, solver, flight, work, sums = self.given
         failed, at, end = -1, first, first + steps
         while failed < 0 and (at < end or at == first):
             count = end - at
@@ -129,7 +134,7 @@ class RubStepper(ExactRun):
                 self._turn(at // self.speeds.stretch)
                 count = min(count, self.speeds.stretch - at % self.speeds.stretch)
             failed = advance_rub(
-                state, laws, rows, coating, y, coupled, None, solver, flight, work, self.dimensions, self.averaged,
+                state, laws, rows, coating, y, coupled, steady, solver, flight, work, self.dimensions, self.averaged,
                 sums, out, self.dt, at, count,
             )  # fmt: skip
             at += max(count, 1)

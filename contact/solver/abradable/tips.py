@@ -117,7 +117,7 @@ class Coats(NamedTuple):
     """Tracks of bars; the bars of track k are worn[start[k]:start[k + 1]]; K tips, tip j on track[j].
 
     Per track: `round`, `mean`, `stiffness`, `yield_force`, `hardening`; the others as in `Coating`, `memory` (K, 3).
-    `first` bar under each tip now and the `cut` there.
+    `first` bar under each tip now and the `cut` there. Without a coating there are no tracks.
     """
 
     worn: Array
@@ -133,6 +133,12 @@ class Coats(NamedTuple):
     memory: Array
     first: Indices
     cut: Array
+
+
+@jit
+def coated(c: Coats) -> bool:
+    """Whether there is a coating."""
+    return bool(c.track.size > 0)
 
 
 @jit

@@ -14,13 +14,13 @@ import math
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
-from contact.solver.abradable.tips import Coats, borne, coating_of, settled, surface
+from contact.solver.abradable.tips import Coats, borne, coated, coating_of, settled, surface
 from contact.solver.dense import affine, assign
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.friction.room import BEHIND, GUESS, MOTION, SOFT, Room
-from contact.solver.yielding.yields import Yielding, bears, pressed
+from contact.solver.yielding.yields import Yielding, bears, gives_way, pressed
 
 MOST = 200  # Newton steps: a few do
 NEAR = 1e-11  # of the largest depth or gap: largest error of the depths
@@ -29,15 +29,15 @@ CLOSER, LONGER, SHORTEST = 0.9, 1.3, 1.0 / 32.0  # error to reach; growth of the
 
 
 @jit
-def alone(c: Coats | None, y: Yielding | None, k: int, D: float, gap: float) -> tuple[float, float, float]:
+def alone(c: Coats, y: Yielding, k: int, D: float, gap: float) -> tuple[float, float, float]:
     """Depth of contact k alone, its force and slope > 0; for an open contact the slope at first touch."""
-    if c is not None:
+    if coated(c):
         tip, first, cut = coating_of(c, k), c.first[k], c.cut[k]
         low = surface(tip, first, cut)
         depth = settled(tip, first, cut, D, gap) if -gap > low else low
         force, slope = borne(tip, first, cut, depth)
         return depth, force, max(slope, FLAT * tip.stiffness) if force > 0.0 else tip.stiffness
-    if y is not None and gap < 0.0:
+    if gap < 0.0 and gives_way(y):
         depth = pressed(y, k, D, gap)
         if depth == 0.0:
             return 0.0, -gap / D, 1.0 / (FLAT * D)
@@ -48,7 +48,7 @@ def alone(c: Coats | None, y: Yielding | None, k: int, D: float, gap: float) -> 
 
 
 @jit
-def yielding_forces(c: Coats | None, y: Yielding | None, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
+def yielding_forces(c: Coats, y: Yielding, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
                     count: int, force: Array, depth: Array, start: AllSliding, room: Room) -> bool:  # fmt: skip
     """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) that satisfy both laws.
 

@@ -33,8 +33,8 @@ class ByDepth(ByAddress):
 
     kind: Any = PAIR(types.float64, types.float64, VECTOR)
 
-    def __init__(self, function: Function) -> None:
-        super().__init__(used=True)
+    def __init__(self, function: Function, *, used: bool = True) -> None:
+        super().__init__(used=used)
         self.function = function
 
     def __call__(self, depth: float, rate: float, values: Array) -> tuple[float, float]:
@@ -49,7 +49,10 @@ class ByDepth(ByAddress):
 
 
 class Yielding(NamedTuple):
-    """The law of K contacts, with the depths [m] of the last two steps and the terms of the rate of each."""
+    """The law of K contacts, with the depths [m] of the last two steps and the terms of the rate of each.
+
+    Rigid surfaces have none: K = 0.
+    """
 
     law: ByDepth
     values: Array
@@ -65,6 +68,12 @@ def yielding(law: ByDepth, values: Array, now: Array, before: Array) -> Yielding
     return Yielding(
         law=law, values=values, rate=np.zeros((now.size, 2)), past=past, depth=np.zeros(now.size), steepest=np.zeros(1)
     )
+
+
+@jit
+def gives_way(y: Yielding) -> bool:
+    """Whether the contacts have a law."""
+    return bool(y.depth.size > 0)
 
 
 @jit
