@@ -21,7 +21,8 @@ import casingfem as cf
 from casingfem.io import probe
 
 # On an empty cache a loop takes longer to compile than its tests to run. Files that compile the same loops go to one
-# process and go first, so that no two processes compile the same thing; what comes later finds the loops compiled.
+# process and go first, so that no two processes compile the same thing; what comes later finds the loops compiled. The
+# loop of several contacts is that of the first file: the other group comes to it last.
 # Files that need a browser go to one process, which starts one.
 LOOPS = {
     "several contacts": [
@@ -40,14 +41,14 @@ LOOPS = {
     ],
     "one contact": [
         "test_rim.py",
-        "test_interaction.py",
         "test_run_many.py",
-        "test_stability.py",
-        "test_wear.py",
         "test_beam.py",
         "test_record.py",
         "test_exact_modal.py",
         "test_scene.py",
+        "test_interaction.py",
+        "test_stability.py",
+        "test_wear.py",
         "test_docs.py",
     ],
     "browser": ["test_picture_gate.py", "test_plot_report.py", "test_pages_in_a_browser.py"],

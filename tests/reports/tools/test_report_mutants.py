@@ -258,7 +258,7 @@ def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     assert (campaign.root / "tiny/module.py").read_text("utf-8") == SOURCE
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_what_tests_run_is_recorded_and_decides_which_of_them_judge(campaign: Campaign) -> None:
     """Those that run a function; of what Python does not run itself, those that run its user."""
     more = {
@@ -302,7 +302,7 @@ def test_time_that_is_spent_leaves_tests_out(campaign: Campaign) -> None:
     assert [(one["killed"], one["ran"], one["left_out"]) for one in kept] == [(False, [], 3)]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_tests_left_out_of_a_survivor_run_again_with_more_time(campaign: Campaign, monkeypatch) -> None:
     (campaign.root / "tests/test_module.py").write_text(ONE.replace("== 7", "== 2"), encoding="utf-8")
     monkeypatch.setattr("reports.tools.mutants.judge.PATIENCE", 1e9)
@@ -333,7 +333,7 @@ def test_what_cannot_be_asked_for(asked: list[str], words: str, capsys: pytest.C
     assert words in capsys.readouterr().err
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_tests_that_cannot_be_collected_kill_nothing(campaign: Campaign) -> None:
     """A missing name would stop every mutant's run, and pass for what the mutant did."""
     (campaign.root / "tests/test_module.py").write_text(TESTS.replace("seen, unseen", "seen, unseen, gone"), "utf-8")

@@ -87,11 +87,11 @@ def test_every_visible_peak_of_many_is_in_the_answer_once():
     assert found.sure.all()
 
 
-@pytest.mark.slow
-def test_noise_that_channels_share_makes_no_mode_and_its_intervals_keep():
-    """Half of the noise is common to all channels, and alike on three lines."""
+@pytest.mark.parametrize("seeds", [3, pytest.param(24, marks=pytest.mark.campaign)])
+def test_noise_that_channels_share_makes_no_mode_and_its_intervals_keep(seeds):
+    """Half of the noise is common to all channels, and alike on three lines; intervals are judged by many draws."""
     x, errors = np.arange(80.0, 120.0, 0.1), []
-    for seed in range(24):
+    for seed in range(seeds):
         rng = np.random.default_rng(seed)
         frfs = receptances(x, [(100.0, 0.004, np.array([1.0, -0.5, 0.8, 0.6]))])
         common, own = (rng.standard_normal((2, k, len(x) + 2)) for k in (1, 4))
@@ -101,7 +101,7 @@ def test_noise_that_channels_share_makes_no_mode_and_its_intervals_keep():
         assert found.sure.sum() == 1, seed
         k = int(np.flatnonzero(found.sure)[0])
         errors.append([(found.freq[k] - 100.0) / found.sigma_freq[k], (found.zeta[k] - 0.004) / found.sigma_zeta[k]])
-    assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(1.0, abs=0.35)
+    assert seeds < 24 or np.sqrt(np.mean(np.square(errors))) == pytest.approx(1.0, abs=0.35)
 
 
 @pytest.mark.slow
