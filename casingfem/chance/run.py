@@ -21,6 +21,7 @@ from contact.base.errors import InputError
 from contact.io.infiles import read_bytes
 from contact.io.npz import load_npz, write_npz
 from contact.io.outfiles import json_text, write_atomic
+from contact.io.workers import forks
 from contact.scene.problems import SceneError
 from contact.sweep.spread import on_workers
 
@@ -87,6 +88,8 @@ def run_draws(
     resumed = sum(len(range(*lot_of(name, given))) for name in kept if not name.startswith(DESIGN))
     missing = [name for name in names if name not in kept]
     parts = [Part(str(given.path), json_text(given.source), name) for name in (PAIRS, *missing)]
+    if missing and scheduler is None and forks():
+        drawing_of(parts[0].path, parts[0].source)  # workers start with the perfect casing instead of solving it
     with one_thread():
         for name, found in on_workers(parts, compute, processes or usable_cores(), scheduler):
             if store is not None and name != PAIRS:
@@ -187,7 +190,7 @@ def compute(part: Part) -> tuple[str, Lot]:
 
 @lru_cache(maxsize=1)
 def drawing_of(path: str, source: str) -> Drawing:
-    """The scene with its perfect casing, which is solved once in each process."""
+    """The scene with its perfect casing; a process that `forks` has it from its parent."""
     given = load_chance(path)
     if json_text(given.source) != source:
         found = "found a scene, study or version in a worker process that differs from that of the command"

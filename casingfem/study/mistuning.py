@@ -32,7 +32,7 @@ from casingfem.study.load import Study, load_shell_study
 from casingfem.study.problems import StudyError
 from contact.io.infiles import read_bytes
 from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
-from contact.io.workers import KilledWorkersError, in_processes
+from contact.io.workers import KilledWorkersError, forks, in_processes
 
 PERFECT = range(0)  # in place of draws: the casing without random fields
 CHECKED = 50  # draws 0, 50, 100, 200, 400 and so on are also solved in full, and the difference reported
@@ -95,6 +95,8 @@ def run_mistune(
     missing = [chunk for chunk in chunks if chunk.start not in kept]
     parts = [Part(str(study.path), study.source["sha256"], chunk) for chunk in (PERFECT, *missing)]
     done, perfect = resumed, list[Pair]()
+    if missing and forks():
+        worker_of(str(study.path), study.source["sha256"])  # workers start with the map instead of making their own
     try:
         with one_thread():
             for chunk, found in in_processes(parts, compute, processes or usable_cores()):
@@ -206,7 +208,7 @@ def compute(part: Part) -> tuple[range, dict[str, Any]]:
 
 @lru_cache(maxsize=1)
 def worker_of(path: str, digest: str) -> WorkerState:
-    """The study, and the map from its draws to their modes, made once in each process."""
+    """The study, and the map from its draws to their modes; a process that `forks` has it from its parent."""
     study = load_shell_study(path)
     if study.source["sha256"] != digest:
         found = "found another study in a worker process than in the command"

@@ -15,32 +15,34 @@ class Monomials(NamedTuple):
     Attributes
     ----------
     factor : indices into x, one row for each product, ascending, (products, degree)
-    value : (products, sums)
+    value : (products, sums), in the precision of x
     """
 
     factor: IntArray
     value: FloatArray
 
     def sums(self, x: Array) -> Array:
-        """The sums of each case, (sums, cases), for coefficients x (X, cases)."""
+        """The sums of each case, (sums, cases), for coefficients x (X, cases), in the precision of x."""
         product = x[self.factor[:, 0]]
         for place in self.factor.T[1:]:
             product *= x[place]
-        parts = self.value.T @ product.view(float)  # real and imaginary parts side by side
-        return np.asarray(parts.view(complex))
+        parts = self.value.T @ product.view(self.value.dtype)  # real and imaginary parts side by side
+        return np.asarray(parts.view(x.dtype))
 
 
 def collected(
     factor: IntArray, value: FloatArray, size: FloatArray, scale: FloatArray, square: FloatArray
 ) -> Monomials:
-    """Sums for K, then for M; each product once, without the smallest ones, which are together below `LEFT` of `scale`.
+    """Sums for K, then for M if given; each product once.
+
+    The smallest products are left out, which are together below `LEFT` of `scale`.
 
     Parameters
     ----------
     factor
         Products, (products, degree).
     value
-        Their K and M in each number, (products, 2, numbers).
+        Their K and M, or K alone, in each number, (products, 2 or 1, numbers).
     size
         Root mean square of each coefficient, (X,).
     scale
@@ -57,10 +59,11 @@ def collected(
     weight = np.divide(weight, scale, out=np.zeros_like(weight), where=scale > 0.0).max(axis=1, initial=0.0)
     order = np.argsort(weight)
     kept: IntArray = np.sort(order[np.cumsum(weight[order]) > LEFT])
-    return Monomials(np.asarray(factor[kept], dtype=np.int64), summed[kept].reshape(len(kept), 2 * len(scale)))
+    sums = value.shape[1] * len(scale)
+    return Monomials(np.asarray(factor[kept], dtype=np.int64), summed[kept].reshape(len(kept), sums))
 
 
 def weights(factor: IntArray, value: FloatArray, size: FloatArray, square: FloatArray) -> FloatArray:
     """Usual size of each product in K, with that in M times omega^2, (products, numbers)."""
-    both = np.abs(value[:, 0]) + square * np.abs(value[:, 1])
+    both = np.abs(value[:, 0]) + square * np.abs(value[:, 1:]).sum(axis=1)
     return np.asarray(both * np.prod(size[factor], axis=1)[:, None])

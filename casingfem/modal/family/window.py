@@ -8,7 +8,8 @@ Trial motions are the waves u_a with their first-order response, v_a = u_a + sum
     3  <u_b|D_3|u_a> + <u_b|D_2|X_a> + <X_b|D_2|u_a> + <X_b|D_1|X_a>
 
 each a sum over the intermediate harmonics between a and b. K and M have separate terms of the first and second power.
-In the third power w^2 is the mean of both waves. The minimum of Rayleigh's quotient is then accurate to third order.
+The third power is computed between wanted waves alone: between others its effect is of fourth order. In it w^2 is the
+mean of both waves. The minimum of Rayleigh's quotient is then accurate to third order.
 """
 
 from dataclasses import dataclass
@@ -16,9 +17,11 @@ from itertools import product
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.modal.family.expansion import Expansion, between, second_order
+from casingfem.modal.family.members import members_from
 from casingfem.modal.family.monomials import Monomials, collected, weights
 from casingfem.modal.family.point_forms import (
     Forms,
@@ -52,14 +55,18 @@ class Alike(NamedTuple):
 
     Attributes
     ----------
-    b, a, sense : (numbers,)
-    powers : products of one, two and three harmonics; their sums are K of all numbers, then M
+    first, second : products of one and two harmonics; their sums are K of all numbers, then M
+    third : products of three; their sums are K - w^2 M of the numbers between wanted waves, in single precision
     """
 
-    b: IntArray
-    a: IntArray
-    sense: IntArray
-    powers: tuple[Monomials, ...]
+    first: Monomials
+    second: Monomials
+    third: Monomials
+
+    def low(self, x: Array) -> Array:
+        """K and M to second order of casings with coefficients x, (2, numbers, casings)."""
+        both = self.first.sums(x) + self.second.sums(x)
+        return both.reshape(2, -1, x.shape[1])
 
 
 class Window(NamedTuple):
@@ -76,6 +83,7 @@ class Window(NamedTuple):
     own : number of wanted waves, the lowest; the others only mix with them
     kept : members, cosine k as k and sine k as waves + k, ascending, (members,)
     between : numbers between the waves
+    members, members_of_third : from these numbers, and from those of the third power, to matrices on the members
     """
 
     waves: IntArray
@@ -84,6 +92,8 @@ class Window(NamedTuple):
     own: int
     kept: IntArray
     between: tuple[Alike, ...]
+    members: csr_array
+    members_of_third: csr_array
 
     @property
     def of(self) -> IntArray:
@@ -159,7 +169,9 @@ def window_of(
             alike.setdefault(int(n[b] + n[a]), []).append((b, a, 1))
     between = tuple(alike_of(terms, np.array(entries), size.ravel()) for entries in alike.values())
     kept = np.concatenate([np.flatnonzero(~torsion), len(n) + np.flatnonzero((n > 0) | torsion)])
-    return Window(forth, n, own.waves.value[forth], answers, kept, between)
+    numbers = np.concatenate([np.array(entries) for entries in alike.values()])
+    members, members_of_third = (members_from(part, n, kept) for part in (numbers, numbers[terms.wanted(numbers)]))
+    return Window(forth, n, own.waves.value[forth], answers, kept, between, members, members_of_third)
 
 
 def torsional(waves: Waves, which: IntArray) -> BoolArray:
@@ -171,16 +183,18 @@ def torsional(waves: Waves, which: IntArray) -> BoolArray:
 
 def alike_of(terms: "Terms", entries: IntArray, size: FloatArray) -> Alike:
     """Numbers (b, a, sense) with the same difference of nodal diameters, (numbers, 3)."""
-    b, a, sense = entries.T
-    step = terms.step(*entries[0].tolist())
-    scale, powers = np.zeros(len(b)), list[Monomials]()
+    (b, a, _), step = entries.T, terms.step(*entries[0].tolist())
     square = np.sqrt(np.maximum(terms.low.value[b] * terms.low.value[a], 0.0))
-    for degree, values_of in enumerate((terms.first, terms.second, terms.third), 1):
+    scale, powers, every = np.zeros(len(b)), list[Monomials](), np.arange(len(b))
+    plan = ((terms.first, every, 2), (terms.second, every, 2), (terms.third, np.flatnonzero(terms.wanted(entries)), 1))
+    for degree, (values_of, own, kinds) in enumerate(plan, 1):
         factor = products_of(step, degree, len(terms.own.quantities), terms.own.p_max)
-        value = np.stack([values_of(*each) for each in entries.tolist()], axis=-1)  # (products, 2, numbers)
-        scale = np.maximum(scale, weights(factor, value, size, square).max(axis=0, initial=0.0))
-        powers.append(collected(factor, value, size, scale, square))
-    return Alike(b, a, sense, tuple(powers))
+        value = np.array([values_of(*each) for each in entries[own].tolist()]).reshape(len(own), len(factor), kinds)
+        value = np.moveaxis(value, 0, -1)
+        scale[own] = np.maximum(scale[own], weights(factor, value, size, square[own]).max(axis=0, initial=0.0))
+        powers.append(collected(factor, value, size, scale[own], square[own]))
+    first, second, third = powers
+    return Alike(first, second, third._replace(value=third.value.astype(np.float32)))
 
 
 def products_of(step: int, degree: int, lines: int, p_max: int) -> IntArray:
@@ -217,7 +231,7 @@ class Terms:
     direct : K_2 and M_2 of only the second derivatives
     between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a; all others have X by harmonic, -p_max to p_max
     first_right, first_left : <u|D_1|X>, <X|D_1|u> for each slot: stiffness and mass
-    first_both : <X|D_1|X> for each slot, with wanted waves on the left, like all that follow
+    first_both : <X|D_1|X> for each slot, with wanted waves on both sides, like all that follow
     second_right, second_left : <u|D_2|X>, <X|D_2|u> for each two slots
     third_none : <u|D_3|u> for each three slots
     """
@@ -242,10 +256,12 @@ class Terms:
     ) -> "Terms":
         """Terms of some waves, the first `pairs` of which are +n."""
         low, X = own.waves.chosen(waves), real_jets(own.answers[..., waves])  # (l, ways, points 15, waves)
+        both = np.concatenate([np.arange(answers), pairs + np.arange(answers)])
         near, jets, ways = by_harmonic(own, X, low.n), real_jets(low.jets), range(X.shape[1])
         right, left, u = columns(near), columns(near[..., :pairs]), Columns(jets, (len(waves),))
-        own_left, own_u = columns(near[..., :answers]), Columns(jets[:, :answers], (answers,))
         u_left = Columns(jets[:, :pairs], (pairs,))
+        own_left, own_right = columns(near[..., :answers]), columns(near[..., both])
+        own_u_left, own_u = Columns(jets[:, :answers], (answers,)), Columns(jets[:, both], (2 * answers,))
         at_way = [inner(columns(X[:, k : k + 1, :, :pairs]), forms.none, columns(X[:, k : k + 1])) for k in ways]
         parts = [np.array([pair[kind][:, 0, :, :, 0] for pair in at_way]) for kind in (0, 1)]
         return cls(
@@ -258,16 +274,20 @@ class Terms:
             between_answers=np.array(parts),
             first_right=[inner(u_left, form, right) for form in forms.first],
             first_left=[inner(left, form, u) for form in forms.first],
-            first_both=[single(inner(own_left, form, right)) for form in forms.first],
-            second_right={slots: single(inner(own_u, form, right)) for slots, form in forms.turned.items()},
-            second_left={slots: single(inner(own_left, form, u)) for slots, form in forms.turned.items()},
-            third_none={slots: inner(own_u, form, u) for slots, form in forms.third.items()},
+            first_both=[single(inner(own_left, form, own_right)) for form in forms.first],
+            second_right={slots: single(inner(own_u_left, form, own_right)) for slots, form in forms.turned.items()},
+            second_left={slots: single(inner(own_left, form, own_u)) for slots, form in forms.turned.items()},
+            third_none={slots: inner(own_u_left, form, own_u) for slots, form in forms.third.items()},
         )
 
     @property
     def answers(self) -> int:
         """Number of wanted waves."""
         return int(self.first_both[0][0].shape[2])
+
+    def wanted(self, entries: IntArray) -> BoolArray:
+        """Whether both waves of numbers (b, a, sense) are wanted, (numbers,)."""
+        return np.asarray(entries[:, :2].max(axis=1) < self.answers)
 
     def wave(self, pair: int, sense: int) -> int:
         """Index of a wave or of its conjugate."""
@@ -310,24 +330,16 @@ class Terms:
         return np.asarray(self.turn[a] * np.concatenate(values))
 
     def third(self, b: int, pair: int, sense: int) -> FloatArray:
-        """Terms of third power, zero if none of both waves is wanted; those of M are included in K."""
-        p_max, step = self.own.p_max, self.step(b, pair, sense)
-        used = np.all(np.abs(remaining(step, 3, p_max)) <= p_max, axis=0)
-        fields = range(len(self.own.quantities))
-        value = np.zeros((len(fields) ** 3, np.count_nonzero(used), 2))
-        if min(b, pair) < self.answers:
-            swapped = b >= self.answers
-            for part, lines in zip(value, product(fields, repeat=3), strict=True):
-                # K[b, -a] is K[a, -b], and K[b, a] the conjugate of K[a, b], with harmonics -p instead of p
-                found = self.third_of(lines, pair, b, sense) if swapped else self.third_of(lines, b, pair, sense)
-                part[:, 0] = (found[::-1, ::-1] if swapped and not sense else found).ravel()[used]
-        return value.reshape(-1, 2)
+        """Terms of third power of D = K - w^2 M between two wanted waves, (products, 1)."""
+        used = np.all(np.abs(remaining(self.step(b, pair, sense), 3, self.own.p_max)) <= self.own.p_max, axis=0)
+        every = product(range(len(self.own.quantities)), repeat=3)
+        return np.concatenate([self.third_of(lines, b, pair, sense).ravel()[used] for lines in every])[:, None]
 
     def third_of(self, lines: tuple[int, ...], b: int, pair: int, sense: int) -> FloatArray:
-        """Terms of third power of D = K - w^2 M for three fields, by the first harmonic and the third."""
-        a, (first, second, third) = self.wave(pair, sense), lines
+        """Terms of third power for three fields, by the first harmonic and the third."""
+        wave, a, (first, second, third) = self.wave(pair, sense), pair + sense * self.answers, lines
         p = np.arange(-self.own.p_max, self.own.p_max + 1)
-        square = 0.5 * float(self.low.value[a] + self.low.value[b])
+        square = 0.5 * float(self.low.value[wave] + self.low.value[b])
         p2 = self.step(b, pair, sense) - np.add.outer(p, p)
         powers = p ** np.arange(3)[:, None]
 
@@ -346,7 +358,7 @@ class Terms:
                 before = 0.5 * D(self.second_left[r, s], third, slice(None, None, -1), b, a)
                 own += np.outer(powers[self.order(r)], before)
             found += p2 ** self.order(s) * own
-        return np.asarray(self.turn[a] * found)
+        return np.asarray(self.turn[wave] * found)
 
     def order(self, slot: int) -> int:
         """Order of the derivative of a slot."""
