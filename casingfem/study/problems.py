@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.tables.tasks import StudyFile
 from contact.io.plausible import question
-from contact.io.tables import keys, kinds, models_at, resolved, unknown, value_of
+from contact.io.tables import keys, kinds, models_at, resolved, unknown, value_of, wanted
 from contact.io.toml import written
 
 T = TypeVar("T")
@@ -127,7 +127,7 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     if kind == "extra_forbidden":
         return f"{key}: found an unknown key, {unknown(str(loc[-1]), models)}"
     if kind == "missing":
-        return f"{key}: found nothing, expected {meaning}"
+        return f"{key}: found nothing, expected {wanted(str(loc[-1]), models)}"
     if kind == "union_tag_not_found":
         known = [name for m in models_at([StudyFile], loc, data) for name in kinds(m)]
         return f"{key}.kind: found nothing, expected one of {', '.join(known)}"

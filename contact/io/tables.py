@@ -173,6 +173,26 @@ def unknown(name: str, models: Sequence[Model]) -> str:
     return f"expected one of {', '.join(known)}{hint(name, known)}"
 
 
+def wanted(name: str, models: Sequence[Model]) -> str:
+    """Text for a missing key: the values of a choice with the meaning in parentheses, otherwise the meaning.
+
+    >>> from pydantic import Field
+    >>> class Wall(BaseModel):
+    ...     side: Literal["in", "out", "both"] = Field(description="side of the layer")
+    ...     thickness: float = Field(description="thickness [m]")
+    >>> wanted("side", [Wall]), wanted("thickness", [Wall])
+    ('"in", "out" or "both" (side of the layer)', 'thickness [m]')
+    """
+    info = next((keys(m)[name] for m in models if name in keys(m)), None)
+    if info is None:
+        return ""
+    meaning = info.description or ""
+    if get_origin(info.annotation) is not Literal:
+        return meaning
+    choice = " or ".join(words(info.annotation).rsplit(", ", 1))
+    return f"{choice} ({meaning})" if meaning else choice
+
+
 def type_words(info: FieldInfo) -> str:
     """Types and bounds of a key's values, in words.
 

@@ -73,7 +73,7 @@ def validated(model: type[Model], data: Any, file: Path, table: str = "") -> Mod
 def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], table: str = "") -> str:
     """Format one pydantic error of a table's `data` as file: key: found, expected."""
     from contact.io.plausible import question
-    from contact.io.tables import keys, models_at, resolved, unknown
+    from contact.io.tables import keys, kinds, models_at, resolved, unknown, wanted
 
     path = resolved(detail["loc"], detail["type"], data)
     models = models_at([model], path[:-1], data)
@@ -82,9 +82,11 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
     if detail["type"] == "extra_forbidden":
         return f"{file}: {key}: unknown key, {unknown(str(path[-1]), models)}"
     if detail["type"] == "missing":
-        return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
+        expected = wanted(str(path[-1]), models) if path else ""
+        return f"{file}: {key}: missing{f', expected {expected}' if expected else ''}"
     if detail["type"] == "union_tag_not_found":
-        return f"{file}: {key}.kind: missing, expected the kind of {key}"
+        known = [name for m in models_at([model], path, data) for name in kinds(m)]
+        return f"{file}: {key}.kind: missing, expected one of {', '.join(known)}"
     if detail["type"] == "union_tag_invalid":
         found, tags = detail["ctx"]["tag"], detail["ctx"]["expected_tags"].replace("'", "")
         return f"{file}: {key}.kind: found {found!r}, expected one of {tags}"

@@ -52,6 +52,10 @@ def told(tmp_path):
     [
         (THIN.replace("[material]", "[matter]"), r"(?s)material: found nothing.*matter: found an"),
         (CASING.replace('kind = "frustum"\n', ""), "chart.kind: found nothing, expected one of .*frustum"),
+        (
+            CASING + "[[imperfection]]\nsurvey = 's.csv'\n",
+            'of: found nothing, expected "radius", "thickness", "modulus" or "density" ',
+        ),
         (CASING.replace('"frustum"', '"cone"'), "chart.kind: found 'cone', expected one of .*frustum"),
         (CASING.replace("[material]", "material = 3\n[m]"), "material: found 3, expected a table"),
         (CASING.replace("thickness = 3.0e-3", "thickness = 0.0"), "thickness: found 0.0, expected greater than 0"),

@@ -108,7 +108,7 @@ def test_stability_has_the_slope_of_the_law_as_a_spring_at_the_tip(folder):
         ('[law]\nkind = "table"\ndepth = [0.0, 1e-4]\nforce = [0.0, -1.0]\n', r"law.*force"),
         ('[law]\nkind = "table"\ndepth = [0.0, 1e-4, 1e-4]\nforce = [0.0, 1.0, 2.0]\n', r"law.*depth: found 0.0001 at"),
         ('[law]\nkind = "rubber"\n', r"law.kind.*'rubber'.*spring"),
-        ("[law]\nstiffness = 1e6\n", r"law.kind: missing"),
+        ("[law]\nstiffness = 1e6\n", r"law.kind: missing, expected one of spring, hertz, table"),
         (SPRING + COATING, r"law and coating found"),
     ],
 )  # fmt: skip
