@@ -100,7 +100,7 @@ def sentence(code: str, message: str) -> str:
     """The finding, the remedy, and the code.
 
     >>> print(sentence("mesh-coarse", "rows: found 1 row"))
-    rows: found 1 row: ask for more elements or a higher order, for fewer modes, or leave [mesh] out [mesh-coarse]
+    rows: found 1 row: use more elements or a higher order, ask for fewer modes, or leave [mesh] out [mesh-coarse]
     """
     return f"{message}: {CATALOGUE[code].remedy} [{code}]"
 

@@ -2,31 +2,33 @@
 
 MESHES = {
     "cyclic-axis": (
-        "the sector turns about another axis than that of the wheel it belongs to",
+        "the sector rotates about another axis than that of [cyclic]",
         "give [rotation] and [cyclic] the same axis and point",
     ),
     "cyclic-diameters": (
-        "the wheel has no such nodal diameters",
-        "name some of 0 to half the number of sectors, or leave cyclic.nodal_diameters out",
+        "the wheel does not have these nodal diameters",
+        "give nodal diameters from 0 to half the number of sectors, or leave cyclic.nodal_diameters out",
     ),
     "cyclic-faces": (
-        "the two faces of a sector do not match: nodes or facets of one, turned, do not lie on those of the other",
-        "mesh one face as a copy of the other (periodic in the mesher), name both by faces, or raise the tolerance",
+        "the two faces of a sector do not match: nodes or facets of one, rotated by one sector, do not lie on those "
+        "of the other",
+        "mesh one face as a copy of the other (periodic in the mesher), name both in `faces`, or increase the "
+        "tolerance",
     ),
     "cyclic-mistuning": (
-        "the blades' deviations are not one finite number above -1 for each sector",
-        "give a relative frequency deviation for each blade, 0.01 for one percent",
+        "the list of mistuning does not have one finite number above -1 for each sector",
+        "give the relative deviation of frequency of each blade, 1 % as 0.01",
     ),
     "cyclic-sectors": (
         "the number of sectors does not fit the angle between the faces",
-        "count the sectors of the whole wheel; 360 degrees over their number is the angle of the mesh",
+        "give the number of sectors of the whole wheel: the mesh must cover 360 degrees divided by it",
     ),
     "cyclic-support": (
-        "a support of a sector does not repeat around the wheel",
-        "give the nodes of both faces the same supports: along the axis, across it in both directions, or both",
+        "a support is not the same in each sector",
+        "give the nodes of both faces the same supports: along the axis, in both directions across it, or all three",
     ),
     "mesh-around": (
-        "there is no such number of elements",
+        "the number of elements around is not a whole number of at least 1",
         "give a whole number of at least 1, or leave mesh.around out",
     ),
     "mesh-aspect": (
@@ -34,213 +36,229 @@ MESHES = {
         "refine along their long side, or check the positions of the nodes",
     ),
     "mesh-attachment": (
-        "a mass, spring or connection of a mesh cannot be put on its nodes, or not in this analysis",
-        "change it in the model and export again; docs/structures.md lists what each can be",
+        "a mass, spring or connection of a mesh cannot act on its nodes, or is not possible in this analysis",
+        "change it in the model and export again; docs/structures.md lists what is possible",
     ),
     "mesh-branch": (
-        "walls of a shell meet at an angle, and this analysis is limited to one wall",
-        "compute the whole part without [cyclic], mesh the sector as a solid, or round the fold off with small cells",
+        "walls of a shell meet at an angle, which this analysis does not support",
+        "compute the whole part without [cyclic], mesh the sector as a solid, or round the corner with small cells",
     ),
     "mesh-coarse": (
-        "the shapes bend more within an element than its polynomials can follow: frequencies are too high",
-        "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
+        "the shapes vary more within an element than its polynomials can follow: the frequencies are too high",
+        "use more elements or a higher order, ask for fewer modes, or leave [mesh] out",
     ),
     "mesh-collapsed-cell": (
-        "a cell has the same node twice, and is no linear brick or square that collapses to a solid or a triangle",
-        "mesh without such cells, or with the wedges, pyramids and triangles that they collapse to",
+        "a cell contains a node twice, and is not a linear brick or quadrilateral that collapses to a solid or a "
+        "triangle",
+        "write such cells as wedges, pyramids or triangles",
     ),
     "mesh-distorted-cell": (
         "a cell is nearly folded somewhere",
-        "remesh there; frequencies may still be good, compare with a finer mesh",
+        "remesh there; frequencies may still be good: compare with a finer mesh",
     ),
     "mesh-file": (
-        "a mesh file is malformed, cut short, or has what this program does not read",
-        "export it again whole, in one file, without what the message names",
+        "a mesh file is malformed or cut short, or contains something that this program does not read",
+        "export the whole mesh again into one file, without the part that the message names",
     ),
     "mesh-floating-spring": (
         "a node without mass is connected to springs only, so that these springs have no effect",
-        "give a support on it, such as the file's own SPC or set; leave it where a load or a contact pushes it",
+        "support this node, for example by an SPC in the file; ignore this if a load or a contact acts on the node",
     ),
     "mesh-include": (
-        "a mesh file includes another one that is not there, or that includes itself",
-        "put the included file beside the one that names it",
+        "a mesh file includes a file that is missing, or that includes itself",
+        "put the included file beside the file that names it, and remove circular includes",
     ),
-    "mesh-flat-cell": ("a cell has no volume or area", "delete it, or check whether its nodes were merged by mistake"),
+    "mesh-flat-cell": (
+        "a cell has no volume or area",
+        "delete such cells, or check whether their nodes were merged by mistake",
+    ),
     "mesh-flipped-shell": (
-        "neighbouring shell cells are numbered in opposite senses",
-        "orient the normals alike in the mesher",
+        "neighbouring shell cells have opposite normals",
+        "orient all normals alike in the mesher",
     ),
     "mesh-fold": (
-        "walls of a shell touch at a node back to back: one director cannot follow both",
-        "delete cells that lie over each other, orient the normals alike there, or part the walls at the node",
+        "walls of a shell touch back to back at a node, so that one director cannot follow both",
+        "delete cells that overlap, orient the normals alike, or separate the walls at this node",
     ),
     "mesh-format": (
-        "the ending of a mesh file is not one of those known",
-        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran), .cdb (Ansys), .unv (universal) "
+        "the ending of the file name is not that of a known mesh format",
+        "use .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran), .cdb (Ansys), .unv (universal) "
         "or .med (Salome)",
     ),
     "mesh-group-empty": (
         "a group contains no node of a cell",
-        "name a group on the part, or save the group's cells with the mesh",
+        "use a group on the part, or export the group's cells with the mesh",
     ),
     "mesh-group-no-cells": (
-        "a material is given to a group without cells",
-        "give it to a physical volume (for a shell: surface) or an element set",
+        "a group that must contain cells has none",
+        "use a physical volume (for a shell: a physical surface) or an element set",
     ),
     "mesh-group-no-facets": (
-        "a foundation needs facets, and the group's nodes cover none on the boundary",
-        "name a physical surface, or every node of the facets",
+        "a group that must contain facets has none: its nodes cover no facet of the boundary",
+        "use a physical surface, or a set with every node of the facets",
     ),
     "mesh-hanging-node": (
         "neighbouring cells do not share all nodes of their common facet",
-        "remesh so that cells meet node to node",
+        "remesh so that neighbouring cells share all nodes of their common facet",
     ),
     "mesh-inverted-cell": (
-        "the nodes of a cell run round it the wrong way, its volume is negative",
-        "reverse the cells' orientation in the mesher",
+        "the nodes of a cell are numbered in the wrong sense, so that its volume is negative",
+        "reverse the orientation of these cells in the mesher",
     ),
     "mesh-kink": (
         "neighbouring cells of a shell meet at an angle",
-        "refine there if the surface is smooth: the angle decreases with the cell size; an intended corner needs no "
+        "if the surface is smooth there, refine: the angle decreases with the cell size; an intended corner needs no "
         "change",
     ),
     "mesh-last-line": (
-        "the last line of a file has no end: its last number may be a part of one",
-        "check whether the file is complete, and end it with a line break",
+        "the last line of a file has no line break, so that its last number may be incomplete",
+        "check whether the file is complete, and add the line break",
     ),
     "mesh-left-out": (
-        "items of a mesh file with stiffness, mass or constraints are not taken over",
-        "the body is computed without them; join parts in the mesher, give supports in the study",
+        "a mesh file has items with stiffness, mass or constraints that are not read",
+        "ignore this if the part does not need them; otherwise join parts in the mesher, and give supports in the "
+        "study",
     ),
     "mesh-linear-cells": (
-        "linear cells lock: bending comes out too stiff",
+        "linear cells lock in bending: the part comes out too stiff",
         "use quadratic cells (order 2 in the mesher)",
     ),
     "mesh-loose-facets": (
-        "triangles or squares of a group lie on no cell of the part",
-        "they are left out, with the stiffness they may have as shells; save the group with the part it is on",
+        "triangles or quadrilaterals of a group belong to no cell of the part",
+        "export the group with the part that it lies on; these facets are ignored, with the stiffness of any shells "
+        "on them",
     ),
     "mesh-material-twice": (
         "a cell lies in two groups that each have a material",
-        "give each cell one material: the groups must not overlap",
+        "give each cell one material, by groups that do not overlap",
     ),
     "mesh-mechanism": (
-        "parts of the body move against each other without strain: they share only an edge or a node",
-        "join the parts over facets, or support each of them",
+        "parts of the body move against each other without deformation: they share only an edge or a node",
+        "join the parts over facets, or support each part",
     ),
     "mesh-mixed-cells": (
-        "a mesh mixes cells that do not fit: bricks of 27 nodes, or squares of nine, with other kinds",
-        "mesh with linear kinds, or with quadratic ones of one node on an edge",
+        "the mesh mixes cells that do not fit, such as bricks of 27 nodes or quadrilaterals of 9 nodes with others",
+        "use linear cells only, or only quadratic cells with one middle node on each edge",
     ),
     "mesh-no-cells": (
         "a mesh file contains no volume or surface cells",
-        "export the mesh, not the geometry alone, with its volumes",
+        "export the mesh with its cells, not only the geometry",
     ),
     "mesh-no-group": (
-        "a support or material names a group the mesh does not have",
-        "name one of the groups listed, or add the physical group in the mesher",
+        "a support or material names a group that the mesh does not have",
+        "use one of the groups listed, or define the physical group in the mesher",
     ),
-    "mesh-not-finite": ("coordinates are nan or infinite", "repair the file's node block"),
+    "mesh-not-finite": (
+        "coordinates of nodes are nan or infinite",
+        "correct the nodes in the file",
+    ),
     "mesh-not-shell": (
-        "a shell needs quadrilaterals",
+        "a shell needs quadrilaterals or triangles",
         "mesh the mid-surface with quadrilaterals, or use the mesh as a solid",
     ),
-    "mesh-not-solid": ("a solid needs tetrahedra or hexahedra", "mesh the volume, or use the mesh as a shell"),
+    "mesh-not-solid": (
+        "a solid needs tetrahedra, bricks, wedges or pyramids",
+        "mesh the volume, or use the mesh as a shell",
+    ),
     "mesh-open-seam": (
-        "coincident nodes are not joined: the body is slit there",
-        "merge duplicate nodes in the mesher, read it with join = a distance in metres, or tie faces ([[solid.tie]])",
+        "coincident nodes are not joined: the body has a slit there",
+        "merge duplicate nodes in the mesher, read the mesh with join = a distance in metres, or tie the faces "
+        "([[solid.tie]])",
     ),
     "mesh-order": (
-        "the order of the elements is not a whole number within reach",
-        "give an order of 2 to 20, or leave mesh.order out",
+        "the order of the elements is not a whole number from 2 to 20",
+        "give an order from 2 to 20, or leave mesh.order out",
     ),
-    "mesh-orphan-nodes": ("nodes belong to no cell", "the nodes are ignored; check that no cell is missing"),
+    "mesh-orphan-nodes": (
+        "nodes belong to no cell",
+        "check whether cells are missing; these nodes are ignored",
+    ),
     "mesh-overlap": (
-        "cells lie over each other: they have the same nodes, fold back beside a common edge, or share a solid's facet",
+        "cells overlap: they have the same nodes, fold back at a common edge, or share a facet with two others",
         "delete the cells that were meshed twice",
     ),
     "mesh-parts": (
-        "the mesh falls into parts that do not touch",
+        "the mesh consists of parts that do not touch",
         "tie their faces ([[solid.tie]], *TIE), join them in the mesher, or compute each part alone",
     ),
     "mesh-tie": (
-        "two faces cannot be tied",
-        "name two groups of facets that touch; tolerance is how far apart they may be, in metres",
+        "two faces cannot be tied: a group is missing or has no facets, or the gap between them is too wide",
+        "name two groups of facets that touch; `tolerance` is the widest gap in metres",
     ),
     "mesh-tie-loose": (
-        "nodes of a tied face are too far from the other one and are not tied",
-        "let the smaller face follow the larger one, or give a larger tolerance in metres",
+        "nodes of a tied face are too far from the other face and are not tied",
+        "let the smaller face be the follower, or increase the tolerance in metres",
     ),
     "mesh-rows": (
-        "the rows do not divide the first parameter",
-        "give a whole number of at least 1, or breaks ascending from 0 to 1",
+        "mesh.rows is neither a number of rows nor a list of breaks from 0 to 1",
+        "give a whole number of at least 1, or breaks that ascend from 0 to 1",
     ),
     "mesh-scale": (
-        "the scale, units or joining distance of a mesh cannot be used",
-        'give units = "mm-t-s" or scale = 1e-3 for millimetres, join = a distance in metres',
+        "scale, units or join of a mesh are invalid",
+        'for millimetres give units = "mm-t-s" or scale = 1e-3; give join as a distance in metres',
     ),
     "mesh-scrambled-cell": (
-        "the nodes of a cell are in another order than the format's",
-        "export again; check the order of the middle nodes",
+        "the nodes of a cell are not in the order of the file format",
+        "export the mesh again; check the order of the middle nodes",
     ),
     "sections-cells": (
-        "a blade of sections cannot be divided into the cells asked for",
+        "the numbers of cells of a blade of sections are invalid",
         "give whole numbers of cells along chord, span and thickness, such as [24, 20, 1]",
     ),
     "mesh-support": (
-        "an imported mesh cannot have this kind of support",
-        "use clamped, fixed (directions) or elastic with k_face alone",
+        "this kind of support is not possible on an imported mesh",
+        "use clamped, fixed (with directions) or elastic with k_face only",
     ),
     "mesh-thin-curved": (
-        "thin curved walls of solid cells lock: frequencies come out too high",
+        "solid cells on a thin curved wall lock: the frequencies are too high",
         "use more cells along the curve, or mesh the mid-surface and compute a shell",
     ),
     "mesh-too-large": (
-        "the mesh has more unknowns than a factorisation in memory can take",
+        "the mesh has more unknowns than can be factorised in memory",
         "use fewer elements; 1e5 unknowns are enough for a shell",
     ),
     "mesh-turned-shell": (
-        "cells of a shell have their normals against a neighbour's, and were turned round",
-        "check which side a pressure acts on and from which plies count, or orient the normals alike in the mesher",
+        "cells of a shell had normals opposite to their neighbours', and were reversed",
+        "check on which side a pressure acts and in which order plies count, or orient all normals alike in the mesher",
     ),
     "mesh-units": (
-        "the part is very large for its material",
+        "the part is implausibly large",
         "if the file is in millimetres, read it with scale = 1e-3",
     ),
     "mesh-unsupported-cell": (
-        "cells of a kind that is not supported",
+        "the mesh has cells of a kind that is not supported",
         "use tetrahedra, bricks, wedges and pyramids for solids; quadrilaterals and triangles for shells",
     ),
     "structure-unknown": (
-        "the object is not a structure, or not of the kind that this function needs",
-        "give a cf.Shell, cf.Solid or cf.MeshShell, or a value with the members of cf.imported.MeshStructure; "
-        "one with a rotation needs those of cf.imported.TurningStructure",
+        "the object is not a structure, or not of a kind that this function accepts",
+        "use a cf.Shell, cf.Solid or cf.MeshShell, or an object with the members of cf.imported.MeshStructure (if it "
+        "rotates, of cf.imported.TurningStructure)",
     ),
     "structure-chart": (
-        "this needs a shell on a chart: an imported part has no fields, no bolts and no chart's edges",
-        "model the part as a cf.Shell; modes, statics, reduction, rotation and updates take imported parts too",
+        "this function needs a shell on a chart; an imported part has no fields, bolts or edges of a chart",
+        "model the part as a cf.Shell; modes, statics, reduction, rotation and updating also accept imported parts",
     ),
     "matrix-dofs": (
-        "the matrices do not name the node and direction of a row",
-        "give --dofs, a table with the columns node, direction; or a .pch with EXTRN cards beside it; beside .mtx "
-        "files a .dof file does; in arrays, dofs",
+        "the node and direction of each row of the matrices are not given",
+        "give --dofs, a table with the columns node and direction, or a .pch file with EXTRN cards; with .mtx files "
+        "a .dof file; in .npz, .mat or .h5 files an array dofs",
     ),
     "matrix-file": (
-        "a file of matrices is malformed, cut short, or not of this kind",
-        "write it again from the program it comes from; real, square matrices are read",
+        "a file of matrices is malformed or cut short, or its matrices are not real and square",
+        "export it again, with real, square matrices",
     ),
     "matrix-format": (
-        "the files are not of a format of matrices, or not of one format",
-        "give one .sti, .mat, .h5 or .npz, .op4 files, or the .mtx files of stiffness and mass, maybe beside bulk data "
-        "(.pch, .bdf, .dat, .asm), or bulk data with DMIG cards alone",
+        "the files are not in a known format of matrices, or in several formats",
+        "give one .sti, .mat, .h5 or .npz file, or .op4 files, or the .mtx files of stiffness and mass, with bulk data "
+        "(.pch, .bdf, .dat, .asm) if needed; or bulk data with DMIG cards alone",
     ),
     "matrix-names": (
         "the names of the matrices do not show which are stiffness and mass",
-        "name the stiffness K... or ...STIF..., the mass M..., the damping B..., C... or ...DAMP..., structural "
-        "damping K4... or ...DMPS..., one each",
+        "name the stiffness K... or ...STIF..., the mass M..., the damping B..., C... or ...DAMP..., and the "
+        "structural damping K4... or ...DMPS..., one matrix each",
     ),
     "matrix-size": (
-        "matrices and dofs do not belong together",
+        "the sizes of the matrices, or their dofs, do not match",
         "give square matrices of one size, with one dof for each row",
     ),
 }

@@ -2,172 +2,206 @@
 
 RESULTS = {
     "expansion-modes": (
-        "shapes at the sensors do not determine so many modes",
-        "use fewer modes, modes that the sensors distinguish, or more sensors",
+        "the sensors cannot distinguish so many modes",
+        "use fewer modes, other modes, or more sensors",
     ),
     "interaction-blade": (
-        "a blade or bladed disk has no positive frequencies, or more nodal diameters than its blades allow",
-        "give frequencies in Hz; a disk of N blades has nodal diameters 0 to N/2",
+        "a blade frequency is not above 0 Hz, or a nodal diameter exceeds half the number of blades",
+        "give frequencies above 0 Hz and at least 1 blade; N blades allow nodal diameters from 0 to N/2",
     ),
     "interaction-casing": (
-        "a casing has no elastic pair with nodal diameters",
-        "take modes of a closed casing, or give frequencies by n >= 1",
+        "the casing has no elastic mode with nodal diameters",
+        "use modes of a closed casing, or give frequencies for n >= 1",
     ),
     "interaction-speed": (
-        "there is no such range of speeds, or nothing that turns",
-        'give speed_hz = (first, last) with 0 <= first < last, and turning "blade" or "casing"',
+        "the range of speeds is invalid, or the rotating body is unknown",
+        'give speed_hz = (first, last) with 0 <= first < last, and turning = "blade" or "casing"',
     ),
     "interface-axis": (
-        "the directions of a tip's pieces cannot be taken from this axis",
-        "give an axis beside the tip of an imported part; on a chart leave axis out, and give lean_deg in the scene",
+        "this axis does not define radial and tangential directions at the blade's tip",
+        "for an imported part give an axis that does not touch the tip; for a chart leave axis out and give lean_deg "
+        "in the scene",
     ),
     "interface-circle": (
-        "contact describes a rim by harmonics about z, but this edge or line is not a plane circle about z",
-        "name an edge that runs around z, by the angle that the chart's second parameter is",
+        "the rim is not a plane circle about z, and contact needs one for its harmonics",
+        "use an edge that runs around z, with the angle about z as the chart's second parameter",
     ),
     "interface-edge": (
-        "the interface is not an edge for contact",
-        "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip); of an imported part a "
-        "group of facets that closes around the axis (Rim) or ends the blade (Tip)",
+        "contact cannot act at this place of the structure",
+        "use a curved edge of a closed casing (Rim), or the root or tip of an open panel or blade (Tip); of an "
+        "imported part use a group of facets that closes around the axis (Rim) or ends the blade (Tip)",
     ),
     "interface-harmonics": (
         "the rim's harmonics exceed what the mesh resolves",
-        "reduce n_max, or ask for more elements around",
+        "reduce n_max, or use more elements around",
     ),
-    "interface-held": ("the edge that contact should push is fixed", "name a free edge, or an elastic one"),
+    "interface-held": (
+        "the interface of the contact is fixed, so that contact forces have no effect",
+        "use a free edge, or give the edge an elastic support",
+    ),
     "interface-lines": (
-        "a rim's lines lie off the casing, or cannot be had in this reduction",
-        "give places of the chart's first parameter within its bounds; leave lines out for the edge itself",
+        "a line of the rim does not exist, lies off the casing, or is given twice",
+        "give each line once, within the bounds of the chart's first parameter; leave lines out to use the edge",
     ),
     "interface-nodes": (
-        "a blade's tip is cut into no pieces, or into too many; or contact names nodes that are not there",
-        "take 1 to 100 pieces, of an imported part no more than its mesh resolves; name nodes of its file, each once",
+        "the number of pieces of a blade's tip is out of range, or contact names unknown nodes",
+        "use 1 to 100 pieces, for an imported part no more than its mesh resolves; give existing node numbers, each "
+        "once",
     ),
     "law-stations": (
-        "a law from root to tip is neither a number nor a list of them",
-        "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
+        "a value that varies from root to tip is neither a number nor a list of numbers",
+        "give one number, or a list of 2 to 8 finite numbers at equally spaced stations, beginning at the root",
     ),
-    "locate-among": ("there are two kinds of places to search", "search among bolts or mass"),
+    "locate-among": (
+        "the kind of defect to search for is unknown",
+        'search among "bolts" or "mass"',
+    ),
     "locate-baseline": (
-        "the baseline table has no row that can be compared with the model",
-        "give the table of the same casing, with n, or leave the baseline out",
+        "the baseline table cannot be compared with the model",
+        "give the table of the same casing, with n for its rows, or leave the baseline out",
     ),
     "locate-bolts": (
-        "loose bolts are searched for on the one edge that has bolts",
-        "give one edge bolts, under a ring or not",
+        "a search for loose bolts needs exactly one edge with bolts",
+        "give exactly one edge a support by bolts, with or without a ring",
     ),
     "locate-edge": (
-        "masses and bolts are searched for on an edge that runs around a closed casing",
-        "name the edge, base or top, of a closed casing",
+        "a search for masses or loose bolts needs an edge that runs around a closed casing",
+        "use the edge base or top of a closed casing",
     ),
     "locate-unlabelled": (
-        "splits of pairs show the places, and pairs need their nodal diameters",
+        "the table has no pair of modes with nodal diameters, and the search needs the splits of such pairs",
         "give n for the rows of the table, and angle_deg where it was measured",
     ),
     "modes-band": (
-        "the band of frequencies is invalid, or both a band and a count are given",
-        "give band = (from, to) in Hz, 0 <= from < to, or a count, not both",
+        "the frequency band is invalid, or both a band and a count are given",
+        "give either a count or band = (from, to) in Hz with 0 <= from < to",
     ),
     "modes-count": (
-        "the number of modes cannot be computed",
-        "ask for at least 1 and far fewer than the mesh has unknowns",
+        "the number of modes is below 1, or larger than can be computed",
+        "ask for at least 1 mode, and for far fewer than the mesh has unknowns",
     ),
     "modes-lobpcg": (
-        "LOBPCG with multigrid did not find the modes, as on thin walls; shift-invert was used instead",
-        "none is needed; `mesh_modes(solid, count, multigrid=False)` saves the attempt",
+        "LOBPCG with multigrid did not find the modes, as can happen with thin walls; shift-invert was used instead",
+        "no action is needed; `mesh_modes(solid, count, multigrid=False)` skips this attempt",
     ),
     "modes-memory": (
         "a factorisation needs more memory than is free",
-        "take fewer elements or a larger machine; thick solids go without a factor, "
+        "use fewer elements or a computer with more memory; thick solids need no factorisation with "
         "`mesh_modes(solid, count, multigrid=True)`",
     ),
     "modes-method": (
-        "this method does not apply",
-        "leave method out; harmonics need a casing on which nothing varies around",
+        "the method is unknown, or does not apply to this structure",
+        "leave method out, so that the program chooses it",
     ),
     "modes-rigid": (
-        "on a mesh this coarse a thin free body bends before it turns as a whole: the rotations are not resolved",
-        "leave the mesh out, or raise mesh.order or mesh.around",
+        "the mesh is so coarse that not all rigid-body modes of a thin body are resolved",
+        "leave [mesh] out, or increase mesh.order or mesh.around",
     ),
     "modes-round-off": (
-        "round-off of the stiffness is larger than the gap of these eigenvalues: no count shows whether a mode is "
-        "missing, and the frequencies may be wrong",
-        "check units and proportions; a rod or a wire needs a beam; end the count or the band in a wider gap",
+        "rounding errors of the stiffness exceed the gap between eigenvalues: the program cannot tell whether a mode "
+        "is missing, and the frequencies may be wrong",
+        "check units and proportions; model a rod or a wire as a beam; end the count or the band in a wider gap",
     ),
     "output-direction": (
-        "an output asks for a direction or component that there is none of",
-        "x, y, z, normal, radial, tangential for a displacement; 11, 22, 12 and a side of -1 to 1 for a strain",
+        "the direction or component of an output is unknown, or not defined at this place",
+        "use x, y, z, normal, radial or tangential for a displacement; for a strain of a shell use 11, 22 or 12, and "
+        "a side from -1 to 1",
     ),
-    "output-name": ("two outputs have the same name", "give each its own"),
+    "output-name": (
+        "two outputs have the same name",
+        "give each output its own name",
+    ),
     "output-place": (
-        "an output lies off the surface, or at a place that structures of this kind do not have",
-        "give parameters within the chart's bounds; of imported parts a NodeDisplacement, of solids a NodeStress too",
+        "an output lies off the surface, or this kind of structure does not have such a place",
+        "give parameters within the chart's bounds; for an imported part use a NodeDisplacement, for a solid also a "
+        "NodeStrain or NodeStress",
     ),
     "reduce-axis": (
-        "a casing turns about another axis than that of its rim",
-        "give both the same axis; a casing on a chart turns about z",
+        "a casing rotates about another axis than that of its rim",
+        "give rotation and rim the same axis; a casing on a chart rotates about z",
     ),
     "reduce-damping": (
-        "the damping ratio is not one of a vibrating mode",
-        "give zeta from 0 to below 1 (half a per cent as 0.005)",
+        "the damping ratio is not between 0 and 1",
+        "give zeta from 0 to below 1 (0.5 % as 0.005)",
     ),
-    "reduce-method": ("there is no such method of reduction", "use free or craig-bampton"),
-    "reduce-rigid": ("a body that can move as a whole has no static compliance", "support it before reducing"),
+    "reduce-method": (
+        "the method of reduction is unknown",
+        'use "free" or "craig-bampton"',
+    ),
+    "reduce-rigid": (
+        "a structure that can move as a rigid body has no static compliance",
+        "support it before the reduction",
+    ),
     "reduce-steady": (
-        "a part deforms so much as it turns that its stiffness over speed is known near the speed of its modes alone",
-        "run the basis at speeds between those named; for others, set rotation.speed_hz of the study and reduce again",
+        "rotation deforms the part so much that its stiffness is known only near the speed of its modes",
+        "run the basis only at these speeds; for others change rotation.speed_hz in the study and reduce again",
     ),
     "sensor-far": (
-        "a sensor is not on the wall of this model",
-        "check the points' unit (metres), origin and axes; the axis of a casing is z",
+        "a sensor is not on the surface of this model",
+        "check the unit (metres), the origin and the axes of the sensor positions; the axis of a casing is z",
     ),
     "sensor-twice": (
-        "two channels measure the same motion, so that the mass at them is not defined",
+        "two channels measure the same motion, so that the mass matrix of the channels is not defined",
         "leave repeated channels out, or reduce the mass by SEREP",
     ),
-    "study-file": ("the file cannot be read", "give the path of a text file in UTF-8"),
-    "study-implausible": (
-        "a number is not plausible for a structure or material: its unit is probably wrong",
-        'give the number in SI units; if it is intended, name its check: [checks] allow = ["E"]',
+    "study-file": (
+        "the file cannot be read",
+        "give the path of a text file in UTF-8",
     ),
-    "study-key": ("a key is unknown, or is beside one that excludes it", "`casingfem schema` lists all keys"),
-    "study-missing": ("a key or table that the study needs is not there", "add it; `casingfem schema` lists all keys"),
-    "study-toml": ("the file is not TOML", "correct the line named; write text in quotes and each table once"),
-    "study-value": ("a value has the wrong type or lies out of range", "give what is expected there, in SI units"),
+    "study-implausible": (
+        "a number is implausible for a structure or a material, probably because of its unit",
+        'give the number in SI units; if it is intended, allow its check by name: [checks] allow = ["E"]',
+    ),
+    "study-key": (
+        "a key is unknown, or excludes another key that is given",
+        "remove or rename the key; `casingfem schema` lists all keys",
+    ),
+    "study-missing": (
+        "a required key or table is missing",
+        "add it; `casingfem schema` lists all keys",
+    ),
+    "study-toml": (
+        "the file is not valid TOML",
+        "correct the line named; write text in quotes, and each table once",
+    ),
+    "study-value": (
+        "a value has the wrong type or is out of range",
+        "give a value as expected there, in SI units",
+    ),
     "table-columns": (
         "a frequency table has columns that are not used",
         "ignore this if they are remarks; otherwise name them mode, n, freq_hz, sigma_hz, angle_deg or zeta",
     ),
     "uff-bytes": (
-        "the first line of a binary function states another number of bytes than its data have",
-        "no action is needed: the data end at the size that their header states, and are complete",
+        "the first line of a binary function states a wrong number of bytes",
+        "no action is needed: the header states the size of the data, and the data are complete",
     ),
     "uff-empty": (
-        "a set of a universal file is empty: two marks -1 follow each other where a set should begin",
+        "a data set of a universal file is empty: two lines -1 follow each other where a data set should begin",
         "check whether the export was complete: some programs lose the first binary function of a file",
     ),
     "uff-end": (
-        "the last set of the file lacks its closing -1; every number that its header announces is there",
-        "check whether the export was complete: sets may be missing after it",
+        "the last data set of the file has no closing -1, but contains all numbers that its header announces",
+        "check whether the export was complete: data sets may be missing after this one",
     ),
     "uff-gap": (
-        "sets of nodes and elements have no count, and here a few of their numbers are left out",
-        "compare with the program that wrote the file: were lines lost?",
+        "a few numbers are missing in the numbering of nodes or elements, and the file states no count to check it",
+        "compare with the program that wrote the file: lines may have been lost",
     ),
     "uff-local": (
-        "the coordinates of nodes refer to coordinate systems of the file that are not read",
-        "export the geometry in global coordinates, or see that these systems are the global one",
+        "nodes of the file refer to its own coordinate systems, which are not read",
+        "export the geometry in global coordinates, or check that these systems equal the global one",
     ),
     "uff-shapes": (
-        "sets of shapes have no count, and the shapes of one file have values at different nodes",
-        "compare with the program that wrote the file: were lines lost?",
+        "the shapes of one file have values at different nodes, and the file states no count to check it",
+        "compare with the program that wrote the file: lines may have been lost",
     ),
     "uff-unknown": (
-        "the file has a set of a number that this reader does not know; it is skipped",
-        "check the number",
+        "the file has a data set with a number that this reader does not know",
+        "check this number; the data set is skipped",
     ),
     "update-angles": (
-        "the angles of pairs are not fitted on an imported part: its frequencies, means and splits are",
-        "no action is needed; model the part as a cf.Shell to fit its angles too",
+        "angles of pairs cannot be fitted on an imported part; its frequencies, means and splits are fitted",
+        "no action is needed; to fit the angles too, model the part as a cf.Shell",
     ),
 }

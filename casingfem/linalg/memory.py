@@ -65,9 +65,9 @@ def require_memory(needed: float, unknowns: int, free: float) -> None:
     >>> require_memory(7e10, 10**6, free=8e9)
     Traceback (most recent call last):
         ...
-    casingfem.linalg.memory.MemoryNeedError: the factor of 1000000 unknowns takes 70 GB, 8 GB are free: take fewer \
-elements or a larger machine; thick solids go without a factor, `mesh_modes(solid, count, multigrid=True)` \
-[modes-memory]
+    casingfem.linalg.memory.MemoryNeedError: the factor of 1000000 unknowns takes 70 GB, 8 GB are free: use fewer \
+elements or a computer with more memory; thick solids need no factorisation with \
+`mesh_modes(solid, count, multigrid=True)` [modes-memory]
     """
     if needed > SPARED * free:
         takes, left = f"{1e-9 * needed:.2g} GB", f"{1e-9 * max(free, 0.0):.2g} GB"
@@ -87,7 +87,8 @@ def require_affordable(modes: float, unknowns: int) -> None:
     Traceback (most recent call last):
         ...
     casingfem.errors.ModelError: modes: some 1e+05 of 16000 unknowns, hours of work and 13 GB of shapes, expected at \
-most 12500 at once, or band after band: ask for at least 1 and far fewer than the mesh has unknowns [modes-count]
+most 12500 at once, or band after band: ask for at least 1 mode, and for far fewer than the mesh has unknowns \
+[modes-count]
     """
     most = max(MOST / unknowns, MODES)
     if not modes <= most:

@@ -27,7 +27,7 @@ class Trouble(NamedTuple):
 
 TROUBLES = MappingProxyType({
     "energy-grows": Trouble(
-        "contact and time integration added energy to the motion, which no contact can do",
+        "contact and time integration added energy to the motion, which no real contact does",
         f"warning above {MADE:g} of the largest energy of the run (0.5 % of a speed), failure above {MUCH_MADE:g} "
         "(5 % of a speed); the work of loads, drive and friction is not counted",
         "reduce dt, or use Newmark (0.5, 0.55), Moreau-Jean or forward Lagrange, whose forces do not oscillate",
@@ -62,7 +62,7 @@ TROUBLES = MappingProxyType({
         "reduce the unbalance or the speed, add damping, add a casing, or set rotor.limit",
     ),
     "motion-unbounded": Trouble(
-        "a gap changed by a million times what initial state and load can cause", "failure above 1e6",
+        "a gap changed by a million times what initial state and load can cause", "failure above 1e6 times",
         "reduce dt or friction; check stiffness and units",
     ),
     "never-begins": Trouble(
@@ -77,7 +77,7 @@ TROUBLES = MappingProxyType({
     "slip-reverses": Trouble(
         "the slip of a single tip changed its sign: the tip moved faster along the rim than the rim itself",
         "warning from the first such step",
-        "this is possible at low speed or high friction; otherwise check speed, friction and compliance of the blade",
+        "ignore this at low speed or high friction; otherwise check speed, friction and compliance of the blade",
     ),
     "spin-beyond": Trouble(
         "a rotor with [spin] left the range of speeds for which its modes were computed",
@@ -94,7 +94,7 @@ TROUBLES = MappingProxyType({
     "tip-moves-along": Trouble(
         "a tip moved so far along the rim that the rim's curvature changes the gap",
         "warning above 0.1 of the clearance",
-        "check the gap: the gap law neglects the curvature",
+        "compare this motion with the clearance, because the gap law neglects the curvature of the rim",
     ),
     "turning-fast": Trouble(
         "a body rotates much faster than the speed at which its modes were computed",
@@ -105,7 +105,7 @@ TROUBLES = MappingProxyType({
     "turning-unmodelled": Trouble(
         "the casing rotates, but its basis has no matrices of rotation",
         "warning if turning = \"casing\" and the basis has no gyroscopic matrix",
-        "reduce the casing again; a basis from elsewhere needs gyroscopic and stiffness_by_speed",
+        "reduce the casing again; a basis from another program needs the arrays gyroscopic and stiffness_by_speed",
     ),
     "turning-unstated": Trouble(
         "the scene does not state whether the casing or the blades rotate", "warning if a basis has matrices of "
@@ -121,7 +121,7 @@ TROUBLES = MappingProxyType({
     ),
     "wall-deflection": Trouble(
         "the rim deflected by more than half of its wall thickness",
-        "failure above 0.5 of the wall thickness, to which linear theory is valid; a warning with on_limit = \"flag\"",
+        "failure above 0.5 of the wall thickness, the limit of linear theory; a warning with on_limit = \"flag\"",
         "find the cause of the growth: friction too high for the lean, a modal interaction, or a value in a wrong unit",
     ),
 })  # fmt: skip

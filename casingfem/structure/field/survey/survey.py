@@ -277,6 +277,6 @@ def largest_change(plain: FourierField, without: FourierField) -> str:
 def stray_words(stray: Sequence[tuple[float, float, float]], points: int, what: str = "left out") -> str:
     """Number of outliers that were excluded, and the places of the worst."""
     worst = sorted(stray, key=lambda point: -abs(point[2]))[:5]
-    places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {r:+.2e}" for theta, z, r in worst)
+    places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {100.0 * r:+.3g} %" for theta, z, r in worst)
     more = f"; and {len(stray) - len(worst)} more" if len(stray) > len(worst) else ""
     return f"{len(stray)} of {points} points {what} ({places}{more})"

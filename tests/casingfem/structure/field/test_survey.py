@@ -178,7 +178,9 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     assert "outliers  9 of 360 points included in the fit (theta" in repr(plain)
     assert clean.doubted == ()
     assert clean.without is None
-    with pytest.warns(cf.errors.ModelWarning, match=r"survey: .* of 360 points left out .*survey-outliers") as caught:
+    with pytest.warns(
+        cf.errors.ModelWarning, match=r"of 360 points left out .* m: -0\.\d+ %.*survey-outliers"
+    ) as caught:
         robust = cf.SurveyField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
     assert caught[0].filename == __file__
     named = {round(theta, 6) for theta, _, r in robust.set_aside if r < -5e-4}

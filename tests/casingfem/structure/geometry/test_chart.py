@@ -83,7 +83,7 @@ def test_refuses_dimensions_that_are_not_positive(name, value):
 
 
 def test_a_panel_must_stay_open():
-    with pytest.raises(ValueError, match="closed panel is a Cylinder"):
+    with pytest.raises(ValueError, match="closed casing use a Cylinder"):
         cf.Panel(radius=1.0, length=1.0, angle=2 * np.pi)
 
 
