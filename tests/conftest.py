@@ -19,6 +19,7 @@ from xdist.scheduler import LoadScopeScheduling
 
 import casingfem as cf
 from casingfem.io import probe
+from contact.io import workers
 
 # On an empty cache a loop takes longer to compile than its tests to run. Files that compile the same loops go to one
 # process and go first, so that no two processes compile the same thing; what comes later finds the loops compiled. The
@@ -207,10 +208,17 @@ def forked(task: str, path: Path, module: str, function: str, stdout: IO[bytes] 
 
 
 @pytest.fixture(scope="session", autouse=sys.platform == "linux")
-def readers_forked() -> Iterator[None]:
-    """A new process for each file that is read takes half a second; `test_probe.py` tests those."""
+def children_are_copies(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Readers and workers are copies of this process: a new one loads for seconds what they need.
+
+    `test_probe.py` and `test_workers.py` test new ones. Programs copy themselves where they have one thread; here the
+    threads of pytest-xdist wait for the network, and keep no lock.
+    """
+    threads = tmp_path_factory.mktemp("threads")
+    (threads / "one").touch()
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(probe, "in_child", forked)
+        patched.setattr(workers, "THREADS", threads)
         yield
 
 

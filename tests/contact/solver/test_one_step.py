@@ -35,7 +35,7 @@ def residual(A, b, force):
 
 def test_random_and_degenerate_problems_are_all_solved():
     rng = np.random.default_rng(20)
-    for _ in range(1500):
+    for _ in range(500):
         A = random_rows(rng, int(rng.integers(1, 13)), int(rng.integers(1, 9)))
         slack = np.maximum(rng.standard_normal(len(A)), 0.0) * (rng.random(len(A)) < rng.random())
         b = slack - A @ rng.standard_normal(A.shape[1])
@@ -79,7 +79,7 @@ def test_bad_arrays_are_named(A, b, word):
 def test_states_of_contacts_with_friction_along_one_line_are_found():
     """The path finds open, slipping and sticking contacts from none, and stays where it is right."""
     rng, states = np.random.default_rng(23), np.zeros(3, dtype=int)
-    for _ in range(300):
+    for _ in range(100):
         k = int(rng.integers(2, 30))
         rows, mu, b = (
             rng.standard_normal((2 * k, 2 * k)),
