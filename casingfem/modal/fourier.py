@@ -253,9 +253,10 @@ def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> Float
 
 
 def shown(wave: Array, n: int, *, sine: bool) -> FloatArray:
-    """Part of its wave in a mode; 1 at n = 0, where torsion, in quadrature, may have the same frequency.
+    """The part of a wave that a mode shows: its cosine or its sine part.
 
-    At frequency zero it does, so the two rigid motions of a free casing are mixed.
+    At n = 0 it is the sum of both. A torsional mode (sine) may there have the frequency of another one (cosine); the
+    rigid motions of a free casing, with frequency zero, always do, and the solver returns mixtures of them.
     """
     if n == 0:
         return np.asarray(wave.real + wave.imag)

@@ -112,7 +112,7 @@ def settle(folder: Path) -> None:
 
 
 def _check(target: Path, files: Mapping[str, Content]) -> None:
-    """Refuse faults that would appear only when half of the set is in place."""
+    """Refuse faults that would otherwise appear when half of the files are in place."""
     if (way := in_the_way(target)) is not None:
         raise NotADirectoryError(errno.ENOTDIR, way, str(target))
     for name in files:
