@@ -137,13 +137,13 @@ class Circle:
         covariance = covariance + EXACT * float(shape @ shape) * np.eye(len(shape))
         size = np.ones(len(waves)) if sizes is None else sizes[waves]
         found = others_of(shape, own, columns, order, covariance, size, (waves - n) % 2)
-        others = (columns * found.variance[order]) @ columns.T
-        even = float(np.trace(covariance)) / len(shape) * np.eye(len(shape))  # a partner's share is no weight
-        read = reading(own, others + even)
-        parts = read @ shape
-        angle, sigma = antinode(parts, read @ (covariance + others) @ read.T, n)
-        turned = slope_of(parts, n) @ read @ columns
-        each = np.bincount(order, turned**2) * found.variance
+        basis = np.linalg.qr(np.concatenate([own, columns], axis=1))[0]
+        within, each = basis.T @ columns, found.variance[order]
+        even = float(np.trace(covariance)) / len(shape) * np.eye(len(within))  # a partner's share is no weight
+        read = reading(basis.T @ own, (within * each) @ within.T + even) @ basis.T
+        parts, seen = read @ shape, read @ columns
+        angle, sigma = antinode(parts, read @ covariance @ read.T + (seen * each) @ seen.T, n)
+        each = np.bincount(order, (slope_of(parts, n) @ seen) ** 2) * found.variance
         scale = float(np.sum(each)) ** 2 / max(0.5 * len(shape) - 3.0, 1.0)
         inverse = (float(np.sum(each**2 / (FREEDOM + found.shown))) + scale) / sigma**4
         return angle, sigma * float(stdtrit(1.0 / max(inverse, 1e-9), TAIL) / ndtri(TAIL))
@@ -226,17 +226,16 @@ def others_of(
     """
     if len(shape) > own.shape[1] + others.shape[1]:
         shape, own, others, covariance = _within_columns(shape, own, others, covariance)
-    width, g2 = np.bincount(order), sizes**2
+    width, g2, both = np.bincount(order), sizes**2, np.column_stack([own, others])
     left = shape - own @ np.linalg.lstsq(own, shape, rcond=None)[0]
     scale2 = np.full(2, float(left @ left) / float(np.sum(g2[order] * others**2)) + 1e-300)
     v = scale2[odd] * g2
     count = np.maximum(np.bincount(odd, minlength=2), 1)
     for _ in range(ROUNDS):
         total = covariance + (others * v[order]) @ others.T
-        inverse = np.linalg.inv(total)
-        weighted = inverse @ own
-        P = inverse - weighted @ np.linalg.solve(own.T @ weighted, weighted.T)
-        seen = P @ others
+        solved = np.linalg.solve(total, both)
+        weighted, seen = solved[:, : own.shape[1]], solved[:, own.shape[1] :]
+        seen = seen - weighted @ np.linalg.solve(own.T @ weighted, weighted.T @ others)  # P B
         each = v[order]
         shown = each * np.sum(others * seen, axis=0)
         square = (each * (shape @ seen)) ** 2 + each - each * shown

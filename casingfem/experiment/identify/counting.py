@@ -17,6 +17,8 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 
 TRY_STEPS = 12
+GRID, GRID_WIDTHS = 120, (0.5, 1.0, 2.0)  # most frequencies, and dampings of the usual one, at which a pole is tried
+LINEAR = 0.3  # of the decrease that justifies a pole: least decrease before the poles beside it move
 
 
 def counted(
@@ -144,9 +146,12 @@ def _with_more(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit | N
 
 def _with_one_more(fit: PoleFit, rules: Thresholds) -> PoleFit | None:
     """Add one pole if it lowers the sum of squares by more than chance; else return None."""
-    trials = (tried(fit.window, start, TRY_STEPS) for start in _starts(fit))
-    poles, squares = min(trials, key=lambda trial: trial[1])
-    if fit.squares - squares < asked(fit.window.Y.shape[1], rules):
+    start, fall = _best_start(fit)
+    least = asked(fit.window.Y.shape[1], rules)
+    if fall < LINEAR * least:
+        return None
+    poles, squares = tried(fit.window, start, TRY_STEPS)
+    if fit.squares - squares < least:
         return None
     larger = fit_poles(fit.window, poles)
     return larger if fit.squares - larger.squares >= _needed(larger, rules) else None
@@ -162,19 +167,26 @@ def _justified(fit: PoleFit, rules: Thresholds) -> bool:
     return not (worth(fit, rules).min() < 1.0 or repeated(fit, rules).any() or undetermined(fit, rules).any())
 
 
-def _starts(fit: PoleFit) -> list[Array]:
-    """Start values of one more pole: at the largest residual, and beside the pole with the largest residual near it."""
-    power = np.sum(np.abs(fit.rest) ** 2, axis=1)
-    smooth = np.convolve(power, np.ones(3) / 3.0, mode="same")
-    inner = smooth[1:-1]
-    at = 2.0 * np.pi * float(fit.window.freq[1 + int(np.argmax(inner))])
-    if not len(fit):
-        return [np.array([-2.0 * fit.window.step + 1j * at])]
-    usual = float(np.median(fit.poles.real))
-    starts = [np.append(fit.poles, usual + 1j * at)]
-    worst = int(np.argmax(fit.local * fit.peaks**0.5))
-    pole = fit.poles[worst]
-    for aside in (0.3, 1.0):
-        split = np.array([pole + 1j * aside * pole.real, pole - 1j * aside * pole.real])
-        starts.append(np.append(np.delete(fit.poles, worst), split))
-    return starts
+def _best_start(fit: PoleFit) -> tuple[Array, float]:
+    """Start values with one more pole, and the decrease of the sum of squares there.
+
+    With g the column of a pole, projected, and R the residual, the residues of g alone lower the sum by
+    |g^H R|^2/|g|^2 (Rao's score test). The pole of the largest decrease is taken from a grid, which has the line of the
+    largest residual too.
+    """
+    window = fit.window.merged
+    low, high = (2.0 * np.pi * fit.window.freq[[0, -1]]).tolist()
+    usual = float(np.median(-fit.poles.real)) if len(fit) else 2.0 * fit.window.step
+    count = int(np.clip(2.0 * (high - low) / usual, 2, GRID))
+    worst = 2.0 * np.pi * fit.window.freq[np.argmax(np.sum(np.abs(fit.rest) ** 2, axis=1))]
+    at = np.append(np.linspace(low, high, count), worst)
+    grid = np.concatenate([-usual * width + 1j * at for width in GRID_WIDTHS])
+    columns = window.resonances(grid)[0]
+    Q = np.linalg.qr(np.concatenate([window.resonances(fit.poles)[0], window.polynomials()], axis=1))[0]
+    rest = window.Y - Q @ (Q.conj().T @ window.Y)
+    seen = Q.conj().T @ columns
+    whole = np.sum(np.abs(columns) ** 2, axis=0)
+    left = whole - np.sum(np.abs(seen) ** 2, axis=0)
+    falls = np.sum(np.abs(columns.conj().T @ rest) ** 2, axis=1) / np.maximum(left, 1e-6 * whole + 1e-300)
+    best = int(np.argmax(falls))
+    return np.append(fit.poles, grid[best]), float(falls[best])

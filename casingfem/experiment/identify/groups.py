@@ -6,6 +6,7 @@ no pole moves.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from contact.io.progress import each
 
 PASSES = False, True, True  # whether each fit may add poles; every fit may remove some
 SETTLING, SETTLED = 6, 1e-3  # most repetitions of all fits; change below which they end, in standard deviations
+ENDS = 0.1  # of a window's lines, by which its ends move before its lines are chosen again
 
 
 class SetUp(NamedTuple):
@@ -71,7 +73,8 @@ def all_fitted(data: Responses, modes: Modal, rules: Thresholds = USUAL) -> list
     channels, fits = data.Y.shape[1], list[PoleFit]()
     for number, more in enumerate(PASSES, 1):
         what = f"fit {number} of {len(PASSES)}: group"
-        fits = fitted_groups(data, modes.with_poles(missing_peaks(data, modes)), more, rules, what)
+        known = fits if number > 1 and more == PASSES[number - 2] else []
+        fits = fitted_groups(data, modes.with_poles(missing_peaks(data, modes)), more, rules, what, known)
         modes = modal_of(fits, channels)
     fits = settled_fits(data, fits, rules)
     return fits + unexplained(data, fits, rules)
@@ -162,38 +165,81 @@ def _alone(data: Responses, modes: Modal, group: IntArray, rules: Thresholds) ->
 
 
 def fitted_groups(
-    data: Responses, modes: Modal, more: bool | None, rules: Thresholds = USUAL, what: str = "group"
+    data: Responses,
+    modes: Modal,
+    more: bool | None,
+    rules: Thresholds = USUAL,
+    what: str = "group",
+    known: Sequence[PoleFit] = (),
 ) -> list[PoleFit]:
     """Fit all groups of modes, each with the modes of the other groups subtracted; `what` is reported with its number.
 
     If `more` is False, poles may be removed. If it is True, they may also be added. If it is None, their number is
-    fixed.
+    fixed. A group of `known` fits is fitted again only if the other modes have changed.
     """
-    parts = groups(modes.poles, data.step, rules)
-    return [fitted_group(data, modes, group, more, rules) for group in each(parts, what)]
+    parts, fits = groups(modes.poles, data.step, rules), {fit.poles.tobytes(): fit for fit in known}
+    return [
+        fitted_group(data, modes, group, more, rules, fits.get(modes.poles[group].tobytes()))
+        for group in each(parts, what)
+    ]
 
 
 def fitted_group(
-    data: Responses, modes: Modal, group: IntArray, more: bool | None, rules: Thresholds = USUAL
+    data: Responses,
+    modes: Modal,
+    group: IntArray,
+    more: bool | None,
+    rules: Thresholds = USUAL,
+    known: PoleFit | None = None,
 ) -> PoleFit:
-    """Fit one group of modes, with the other modes subtracted."""
-    lines, Y = _alone(data, modes, group, rules)
+    """Fit one group of modes, with the other modes subtracted; `known` is an earlier fit of the group."""
+    lines = _lines_about(data, modes.poles, group, rules)
+    if known is not None:
+        lines = _kept(lines, int(np.searchsorted(data.freq, known.window.freq[0])), len(known.window.freq))
+    Y = data.Y[lines] - _response(data, modes.without(group), lines)
     whole = _window(data, lines, Y, rules)
+    if known is not None and _unchanged(known, whole):
+        return known
     small = replace(whole, Y=compressed(whole.Y))
     seen = data.freq[data.peaks.at]
     here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
     start = modes.poles[group]
-    fit = fit_poles(small, start, steps=0) if more is None else counted(small, start, here, more, rules)
-    small = replace(small, terms=outer_terms(fit, rules))
-    if more is None or small.terms > fit.window.terms:
-        fit = fit_poles(small, fit.poles)
+    if more is None:
+        if known is None or known.window.terms > small.terms:
+            small = replace(small, terms=outer_terms(fit_poles(small, start, steps=0), rules))
+        fit = fit_poles(small, start)
+    else:
+        fit = counted(small, start, here, more, rules)
+        small = replace(small, terms=outer_terms(fit, rules))
+        if small.terms > fit.window.terms:
+            fit = fit_poles(small, fit.poles)
+    if small.Y is whole.Y:
+        return fit
     return fit_poles(replace(whole, terms=small.terms), fit.poles, steps=0)
+
+
+def _kept(lines: slice, first: int, count: int) -> slice:
+    """The `count` lines from `first` on of an earlier fit, unless the ends have moved by a tenth of its lines."""
+    moved = max(abs(lines.start - first), abs(lines.stop - first - count))
+    return slice(first, first + count) if moved <= max(1, ENDS * count) else lines
+
+
+def _unchanged(known: PoleFit, window: Window) -> bool:
+    """Whether the responses of a window have changed so little that no pole moves significantly.
+
+    A change of norm d moves a pole by at most d standard deviations of white noise of unit variance.
+    """
+    before = known.window
+    if len(before.freq) != len(window.freq) or before.freq[0] != window.freq[0]:
+        return False
+    change = float(np.linalg.norm(window.Y - before.Y))
+    return change < SETTLED * float(np.sqrt(known.noise.min(initial=np.inf)))
 
 
 def settled_fits(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[PoleFit]:
     """Repeat the fits, each with the latest other modes subtracted, until no pole moves significantly."""
     for _ in range(SETTLING):
-        again = fitted_groups(data, modal_of(fits, data.Y.shape[1]), None, rules)
+        again = fitted_groups(data, modal_of(fits, data.Y.shape[1]), None, rules, known=fits)
         moved = _moved(fits, again)
         fits = again
         if moved < SETTLED:

@@ -32,7 +32,7 @@ from casingfem.experiment.identify.groups import (
     with_residues,
 )
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.labels import circle_notes, labelled, oriented, sensor_notes
+from casingfem.experiment.identify.labels import circle_notes, labelled, oriented
 from casingfem.experiment.identify.lscf import Candidates, recurring_poles
 from casingfem.experiment.identify.mode import Mode, Sensors, found_in, mode_of, reasons
 from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled, without_copies, without_twins
@@ -125,14 +125,14 @@ def identify(
     circle = None if angles is None else Circle.of(grid.theta, n_max)
     several = tracked(parts, grid, circle, rules) if len(parts) > 1 else None
     found = partial(_modes, parts[0], picked is not None, rules) if several is None else several.modes
-    modes, sensors = labelled(found, Sensors.of(grid, used.power, circle))
+    modes, sensors, suspects = labelled(found, Sensors.of(grid, used.power, circle))
     modes = modes if several or picked is not None else without_copies(modes, grid.directions)
     doublets = paired(modes)
     modes = oriented(settled(modes, doublets), doublets, sensors)
     modes = modes if picked is not None else without_twins(modes, doublets)
     notes = (
         *used.notes, *_empty(modes, rules), *_test_notes(parts[0].data, rules),
-        *(several.notes if several else ()), *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle),
+        *(several.notes if several else ()), *circle_notes(modes, grid, circle), *suspects,
         *pair_notes(modes, doublets),
     )  # fmt: skip
     if tau is not None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
@@ -27,14 +26,22 @@ CLEAR = 1.2  # a mode whose misfit exceeds this number of medians is not used
 STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; relative deviation that counts as zero
 
 
-def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> tuple[list[Mode], Sensors]:
-    """Label the modes with the sensors that are not suspected, and return both; a wrong sensor would spoil labels."""
+def labelled(make: Callable[[Sensors], list[Mode]], sensors: Sensors) -> tuple[list[Mode], Sensors, tuple[str, ...]]:
+    """Label the modes with the sensors that are not suspected; return both, and notes on the suspected sensors.
+
+    A wrong sensor would spoil the labels. All sensors are used if too few would remain.
+    """
     grid, circle, modes = sensors.grid, sensors.circle, make(sensors)
-    kept = _belonging(modes, grid, circle)
-    if circle is None or len(kept) == len(grid):
-        return modes, sensors
+    shapes = _sure_shapes(modes, grid)
+    if circle is None or not shapes.size:
+        return modes, sensors, ()
+    named = suspected(shapes, circle.n_max, grid.theta, grid.points)
+    off, notes = sorted({at for some, _ in named for at in some}), tuple(text for _, text in named)
+    if not off or len(off) > MOST_OFF * len(grid):
+        return modes, sensors, notes
+    kept = np.delete(np.arange(len(grid)), off)
     fewer = Sensors.of(grid, sensors.power, Circle(theta=grid.theta[kept], orders=circle.orders), kept)
-    return make(fewer), fewer
+    return make(fewer), fewer, notes
 
 
 def oriented(modes: list[Mode], doublets: tuple[tuple[int, int], ...], sensors: Sensors) -> list[Mode]:
@@ -84,26 +91,9 @@ def circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> 
     )
 
 
-def sensor_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
-    """Find sensors of a circle whose values disagree with the sure modes."""
-    shapes = _sure_shapes(modes, grid)
-    if circle is None or not shapes.size:
-        return ()
-    return tuple(text for _, text in suspected(shapes, circle.n_max, grid.theta, grid.points))
-
-
 def _sure_shapes(modes: list[Mode], grid: SensorGrid) -> FloatArray:
     """Radial shapes of the modes that are sure, (sensors, modes)."""
     return np.array([mode.shape for mode in modes if not mode.reason]).T * radial_signs(grid)[:, None]
-
-
-def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> IntArray:
-    """Sensors that label the modes: those not suspected, or all sensors if too few remain."""
-    every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
-    if circle is None or not shapes.size:
-        return every
-    off = sorted({at for named, _ in suspected(shapes, circle.n_max, grid.theta, grid.points) for at in named})
-    return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
 
 
 def suspected(
@@ -143,11 +133,11 @@ def predicted(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatAr
     small = SMALL * np.sqrt(len(theta)) * np.median(np.abs(shapes), axis=0) + 1e-12  # not of the norm: one may be huge
     for order in range(most + 1):
         waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])
-        weight = np.ones_like(shapes)
+        squares, weight = np.column_stack([waves**2, waves[:, 0] * waves[:, 1]]).T, np.ones_like(shapes)
         for _ in range(STEPS):
-            gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(2)
-            right = np.einsum("si,sm,sm->mi", waves, weight, shapes)
-            fitted = waves @ np.linalg.solve(gram, right[:, :, None])[:, :, 0].T
+            cc, ss, cs = squares @ weight + [[1e-9], [1e-9], [0.0]]
+            c, s = waves.T @ (weight * shapes)
+            fitted = waves @ (np.array([ss * c - cs * s, cc * s - cs * c]) / (cc * ss - cs**2))
             weight = 1.0 / np.maximum(np.abs(shapes - fitted), small)
         misfit = np.sum(np.abs(shapes - fitted), axis=0) / np.sum(np.abs(shapes), axis=0)
         expected = np.where(misfit < best, fitted, expected)
@@ -158,10 +148,10 @@ def predicted(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatAr
 def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tuple[int, ...], str]]:
     """Describe sensors from the correlation of each (rows) with the predictions at places (columns), and from size."""
     own, named = np.diag(along), set[int]()
-    for a, b in combinations(range(len(own)), 2):
-        better = min(along[a, b] - own[a], along[b, a] - own[b])
-        as_other = min(along[a, b], along[b, a]) > AS_OTHER and max(own[a], own[b]) < OTHERS
-        if better > GAIN and as_other and not named & {a, b}:
+    better = np.minimum(along - own[:, None], along.T - own) > GAIN
+    as_other = (np.minimum(along, along.T) > AS_OTHER) & (np.maximum.outer(own, own) < OTHERS)
+    for a, b in np.argwhere(np.triu(better & as_other, 1)).tolist():
+        if not named & {a, b}:
             named |= {a, b}
             text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves as the other should"
             yield (a, b), text

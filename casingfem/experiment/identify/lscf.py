@@ -135,12 +135,18 @@ def recurring(swept: list[Array], orders: range, rules: Thresholds = USUAL) -> C
 
 
 def candidates(
-    freq: FloatArray, Y: Array, peaks: int, end: float = np.inf, most: int | None = None, rules: Thresholds = USUAL
+    freq: FloatArray,
+    Y: Array,
+    peaks: int,
+    end: float = np.inf,
+    most: int | None = None,
+    rules: Thresholds = USUAL,
+    every: int = 1,
 ) -> Candidates:
     """Poles that recur over the orders in a band with that many visible peaks.
 
     Y (lines, channels) are responses over their noise, `end` is the duration of the recorded ringing [s]. `most` is
-    the largest order; None takes it from the number of peaks.
+    the largest order; None takes it from the number of peaks. `every` is the step of the orders.
 
     Examples
     --------
@@ -156,7 +162,7 @@ def candidates(
     largest = max(2, min(largest, len(freq) // 4))
     late = None if not np.isfinite(end) else np.exp(-2j * np.pi * freq * end)
     M = normal_matrix(compressed(Y), largest, late)
-    orders = range(max(1, largest // 4), largest + 1)
+    orders = range(max(1, largest // 4), largest + 1, every)
     return recurring(swept_poles(freq, M, orders), orders, rules)
 
 

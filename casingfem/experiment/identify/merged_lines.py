@@ -11,6 +11,7 @@ differences show, var = 20 sigma^2. Other lines are kept.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -73,6 +74,7 @@ def _smooth(Y: Array, free: BoolArray, T: FloatArray, floor: float) -> tuple[Int
     return size * np.flatnonzero(kept), values[kept]
 
 
+@cache
 def _rule(size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes (in lines from the middle), weights, and T (nodes, lines) of polynomials on `size` even lines."""
     k = np.arange(1.0, NODES)

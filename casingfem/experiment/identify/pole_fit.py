@@ -22,6 +22,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg.lapack import zgeqrf, ztrtrs, zungqr
 
 from casingfem.experiment.identify.merged_lines import merged_lines
 from casingfem.experiment.identify.thresholds import USUAL
@@ -166,7 +167,7 @@ class State(NamedTuple):
 
     poles: Array
     Q: Array
-    T: Array  # [G P] = Q T
+    T: Array  # [G P] = Q T, of which only the upper triangle is used
     by_q: Array  # sigma dG/dq
     A: Array  # residues, then polynomials
     rest: Array
@@ -222,8 +223,11 @@ def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
     damping, rise, system = FIRST, 2.0, None
     for _ in range(steps if len(at.poles) else 0):
         information, gradient = system = system or _system(at)
-        scale = np.diag(information) + 1e-12 * np.trace(information) / len(information) + 1e-300
-        step = np.asarray(np.linalg.solve(information + damping * np.diag(scale), -gradient), np.float64)
+        scale = information.diagonal() * 1.0
+        scale += 1e-12 * scale.mean() + 1e-300
+        damped = information.copy()
+        damped.flat[:: len(damped) + 1] += damping * scale
+        step = np.asarray(np.linalg.solve(damped, -gradient), np.float64)
         new = _state(used, _moved(window, at.poles, step), polynomials)
         gain, predicted = at.squares - new.squares, float(step @ (damping * scale * step - gradient))
         if gain >= 0.0:
@@ -244,21 +248,23 @@ def _moved(window: Window, poles: Array, step: FloatArray) -> Array:
     count = len(poles)
     sigma = -poles.real
     reach = np.maximum(1.0, 0.5 * window.step / sigma)
-    by_omega = np.clip(step[:count], -reach, reach)
-    by_sigma = np.clip(step[count:], -1.0, 1.0)
+    by_omega = np.maximum(np.minimum(step[:count], reach), -reach)
+    by_sigma = np.maximum(np.minimum(step[count:], 1.0), -1.0)
     low, high = 2.0 * np.pi * window.freq[[0, -1]]
-    omega = np.clip(poles.imag + sigma * by_omega, low, high)
-    sigma = np.clip(sigma * np.exp(by_sigma), 1e-7 * omega, 0.5 * (high - low) + window.step)
+    omega = np.maximum(np.minimum(poles.imag + sigma * by_omega, high), low)
+    widest = 0.5 * (high - low) + window.step
+    sigma = np.maximum(np.minimum(sigma * np.exp(by_sigma), widest), 1e-7 * omega)
     return np.asarray(-sigma + 1j * omega)
 
 
 def _state(window: Window, poles: Array, polynomials: Array) -> State:
     columns, by_q = window.resonances(poles)
-    Q, T = np.linalg.qr(np.concatenate([columns, polynomials], axis=1))
+    whole, tau = zgeqrf(np.concatenate([columns, polynomials], axis=1))[:2]
+    Q, T = zungqr(whole, tau)[0], whole[: whole.shape[1]]
     seen = Q.conj().T @ window.Y
     rest = window.Y - Q @ seen
-    T = T + 1e-13 * np.max(np.abs(np.diag(T))) * np.eye(len(T))
-    return State(poles, Q, T, by_q, np.linalg.solve(T, seen), rest, float(np.vdot(rest, rest).real))
+    T.flat[:: len(T) + 1] += 1e-13 * np.abs(T.diagonal()).max(initial=0.0)
+    return State(poles, Q, T, by_q, ztrtrs(T, seen)[0], rest, float(np.vdot(rest, rest).real))
 
 
 def _system(at: State) -> tuple[FloatArray, FloatArray]:
@@ -266,7 +272,7 @@ def _system(at: State) -> tuple[FloatArray, FloatArray]:
     along, bare = at.Q.conj().T @ at.by_q, at.by_q.conj().T
     A = at.A[: len(at.poles)]
     gradient = np.sum((bare @ at.rest) * A.conj(), axis=1)
-    return _information(bare @ at.by_q - along.conj().T @ along, A), -np.concatenate([-gradient.imag, gradient.real])
+    return _information(bare @ at.by_q - along.conj().T @ along, A), np.concatenate([gradient.imag, -gradient.real])
 
 
 def _information(products: Array, A: Array) -> FloatArray:
@@ -289,8 +295,9 @@ def _finished(window: Window, at: State) -> PoleFit:
     local, noise, alike = _noise_about(window, at)
     root = np.sqrt(np.tile(alike, 2))
     middle = (scores.T @ scores) * np.outer(root, root)
-    inverse_t = np.linalg.inv(at.T)
-    along = np.concatenate([-1j * along, at.T[:, :count] + along], axis=1)
+    T = np.triu(at.T)
+    inverse_t = np.linalg.inv(T)
+    along = np.concatenate([-1j * along, T[:, :count] + along], axis=1)
     order = np.argsort(at.poles.imag)
     both = np.r_[order, count + order]
     return PoleFit(

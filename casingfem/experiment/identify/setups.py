@@ -23,6 +23,8 @@ In one test e is not zero: a local mode may be seen by one branch alone, E = 1/4
 different members of every second pair, E = 1/2. Two branches whose evidence is below zero are one group. P groups are
 set-ups if each has whole sensors, or whole references, and if the mean evidence of all pairs, times P - 1, exceeds the
 value that chance exceeds once in a hundred (chi-squared of one degree of freedom: Wilks, Ann. Math. Stat. 9, 1938, 60).
+The branches are tested first. If they pass, channels change to the group whose poles fit them best, and the groups are
+tested again.
 """
 
 from __future__ import annotations
@@ -47,6 +49,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 
 LEAST_CHANNELS = 2  # of a branch
 SCREENED, LEVELS = 8, 2  # strongest windows in which branches are searched; levels of the tree in one cut
+EVERY = 2  # step of the orders of the poles of a branch
 MOVES = 3  # most rounds in which channels change their group
 SHIFTED = 0.25, 0.5  # largest share of shifted poles of one test: between sensors, between references of one sensor
 CHANCE = 1e-2  # probability that one test is taken for several set-ups
@@ -76,8 +79,17 @@ def setups_of(whole: SetUp, grid: SensorGrid, rules: Thresholds = USUAL) -> list
     branches = _each_alone(data, strong, branches, heard, rules)
     if len(branches) < 2:
         return []
-    groups = _by_their_poles(data, fits, [_alone(data, fits, branch.channels, rules) for branch in branches], rules)
-    left, evidence = list(range(len(groups))), dict[tuple[int, int], float]()
+    groups = _shifted_groups(data, fits, [_alone(data, fits, each.channels, rules) for each in branches], grid, rules)
+    groups = _shifted_groups(data, fits, _by_their_poles(data, fits, groups, rules), grid, rules) if groups else []
+    parts = [group.channels for group in groups]
+    return parts if all(_whole(grid, part) for part in parts) else []
+
+
+def _shifted_groups(
+    data: Responses, fits: list[PoleFit], groups: list[_Group], grid: SensorGrid, rules: Thresholds
+) -> list[_Group]:
+    """The groups whose poles are shifted by more than chance, or none; groups whose poles repeat are joined."""
+    groups, left, evidence = list(groups), list(range(len(groups))), dict[tuple[int, int], float]()
     while len(left) > 1:
         pairs = list(combinations(left, 2))
         for i, j in pairs:
@@ -86,14 +98,13 @@ def setups_of(whole: SetUp, grid: SensorGrid, rules: Thresholds = USUAL) -> list
         least = min(pairs, key=evidence.__getitem__)
         if evidence[least] >= 0.0:
             break
-        joined = np.sort(np.concatenate([groups[k].channels for k in least]))
-        left = [*(k for k in left if k not in least), len(groups)]
-        groups.append(_alone(data, fits, joined, rules))
+        left = [k for k in left if k not in least]
+        if left:
+            joined = np.sort(np.concatenate([groups[k].channels for k in least]))
+            left = [*left, len(groups)]
+            groups.append(_alone(data, fits, joined, rules))
     total = sum(evidence[pair] for pair in combinations(left, 2))
-    if len(left) < 2 or 2.0 / len(left) * total < chdtri(1, 2.0 * CHANCE):
-        return []
-    parts = [groups[k].channels for k in left]
-    return parts if all(_whole(grid, part) for part in parts) else []
+    return [groups[k] for k in left] if left and 2.0 / len(left) * total >= chdtri(1, 2.0 * CHANCE) else []
 
 
 def _by_their_poles(data: Responses, fits: list[PoleFit], groups: list[_Group], rules: Thresholds) -> list[_Group]:
@@ -246,10 +257,10 @@ def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thre
         whole = replace(fit.window, Y=fit.window.Y[:, channels])
         small = replace(whole, Y=compressed(whole.Y))
         here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
-        start = candidates(whole.freq, small.Y, len(here), data.end, rules=rules).poles
+        start = candidates(whole.freq, small.Y, len(here), data.end, rules=rules, every=EVERY).poles
         inside = (start.imag > 2.0 * np.pi * whole.freq[0]) & (start.imag < 2.0 * np.pi * whole.freq[-1])
         found = counted(small, start[inside], here, more=False, rules=rules)
-        own.append(fit_poles(whole, found.poles, steps=0))
+        own.append(found if small.Y is whole.Y else fit_poles(whole, found.poles, steps=0))
     return _Group(channels, own)
 
 

@@ -22,7 +22,7 @@ from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, sensor_grid
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.labels import circle_notes, labelled, oriented, sensor_notes
+from casingfem.experiment.identify.labels import circle_notes, labelled, oriented
 from casingfem.experiment.identify.lscf import Stabilisation
 from casingfem.experiment.identify.mode import Mode, Residues, Sensors, mode_of
 from casingfem.experiment.identify.output_only.bands import bands_about, peaks_of, spectrum_of
@@ -99,14 +99,14 @@ def identify_output_only(
     factors = np.outer(scale, scale[own])
     estimated = [_scaled(mode, factors) for modes, _ in parts for mode in modes]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    modes, sensors = labelled(lambda at: _modes(estimated, channels, at, rules), Sensors.of(grid, 0, circle))
+    modes, sensors, suspects = labelled(lambda at: _modes(estimated, channels, at, rules), Sensors.of(grid, 0, circle))
     doublets = paired(modes)
     modes = oriented(modes, doublets, sensors)
     lines, measured, fitted = _compared(found, estimated, factors, channels, low, high)
     notes = (
         f"output only: {len(own)} reference{'s' * (len(own) > 1)}, lags up to {lags / fs:.3g} s, {BLOCKS} blocks;"
         " shapes have no scale",
-        *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle),
+        *circle_notes(modes, grid, circle), *suspects,
         *unresolved_notes(modes, LONGER), *_close(modes, doublets), *_lonely(modes, doublets),
         *_bare(modes, spectrum.freq[peaks], float(whole.freq[1])),
     )  # fmt: skip
