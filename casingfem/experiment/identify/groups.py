@@ -15,7 +15,7 @@ import numpy as np
 from casingfem.experiment.identify.counting import asked, counted, outer_terms
 from casingfem.experiment.identify.lscf import bands_of, compressed
 from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, widths
-from casingfem.experiment.identify.spectra import Responses
+from casingfem.experiment.identify.responses import Responses
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, IntArray
 from contact.io.progress import each

@@ -1,6 +1,6 @@
 """Identify modes from frequency responses: spectra, poles, shapes, verdicts.
 
-1. `usable`: lines, channels, kind of response. `spectra`: noise, visible peaks, the end of the ringing.
+1. `responses`: usable lines and channels, kind of response; noise, visible peaks, the end of the ringing.
 2. `lscf`: poles that recur over the orders of p-LSCF. `groups`: close modes are fitted together by maximum likelihood
    (`pole_fit`), as many as the data justify (`counting`), until every visible peak has a mode.
 3. `setups`: channels that were measured together are identified alone; `tracks` averages their modes.
@@ -36,11 +36,10 @@ from casingfem.experiment.identify.labels import circle_notes, labelled, oriente
 from casingfem.experiment.identify.lscf import Candidates, recurring_poles
 from casingfem.experiment.identify.mode import Mode, Sensors, found_in, mode_of, reasons
 from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled, without_copies, without_twins
+from casingfem.experiment.identify.responses import Responses, over_noise, usable
 from casingfem.experiment.identify.setups import setups_of
-from casingfem.experiment.identify.spectra import Responses, over_noise
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import tracked
-from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.threads import with_one_thread
 from contact.io.progress import tell
@@ -115,7 +114,7 @@ def identify(
     used = usable(frfs, band, form, coherence)
     grid = sensor_grid(used.frfs, angles, places)
     picked = None if pick is None else _picked(frfs.path, pick, used.freq)
-    data = over_noise(used.freq, used.H, used.along, rules)
+    data = over_noise(used, rules)
     data, (poles, diagram) = _recurring(data, order, rules)
     if picked is None:
         parts = _identified(data, poles, grid, order, rules)

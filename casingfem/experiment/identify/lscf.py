@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.spectra import Responses
+from casingfem.experiment.identify.responses import Responses
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 from contact.io.progress import each

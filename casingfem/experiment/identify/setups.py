@@ -43,7 +43,7 @@ from casingfem.experiment.identify.counting import counted
 from casingfem.experiment.identify.groups import SetUp
 from casingfem.experiment.identify.lscf import candidates, compressed
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
-from casingfem.experiment.identify.spectra import Responses
+from casingfem.experiment.identify.responses import Responses
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import FloatArray, IntArray
 
