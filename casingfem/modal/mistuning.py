@@ -18,9 +18,10 @@ from contact.io.columns import Column, records_of, table_lines
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 
-LIMIT = 2e-4  # of a frequency: what default meshes are made for; the estimate is larger than the error
+LIMIT = 2e-4  # of a frequency: what default meshes are made for; the error is usually below the estimate
 CHUNK = 10  # draws solved together: results do not depend on the others
 BEYOND = 8  # modes past those asked for, of which imperfections may move some below
+MIXED = 24  # modes past these that mix with them: with 12, errors of frequencies are three times as large
 TINY = 1e-12  # a split that is none
 
 
@@ -140,7 +141,7 @@ class DrawnModes(NamedTuple):
 
 def pairs_map(shell: Shell, count: int) -> SplitMap | None:
     """The map from the draws of a shell to their lowest `count` modes; None if each needs a full solution."""
-    return SplitMap.of(shell, count + BEYOND)
+    return SplitMap.of(shell, count + BEYOND, MIXED)
 
 
 def drawn_modes(shell: Shell, pairs: SplitMap | None, count: int, draws: range) -> list[DrawnModes]:

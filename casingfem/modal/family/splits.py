@@ -23,7 +23,7 @@ from casingfem.structure.shell.shell import Shell
 from contact.io.brief import brief
 
 LOT = 128  # casings at once: their products fit into the cache
-FEWEST = 12  # waves beyond those wanted, at least
+FEWEST = 12  # modes beyond those wanted, at least
 OWN = 0.5  # of a mode's energy in wanted waves: below, terms of third order are missing
 TURN = 2.0 * np.pi
 
@@ -60,7 +60,7 @@ class Near(NamedTuple):
     modes
         Labelled; `fields` are left out.
     estimate
-        Largest relative effect of the terms of third order on a frequency; larger than the error.
+        Largest relative effect of the terms of third order on a frequency; the error is usually smaller.
     complete
         Whether all of them consist of wanted waves, and no mode outside the window can be below the last one.
     """
@@ -106,7 +106,7 @@ class SplitMap:
     __repr__ = brief
 
     @classmethod
-    def of(cls, shell: Shell, count: int) -> "SplitMap | None":
+    def of(cls, shell: Shell, count: int, beyond: int | None = None) -> "SplitMap | None":
         """The map of a casing, for all values of its fields; None if the casing is of no family (`is_family`).
 
         Parameters
@@ -115,11 +115,14 @@ class SplitMap:
             One of the casings. The quantities, highest harmonics and spectra of its fields are used.
         count
             The pairs are those that the lowest `count` modes of the perfect casing complete.
+        beyond
+            Number of modes above these that mix with them. By default a third of `count`, at least 12: as the number
+            of modes goes with the square of frequency, they reach 15 % higher.
         """
         if not is_family(shell):
             return None
         bare = perfect_shell(shell)
-        more = count + max(FEWEST, count // 3)  # modes go as frequency squared: a third more reach 15 % higher
+        more = count + (beyond or max(FEWEST, count // 3))
         known = modes(bare, more)
         p_max = max(int(term.p.max()) for field in shell.defects.values() for term in terms_of(field) or ())
         n_max = int(known.nodal_diameters.max())
