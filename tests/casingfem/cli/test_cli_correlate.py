@@ -43,7 +43,8 @@ def folder(tmp_path_factory):
         STUDY.replace("count = 12", "count = 12\nloose = [{bolt = 4, factor = 0.2}]", 1)
     )
     for study, shown, file in (("casing", "1,2,3,4,5,6", "shapes"), ("with_loose", "1,2,3,4,5,6,7,8,9,10", "loose")):
-        done = invoke("modes", where / f"{study}.toml", "--uff", "--modes", shown, "--out", where / study)
+        words = ("--uff", "--sigma", "2e-4", "--modes", shown, "--out", where / study)
+        done = invoke("modes", where / f"{study}.toml", *words)
         assert done.exit_code == 0, done.output
         (where / study / "modes.uff").rename(where / f"{file}.uff")
     for name, found in (("tight", tight), ("loose", cf.modes(loosened(shell, bolts), 14))):
@@ -117,19 +118,14 @@ def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
 
 
 @pytest.mark.slow
-def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder, tmp_path):
-    text = STUDY.replace("k_rot = 1e6", "k_rot = 1e6\nloose = [{bolt = 4, factor = 0.2}]")
-    (tmp_path / "loose.toml").write_text(text, encoding="utf-8")
-    for study, name in ((folder / "casing.toml", "tight"), (tmp_path / "loose.toml", "loose")):
-        result = invoke("modes", study, "--sigma", "2e-4", "--uff", "--out", tmp_path / name)
-        assert result.exit_code == 0, result.output
+def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder):
     result = invoke(
-        "locate", folder / "casing.toml", tmp_path / "loose" / "modes.csv",
-        "--baseline", tmp_path / "tight" / "modes.csv", "--shapes", tmp_path / "loose" / "modes.uff", "--json",
+        "locate", folder / "casing.toml", folder / "with_loose" / "modes.csv",
+        "--baseline", folder / "casing" / "modes.csv", "--shapes", folder / "loose.uff", "--json",
     )  # fmt: skip
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["by_shapes"][0]["places"] == [4]
-    result = invoke("correlate", tmp_path / "loose.toml", tmp_path / "loose" / "modes.uff", "--json")
+    result = invoke("correlate", folder / "with_loose.toml", folder / "loose.uff", "--json")
     assert min(row["subspace_mac"] for row in json.loads(result.stdout)["shapes"]) > 0.999
 
 

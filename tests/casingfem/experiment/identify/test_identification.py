@@ -79,7 +79,7 @@ def test_a_near_pair_that_looks_alike_at_the_sensors_makes_an_orientation_uncert
     assert near.sigma_angle[0] > 3.0 * far.sigma_angle[0] > 0.05
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_intervals_of_frequency_and_damping_keep():
     """64 members of pairs .5 to 3 bandwidths apart: at 95 % fewer than 53 hold, of either, in 1 of 1000 runs.
 
