@@ -89,7 +89,8 @@ class Circle:
         [9, 23]
         """
         own, above = np.linalg.qr(harmonic(self.theta, n))[0], np.arange(self.n_max + 1, MOST + 1)
-        shares = [np.sum((own.T @ harmonic(self.theta, m)) ** 2) for m in above.tolist()]
+        turns = np.outer(self.theta, above)
+        shares = np.sum((own.T @ np.cos(turns)) ** 2 + (own.T @ np.sin(turns)) ** 2, axis=0)
         return np.sort(above[np.argsort(-np.round(shares, 6), kind="stable")[:2]])
 
     def label(self, shape: FloatArray) -> Label:
@@ -213,7 +214,7 @@ def others_of(
     with even harmonics couples only even ones. The estimate alternates expectation and maximisation, with c projected
     out (restricted likelihood: Patterson and Thompson, Biometrika 58, 1971, 545), w_m the columns of B_m:
 
-        C = S + sum_m v_m B_m B_m^T,   P = C^-1 - C^-1 A (A^T C^-1 A)^-1 A^T C^-1,
+        C = S + sum_m v_m B_m B_m^T,   P = N (N^T C N)^-1 N^T with orthonormal N, N^T A = 0,
         w_m q_m = E|b_m|^2 = |v_m B_m^T P shape|^2 + w_m v_m - v_m^2 tr(B_m^T P B_m),
         v_m <- (nu s^2 g_m^2 + w_m q_m)/(nu + w_m),   1/s^2 <- mean of g_m^2/v_m.
 
@@ -226,16 +227,16 @@ def others_of(
     """
     if len(shape) > own.shape[1] + others.shape[1]:
         shape, own, others, covariance = _within_columns(shape, own, others, covariance)
-    width, g2, both = np.bincount(order), sizes**2, np.column_stack([own, others])
+    width, g2 = np.bincount(order), sizes**2
     left = shape - own @ np.linalg.lstsq(own, shape, rcond=None)[0]
     scale2 = np.full(2, float(left @ left) / float(np.sum(g2[order] * others**2)) + 1e-300)
     v = scale2[odd] * g2
     count = np.maximum(np.bincount(odd, minlength=2), 1)
+    free = np.linalg.qr(own, mode="complete")[0][:, own.shape[1] :]  # orthogonal to A
+    shape, others, covariance = free.T @ shape, free.T @ others, free.T @ covariance @ free
     for _ in range(ROUNDS):
         total = covariance + (others * v[order]) @ others.T
-        solved = np.linalg.solve(total, both)
-        weighted, seen = solved[:, : own.shape[1]], solved[:, own.shape[1] :]
-        seen = seen - weighted @ np.linalg.solve(own.T @ weighted, weighted.T @ others)  # P B
+        seen = np.linalg.solve(total, others)
         each = v[order]
         shown = each * np.sum(others * seen, axis=0)
         square = (each * (shape @ seen)) ** 2 + each - each * shown
