@@ -289,22 +289,37 @@ def _finished(window: Window, at: State) -> PoleFit:
     by_q = at.by_q - at.Q @ along
     information = _information(by_q.conj().T @ by_q, at.A[:count])
     A = at.A[:count]
-    inverse = np.linalg.pinv(information + 1e-300 * np.eye(2 * count), hermitian=True) if count else information
+    inverse = _inverse(information)
     scores = by_q.conj() * (at.rest @ A.conj().T)
     scores = -np.concatenate([-scores.imag, scores.real], axis=1)
     local, noise, alike = _noise_about(window, at)
     root = np.sqrt(np.tile(alike, 2))
     middle = (scores.T @ scores) * np.outer(root, root)
     T = np.triu(at.T)
-    inverse_t = np.linalg.inv(T)
+    rows = np.linalg.inv(T)[:count]
     along = np.concatenate([-1j * along, T[:, :count] + along], axis=1)
-    order = np.argsort(at.poles.imag)
-    both = np.r_[order, count + order]
-    return PoleFit(
-        window=window, poles=at.poles[order], A=A[order], B=at.A[count:], rest=at.rest, squares=at.squares,
-        covariance=inverse[np.ix_(both, both)], scores=(inverse @ middle @ inverse)[np.ix_(both, both)],
-        noise=noise[order], gram=(inverse_t @ inverse_t.conj().T)[np.ix_(order, order)],
-        tilt=(inverse_t @ along)[np.ix_(order, both)], local=local[order],
+    fit = PoleFit(
+        window=window, poles=at.poles, A=A, B=at.A[count:], rest=at.rest, squares=at.squares, covariance=inverse,
+        scores=inverse @ middle @ inverse, noise=noise, gram=rows @ rows.conj().T, tilt=rows @ along, local=local,
+    )  # fmt: skip
+    return fit if np.all(np.diff(at.poles.imag) >= 0.0) else _ascending(fit)
+
+
+def _inverse(information: FloatArray) -> FloatArray:
+    """Inverse of a symmetric matrix, without directions that it does not determine."""
+    values, vectors = np.linalg.eigh(information)
+    known = values > 1e-15 * values.max(initial=0.0)
+    return np.asarray((vectors[:, known] / values[known]) @ vectors[:, known].T)
+
+
+def _ascending(fit: PoleFit) -> PoleFit:
+    """The fit with its poles in ascending order."""
+    order = np.argsort(fit.poles.imag)
+    both = np.r_[order, len(order) + order]
+    return replace(
+        fit, poles=fit.poles[order], A=fit.A[order], covariance=fit.covariance[np.ix_(both, both)],
+        scores=fit.scores[np.ix_(both, both)], noise=fit.noise[order], local=fit.local[order],
+        gram=fit.gram[np.ix_(order, order)], tilt=fit.tilt[np.ix_(order, both)],
     )  # fmt: skip
 
 
