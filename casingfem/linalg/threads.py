@@ -24,18 +24,27 @@ def blas() -> ThreadpoolController:
     return ThreadpoolController().select(user_api="blas")
 
 
+def wanted() -> int:
+    """The number of threads that a variable of the environment states, otherwise one.
+
+    BLAS reads these variables when it is loaded; one that is set later counts here too.
+    """
+    stated = (os.environ.get(name, "") for name in ONE_THREAD)
+    return next((int(number) for number in stated if number.isdecimal() and int(number) > 0), 1)
+
+
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """One BLAS thread within this context, unless a variable of the environment states a number.
+    """One BLAS thread within this context, or as many as a variable of the environment states.
 
     The matrices of a shell are small, so several threads mostly wait for each other: on a busy machine modes take more
     than ten times as long with them. Calculations outside the context keep their threads.
     """
-    libraries = blas().lib_controllers
-    if any(name in os.environ for name in ONE_THREAD) or all(library.get_num_threads() == 1 for library in libraries):
+    number = wanted()
+    if all(library.get_num_threads() == number for library in blas().lib_controllers):
         yield
         return
-    with blas().limit(limits=1):
+    with blas().limit(limits=number):
         yield
 
 
