@@ -135,7 +135,10 @@ print(threads(), seen[0])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("given", "inside"), [({}, "[1]"), ({"OPENBLAS_NUM_THREADS": "2"}, "[2]")])
+@pytest.mark.parametrize(
+    ("given", "inside"),
+    [({}, "[1]"), ({"OPENBLAS_NUM_THREADS": "2"}, "[2]"), ({"OMP_NUM_THREADS": "2,1"}, "[2]")],
+)
 def test_an_update_in_a_script_uses_one_blas_thread_unless_the_environment_sets_a_number(given, inside):
     kept = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     command = [sys.executable, "-W", "ignore", "-c", UPDATED]

@@ -25,11 +25,11 @@ def blas() -> ThreadpoolController:
 
 
 def wanted() -> int:
-    """The number of threads that a variable of the environment states, otherwise one.
+    """The number of threads that a variable of the environment states (the first one of a list), otherwise one.
 
     BLAS reads these variables when it is loaded; one that is set later counts here too.
     """
-    stated = (os.environ.get(name, "") for name in ONE_THREAD)
+    stated = (os.environ.get(name, "").partition(",")[0].strip() for name in ONE_THREAD)
     return next((int(number) for number in stated if number.isdecimal() and int(number) > 0), 1)
 
 
