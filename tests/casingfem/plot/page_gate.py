@@ -33,6 +33,12 @@ WIDE = """(() => {
     if (e.getBoundingClientRect().right > across + 1) found.push("cut at the right: " + e.tagName.toLowerCase());
     if (PRINT && e.scrollWidth > e.clientWidth + 1 && e.tagName === "PRE") found.push("cut at the right: pre");
   }
+  for (const e of document.querySelectorAll("td.number, th.number")) {
+    const lines = document.createRange();
+    lines.selectNodeContents(e);
+    if (seen(e) && e.textContent.split(" ").length < lines.getClientRects().length)
+      found.push("a word over two lines: " + e.textContent.trim());
+  }
   for (const head of document.querySelectorAll("th.number")) {
     const words = head.textContent.trim(), table = head.closest("table");
     const place = [...table.querySelectorAll("th")].findIndex((one) => one.textContent.trim() === "unit");

@@ -145,6 +145,8 @@ BROKEN = {
     "the page is wider than the window": '<div style="width: 1500px">x</div>',
     "cut at the right: table": f"<table><tr>{'<td>cell</td>' * 200}</tr></table>",
     "ends of a strip of speeds on two lines": "<div class='speeds'><div class='ends'><p>1</p><p>2</p></div></div>",
+    "a word over two lines: 312.3011": '<table><tr><td class="number" style="width: 2em; overflow-wrap: anywhere">'
+    "312.3011</td></tr></table>",
     "cut at the right: img": '<img width="900" style="max-width: none" alt="">',
     "no unit: impulse": '<table><tr><th class="number">impulse</th></tr></table>',
     "no unit: sigma": '<table><tr><th class="number">sigma</th><th>unit</th></tr><tr><td>1</td><td>–</td></tr></table>',
