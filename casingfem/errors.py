@@ -62,7 +62,7 @@ class ModelError(InputError):
     """A model that is refused: `code` names the fault in the catalogue, the message ends with remedy and code.
 
     >>> str(ModelError("shell-thickness", "shell.thickness must be above 0, found -3.0"))
-    'shell.thickness must be above 0, found -3.0: give the thickness in metres, 3 mm as 3e-3 [shell-thickness]'
+    'shell.thickness must be above 0, found -3.0; give the thickness in metres, 3 mm as 3e-3 [shell-thickness]'
     """
 
     def __init__(self, code: str, message: str) -> None:
@@ -100,9 +100,9 @@ def sentence(code: str, message: str) -> str:
     """The finding, the remedy, and the code.
 
     >>> print(sentence("mesh-coarse", "rows: found 1 row"))
-    rows: found 1 row: use more elements or a higher order, ask for fewer modes, or leave [mesh] out [mesh-coarse]
+    rows: found 1 row; use more elements or a higher order, ask for fewer modes, or leave [mesh] out [mesh-coarse]
     """
-    return f"{message}: {CATALOGUE[code].remedy} [{code}]"
+    return f"{message}; {CATALOGUE[code].remedy} [{code}]"
 
 
 def with_code(code: str, message: str) -> str:

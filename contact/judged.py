@@ -49,7 +49,7 @@ def _energy(law: Law, result: Result) -> tuple[Flag, ...]:
     found = []
     if law.coating is None and made > MADE * largest > 0.0 and too_much(law, result) is None:
         words = f"contact and scheme added {made:.3g} J, {100.0 * made / largest:.2g} % of the largest energy"
-        found.append(Flag(f"{words}: reduce dt, or use {_other(result.scheme)}", "energy-grows"))
+        found.append(Flag(f"{words}; reduce dt, or use {_other(result.scheme)}", "energy-grows"))
     energy = result.energy
     if abs(energy.unaccounted) > OPEN * energy.scale:
         words = (

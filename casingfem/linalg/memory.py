@@ -65,7 +65,7 @@ def require_memory(needed: float, unknowns: int, free: float) -> None:
     >>> require_memory(7e10, 10**6, free=8e9)
     Traceback (most recent call last):
         ...
-    casingfem.linalg.memory.MemoryNeedError: the factor of 1000000 unknowns takes 70 GB, 8 GB are free: use fewer \
+    casingfem.linalg.memory.MemoryNeedError: the factor of 1000000 unknowns takes 70 GB, 8 GB are free; use fewer \
 elements or a computer with more memory; thick solids need no factorisation with \
 `mesh_modes(solid, count, multigrid=True)` [modes-memory]
     """
@@ -87,7 +87,7 @@ def require_affordable(modes: float, unknowns: int) -> None:
     Traceback (most recent call last):
         ...
     casingfem.errors.ModelError: modes: some 1e+05 of 16000 unknowns, hours of work and 13 GB of shapes, expected at \
-most 12500 at once, or band after band: ask for at least 1 mode, and for far fewer than the mesh has unknowns \
+most 12500 at once, or band after band; ask for at least 1 mode, and for far fewer than the mesh has unknowns \
 [modes-count]
     """
     most = max(MOST / unknowns, MODES)

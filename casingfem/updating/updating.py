@@ -175,7 +175,7 @@ def fitted(
     before = problem.state(problem.start)
     if before.modes.rigid:
         found = f"found {before.modes.rigid} rigid-body modes of the structure, expected none"
-        raise InputError(f"update: {found}: support it before updating")
+        raise InputError(f"update: {found}; support it before updating")
     require_enough(len(problem.fun(problem.start)), len(vary))
     if regularise is None:
         first = None if begin is None else stepped(problem, *begin)

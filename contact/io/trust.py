@@ -135,12 +135,12 @@ class SceneWarning(UserWarning):
     """Warning of a scene that runs although its result may mislead; the message ends with remedy and code.
 
     >>> str(SceneWarning("never-begins", "rub.toml: closing: found 3 s"))[:48]
-    'rub.toml: closing: found 3 s: increase t_end, or'
+    'rub.toml: closing: found 3 s; increase t_end, or'
     """
 
     def __init__(self, code: str, message: str) -> None:
         self.code = code
-        super().__init__(f"{message}: {TROUBLES[code].remedy} [{code}]")
+        super().__init__(f"{message}; {TROUBLES[code].remedy} [{code}]")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _warned, (self.code, str(self))

@@ -184,7 +184,7 @@ class Shaft:
             if not 0.0 <= at <= self.length * (1.0 + SAME):
                 raise InputError(f"{name}: found {at:g} m, expected 0 to the end of the shaft, {self.length:g} m")
         if self.nodes.size > LARGEST:
-            raise InputError(f"pieces: found {self.nodes.size} nodes, expected at most {LARGEST}: use fewer elements")
+            raise InputError(f"pieces: found {self.nodes.size} nodes, expected at most {LARGEST}; use fewer elements")
 
     @property
     def length(self) -> float:

@@ -151,7 +151,7 @@ def test_what_does_not_fit_is_refused_before(monkeypatch, keep):
     monkeypatch.setattr(factors, "free_memory", lambda: 1.05 * needed)
     monkeypatch.setattr(factors, "factored", None)  # never reached
     with pytest.raises(
-        MemoryNeedError, match=r"the factor of 3456 unknowns takes .* GB, .* GB are free: .*\[modes-mem"
+        MemoryNeedError, match=r"the factor of 3456 unknowns takes .* GB, .* GB are free; .*\[modes-mem"
     ):
         factorise(A, keep=keep)
 

@@ -242,11 +242,11 @@ BAD = {
     "no node": (solid, cf.modal.AtNodes((1, 99999)), "node 99999 that no cell has"),
     "twice": (solid, cf.modal.AtNodes((1, 1)), "each once"),
     "held": (solid, cf.modal.AtNodes((1,)), "node 1 fixed"),
-    "corner": (cornered, cf.Tip("corner"), "grid: interface 'corner': .*mesh-group-no-facets"),
+    "corner": (cornered, cf.Tip("corner"), "grid: interface 'corner'; .*mesh-group-no-facets"),
     "no pieces": (
         solid,
         cf.TipNodes("tip", 0),
-        "TipNodes.count must lie between 1 and 100, found 0: .*interface-nodes",
+        "TipNodes.count must lie between 1 and 100, found 0; .*interface-nodes",
     ),
     "101 pieces": (solid, cf.TipNodes("tip", 101), "TipNodes.count must lie between 1 and 100, found 101"),
     "100 pieces": (solid, cf.TipNodes("tip", 100), "piece 0 of 100 on 'tip' has no facet"),
@@ -323,7 +323,7 @@ def test_what_is_no_structure_is_reported_what_it_lacks(call):
     ],
 )
 def test_what_needs_a_chart_states_so(name, call):
-    with pytest.raises(cf.errors.ModelError, match=f"{name}: found Solid, which has no chart: .*structure-chart"):
+    with pytest.raises(cf.errors.ModelError, match=f"{name}: found Solid, which has no chart; .*structure-chart"):
         call(solid())
 
 

@@ -87,7 +87,7 @@ def test_every_type_that_pyuff_writes_is_read(binary, is_complex, even, double, 
 
 def test_a_wrong_number_of_bytes_is_named_beside_the_right_one(tmp_path):
     file = theirs(tmp_path / "theirs.uff", np.tile(receptance((60.0, 1.0)), (3, 1)), binary=1)
-    words = r"set 58b .*found 6400 bytes of data, expected 3200 as line 2 states, and 2 more such sets: .*\[uff-bytes\]"
+    words = r"set 58b .*found 6400 bytes of data, expected 3200 as line 2 states, and 2 more such sets; .*\[uff-bytes\]"
     with pytest.warns(cf.errors.ModelWarning, match=words) as caught:
         cf.uff.read_uff(file)
     assert len(caught) == 1
@@ -122,7 +122,7 @@ def test_a_function_without_a_last_mark_is_whole_or_refused(binary, tmp_path):
         read += 1
         assert len(found) == 2
         np.testing.assert_allclose(found[1].values, given.values, rtol=1e-12)
-        assert re.search(r"found the end of the file, expected -1: .*\[uff-end\]", str(caught[-1].message))
+        assert re.search(r"found the end of the file, expected -1; .*\[uff-end\]", str(caught[-1].message))
     assert read >= 1
 
 

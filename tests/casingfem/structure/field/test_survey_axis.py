@@ -82,7 +82,7 @@ def test_points_in_x_y_z_are_those_in_theta_z_radius(tmp_path, unit, scale):
     path = measured_by_machine(tmp_path / "machine.csv", radius * np.exp(1j * theta), z, unit, scale)
     with pytest.warns(
         cf.errors.ModelWarning,
-        match=r"machine.csv: found columns that are not read: point, deviation: .*survey-columns",
+        match=r"machine.csv: found columns that are not read: point, deviation; .*survey-columns",
     ):
         found = cf.SurveyField.from_csv(path, n_max=12, degree=1)
     expected = cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1)

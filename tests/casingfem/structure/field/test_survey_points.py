@@ -206,7 +206,7 @@ def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
     theta, heights = np.arange(0, 360, 10), (20, 40)
     rows = [f"{a};{z};{50.0 + 0.1 * np.cos(np.radians(3 * a)):.9f};a".replace(".", ",") for z in heights for a in theta]
     text = "\n".join(["# scan 1", "Theta [deg];Z (mm);Radius [cm];Remark", *rows, "# scan 2", ""])
-    with pytest.warns(cf.errors.ModelWarning, match="found columns that are not read: Remark: .*survey-columns"):
+    with pytest.warns(cf.errors.ModelWarning, match="found columns that are not read: Remark; .*survey-columns"):
         field = cf.SurveyField.from_csv(table(tmp_path, text))
     at = field.derivatives(np.array([0.02, 0.03, 0.04]), np.radians(20.0)).value
     np.testing.assert_allclose(at, 0.5 * 1e-3 / 0.5, rtol=1e-5)

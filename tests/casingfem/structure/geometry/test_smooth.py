@@ -47,7 +47,7 @@ def test_points_on_an_arc_approach_a_dome():
         ([(0.3, 0.0), (0.0, 0.1)], "found a radius of 0 m on the meridian"),
         (
             [(0.3, 0.0), (float("nan"), 0.1)],
-            r"expected two points \[r, z\] or more: give at least two different points",
+            r"expected two points \[r, z\] or more; give at least two different points",
         ),
     ],
 )

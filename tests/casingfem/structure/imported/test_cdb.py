@@ -179,7 +179,7 @@ BAD = {
     "fewer": (lambda text: text.replace("SOLID,        1,        1", "SOLID,        1,        2"),
               "found 1 items, expected 2: cut short"),
     "more": (lambda text: text.replace("SOLID,        8,        8", "SOLID,        8,        7"),
-             "found 8 items, expected 7: export"),
+             "found 8 items, expected 7; export"),
     "no nodes": (lambda text: re.sub("        8(        0        1).*", r"        0\1", text),
                  "line 16: found 11 numbers, expected 11 and then the nodes of an element"),
     "kind": (lambda text: text + component("A", "LINE", [1, 2]), "expected CMBLOCK, name, NODE or ELEM"),
@@ -231,7 +231,7 @@ def test_an_archive_of_what_is_no_solid_or_shell_alone_is_refused(tmp_path):
     mesh = cf.imported.grid_mesh("hexahedron", (1, 1, 1), place)
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, mesh.cells, 154))
     with (
-        pytest.warns(cf.errors.ModelWarning, match="part.cdb: 1 elements of type 154: .*mesh-left-out"),
+        pytest.warns(cf.errors.ModelWarning, match="part.cdb: 1 elements of type 154; .*mesh-left-out"),
         pytest.raises(
             cf.errors.ModelError, match=r"part.cdb: found 8 nodes and no solid or shell elements.*mesh-no-cells"
         ),

@@ -308,7 +308,7 @@ def test_columns_of_op4_with_fewer_or_more_words_than_values_are_refused(kind, t
         if words in taken:
             assert column_of(tmp_path, told + OP4.replace("K ", "M ")) == [1.0, 2.0]
             continue
-        short = ": cut short.: " if words > 2 else ": export it again"
+        short = ": cut short.; " if words > 2 else "; export it again"
         said = f"K: found 2 values in column 1, expected {words} words as announced{short}"
         with pytest.raises(cf.errors.ModelError, match=said):
             column_of(tmp_path, told)
@@ -691,8 +691,8 @@ SQUARE = f"{DENSE}2 2\n1\n2\n3\n4\n"
             ("2 2 1\n3 1 1.0", "found an entry outside the matrix, expected rows and columns 1 to 2"),
             ("2 2 1\n1 2 1.0", "found entries above the diagonal of a symmetric matrix"),
             ("2 2 2\n2 1 1.0", "found 1 entries, expected 2: cut short"),
-            ("2 2 0\n2 1 1.0", "found 1 entries, expected 0: export it again"),
-            ("2 3 1\n2 1 1.0", "found a matrix of 2 x 3, expected a square one of 1 to 100000000 rows: export it"),
+            ("2 2 0\n2 1 1.0", "found 1 entries, expected 0; export it again"),
+            ("2 3 1\n2 1 1.0", "found a matrix of 2 x 3, expected a square one of 1 to 100000000 rows; export it"),
             ("0 0 0", "found a matrix of 0 x 0, expected a square one"),
             (f"{10**8 + 1} {10**8 + 1} 0", "found a matrix of 100000001 x 100000001, expected a square one of 1 to"),
             ("", r"found no line with the numbers of rows, columns and entries: cut short\?"),
@@ -700,15 +700,15 @@ SQUARE = f"{DENSE}2 2\n1\n2\n3\n4\n"
         *((
             {"K.mtx": SQUARE, "M.mtx": SQUARE, "K.dof": "6.1\n7.1\n"}, {"K.mtx": text}, f"K.mtx: {message}"
         ) for text, message in (
-            (DENSE, r"found '', expected the numbers of rows and columns: .*matrix-file"),
-            (SQUARE.replace("2 2", "2 x"), r"found '2 x', expected the numbers of rows and columns: .*matrix-file"),
+            (DENSE, r"found '', expected the numbers of rows and columns; .*matrix-file"),
+            (SQUARE.replace("2 2", "2 x"), r"found '2 x', expected the numbers of rows and columns; .*matrix-file"),
             (SQUARE.replace("2 2", f"{'9' * 5000} 2"), "found '9{60}', expected the numbers of rows"),
             (SQUARE.replace("2 2", "-2 -2"), r"found '-2 -2', expected the numbers of rows and columns"),
-            (SQUARE.replace("3", "3x"), r"found '3x', expected a number: .*matrix-file"),
+            (SQUARE.replace("3", "3x"), r"found '3x', expected a number; .*matrix-file"),
             (SQUARE[:-2], "found 3 entries, expected 4: cut short"),
-            (SQUARE + "5\n", "found 5 entries, expected 4: export it again"),
+            (SQUARE + "5\n", "found 5 entries, expected 4; export it again"),
             (SQUARE.replace("2 2", "2 3"), "found a matrix of 2 x 3, expected a square one"),
-            (SQUARE.replace("general", "symmetric"), "found 4 entries, expected 3: export it again"),
+            (SQUARE.replace("general", "symmetric"), "found 4 entries, expected 3; export it again"),
             (f"{DENSE}0 0\n", "found a matrix of 0 x 0, expected a square one"),
             (SQUARE.replace("matrix array", "vector coordinate"), "found vector coordinate real general, expected mat"),
             (SQUARE.replace("matrix array", "matrix banded"), "found matrix banded real general, expected matrix"),
@@ -751,12 +751,12 @@ def test_columns_of_tables_of_nodes_and_dofs_are_asked_for_by_name(tmp_path):
 
 @pytest.mark.parametrize("names", [("a.npz", "b.npz"), ("K.mtx", "M.npz"), ("a.xyz",), ("K.mtx", "M")])
 def test_files_that_do_not_go_together_are_named(names, tmp_path):
-    with pytest.raises(cf.errors.ModelError, match=rf"found {', '.join(names)}: .*matrix-format"):
+    with pytest.raises(cf.errors.ModelError, match=rf"found {', '.join(names)}; .*matrix-format"):
         cf.imported.read_matrices([tmp_path / name for name in names])
 
 
 def test_no_file_of_matrices_is_refused():
-    with pytest.raises(cf.errors.ModelError, match=r"found no file: .*matrix-format"):
+    with pytest.raises(cf.errors.ModelError, match=r"found no file; .*matrix-format"):
         cf.imported.read_matrices([])
 
 

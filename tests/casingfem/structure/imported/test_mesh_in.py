@@ -218,7 +218,7 @@ BROKEN = {
     "short.inp": (INP.replace("20, 30, 40\n", "20, 30\n"), "found 4 numbers, expected a multiple of 5"),
     "word.inp": (INP.replace("2., 0., 0.", "2., 0., x"), "line 6: found '20, 2., 0., x'"),
     "plane.inp": (INP.replace("2., 0., 0.", "2., 0."), "expected a node number and x, y, z"),
-    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "line 24: found no file b.inp: .*mesh-include"),
+    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "line 24: found no file b.inp; .*mesh-include"),
     "itself.inp": (INP + "*include, input=itself.inp\n", "itself.inp, which includes itself"),
     "include.bdf": ("INCLUDE 'b.bdf'\n" + BDF, "line 1: found no file b.bdf"),
     "set.inp": (INP.replace(" Some, 40", " Sum, 40"), "no set 'Sum' above this line"),
@@ -257,8 +257,8 @@ BROKEN = {
     "digits.bdf": (BDF.replace("GRID,3,", f"GRID,{10**20},"), "expected a number of at most eight digits"),
     "nan.bdf": (BDF.replace("2.0D0", "nan"), "found 'nan', expected a real number"),
     "last.bdf": (BDF[: BDF.index("MAT1") - 1], "found no line break after the last line, .*: cut short?"),
-    "lines.msh": (ELEMENTS.format("2\n1 1 2 1 1 3 9\n2 1 2 1 1 9 4"), "lines.msh: found 2 line: .*mesh-no-cells"),
-    "nothing.msh": (ELEMENTS.format(0), "nothing.msh: found no cells: .*mesh-no-cells"),
+    "lines.msh": (ELEMENTS.format("2\n1 1 2 1 1 3 9\n2 1 2 1 1 9 4"), "lines.msh: found 2 line; .*mesh-no-cells"),
+    "nothing.msh": (ELEMENTS.format(0), "nothing.msh: found no cells; .*mesh-no-cells"),
     "number.msh": (GMSH_TWICE.replace("\n4 0 ", "\n1600000000 0 "), "the number 1600000000 in a file of .* bytes"),
     "name.msh": (
         GMSH_TWICE.replace('"', '"' + 1000 * "many words ", 1),
@@ -299,7 +299,7 @@ def test_a_binary_file_that_states_it_fills_the_memory_is_not_read(tmp_path):
 def test_polyhedra_are_refused_by_their_name(faces, tmp_path):
     kind = f"polyhedron{max(map(max, faces)) + 1}"
     meshio.Mesh(np.eye(6, 3), [(kind, [[np.array(face) for face in faces]])]).write(tmp_path / "a.vtu")
-    with pytest.raises(cf.errors.ModelError, match=rf"a.vtu: found {kind}: .*mesh-unsupported-cell"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a.vtu: found {kind}; .*mesh-unsupported-cell"):
         cf.read_mesh(tmp_path / "a.vtu")
 
 
@@ -368,7 +368,7 @@ def test_middles_of_shells_that_are_left_out_are_put_in_free(tmp_path):
 
 def test_mixed_cells_and_loose_facets_are_named(tmp_path):
     skins = SIDES.format(kind="S4", side="SPOS", edge="E1") + "*ELEMENT, TYPE=S9\n9, 1, 2, 3, 4, 5, 6, 1, 2, 3\n"
-    with pytest.raises(cf.errors.ModelError, match=r"2 quad, 1 quad9: .*mesh-mixed-cells"):
+    with pytest.raises(cf.errors.ModelError, match=r"2 quad, 1 quad9; .*mesh-mixed-cells"):
         cf.read_mesh(write(tmp_path / "a.inp", skins))
     loose = "*NODE\n50, 5., 5., 5.\n*ELEMENT, TYPE=CPS3, ELSET=Skin\n9, 10, 20, 50\n"
     with pytest.warns(cf.errors.ModelWarning, match="'Skin' with 1 of 1 facets that belong to no cell"):
@@ -390,7 +390,7 @@ def test_mixed_cells_and_loose_facets_are_named(tmp_path):
 def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_path):
     if name.endswith("bdf"):
         text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,,0.,0.,2.\n").replace("MAT1", text + "\nMAT1")
-    with pytest.warns(cf.errors.ModelWarning, match=f"{name}: {told}: .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=f"{name}: {told}; .*mesh-left-out"):
         cf.read_mesh(write(tmp_path / name, text))
 
 

@@ -154,7 +154,7 @@ def test_refuses_supports_that_solids_cannot_have(steel):
 @pytest.mark.parametrize("kind", SHELLS)
 def test_cells_of_shells_are_no_solid(kind, steel):
     skin = cf.imported.grid_mesh(kind, (1, 1), lambda u: np.insert(u, 2, 0.0, axis=1))
-    with pytest.raises(cf.errors.ModelError, match=rf"cells of kind {kind}: .*mesh-not-solid"):
+    with pytest.raises(cf.errors.ModelError, match=rf"cells of kind {kind}; .*mesh-not-solid"):
         cf.Solid(mesh=skin, material=steel)
 
 

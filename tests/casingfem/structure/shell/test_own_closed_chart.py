@@ -141,7 +141,7 @@ def test_the_statement_is_checked(wrong, found):
         assert clamped(Tube(states=True, **wrong)).axisymmetric
         return
     with pytest.raises(
-        cf.errors.ModelError, match=rf"states axisymmetric = True, but {found}.*rotated about z by b: .*chart-axisymm"
+        cf.errors.ModelError, match=rf"states axisymmetric = True, but {found}.*rotated about z by b; .*chart-axisymm"
     ):
         clamped(Tube(states=True, **wrong))
 

@@ -76,7 +76,7 @@ def test_an_op4_file_needs_dofs_and_may_have_damping(tmp_path):
     ],
 )
 def test_files_that_nobody_reads_are_named(names, found, tmp_path):
-    with pytest.raises(cf.errors.ModelError, match=rf"found {found}: .*matrix-format"):
+    with pytest.raises(cf.errors.ModelError, match=rf"found {found}; .*matrix-format"):
         cf.imported.read_matrices([tmp_path / name for name in names])
 
 

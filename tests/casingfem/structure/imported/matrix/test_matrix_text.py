@@ -170,7 +170,7 @@ def test_matrices_of_calculix(tmp_path):
         assert (found.dofs.tolist(), found.source, found.C) == ([[9, 1], [2, 3], [2, 1]], f"job{ending}", None)
     for row, told in (("4 1", 4), ("1 4", 4), ("0 1", 0), ("1 0", 0)):
         file(tmp_path, f"{row} 1.\n", "job.mas")
-        with pytest.raises(cf.errors.ModelError, match=rf"job\.mas: found row {told}, and 3 dofs: .*matrix-size"):
+        with pytest.raises(cf.errors.ModelError, match=rf"job\.mas: found row {told}, and 3 dofs; .*matrix-size"):
             cf.imported.read_matrices(tmp_path / "job.sti")
     for ending in (".dof", ".mas"):
         (tmp_path / f"job{ending}").unlink()

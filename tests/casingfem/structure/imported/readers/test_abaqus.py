@@ -211,7 +211,7 @@ def test_other_weights_of_a_distributing_coupling_are_refused(method, tmp_path):
 
 def test_a_distributing_coupling_on_faces_is_left_out(tmp_path):
     with pytest.warns(
-        cf.errors.ModelWarning, match=r"a\.inp: \*DISTRIBUTING on a surface of elements \(line 15\): .*mesh-left-out"
+        cf.errors.ModelWarning, match=r"a\.inp: \*DISTRIBUTING on a surface of elements \(line 15\); .*mesh-left-out"
     ):
         assert not attached(tmp_path, f"{FACE}*COUPLING, REF NODE=15, SURFACE=F\n*DISTRIBUTING\n").means
 

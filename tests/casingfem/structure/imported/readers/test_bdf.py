@@ -230,12 +230,12 @@ def test_a_grid_in_one_line_of_large_fields_ends_before_z(tmp_path):
     ],
 )
 def test_files_without_grids_or_elements_are_refused(text, told, tmp_path):
-    with pytest.raises(cf.errors.ModelError, match=rf"a\.bdf: found {re.escape(told)}: .*mesh-no-cells"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.bdf: found {re.escape(told)}; .*mesh-no-cells"):
         read(tmp_path, text)
 
 
 def test_cards_that_are_left_out_are_counted_from_their_first_line(tmp_path):
     with pytest.warns(
-        cf.errors.ModelWarning, match=r"a\.bdf: 2 CGAP \(from line 7\), 1 RROD \(from line 8\): .*mesh-left-out"
+        cf.errors.ModelWarning, match=r"a\.bdf: 2 CGAP \(from line 7\), 1 RROD \(from line 8\); .*mesh-left-out"
     ):
         read(tmp_path, TETRA + "CGAP,1\nRROD,3\nCGAP,2\nCORD3G,3\nCSET,1\nMAT1,1\nPARAM,POST,-1\n")

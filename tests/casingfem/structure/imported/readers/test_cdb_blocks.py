@@ -60,8 +60,8 @@ def test_a_block_has_as_many_items_as_it_states(block, by, tmp_path):
     (at,) = [k for k, line in enumerate(lines) if line.startswith(("NBLOCK", "EBLOCK")[block])]
     count = 8 if block == 0 else 2
     lines[at] = lines[at].rpartition(",")[0] + f",{count + by:8d}"
-    short = "cut short" if by > 0 else "export"
-    told = f"line {at + 1}: found {count} items, expected {count + by}: {short}"
+    short = ": cut short" if by > 0 else "; export"
+    told = f"line {at + 1}: found {count} items, expected {count + by}{short}"
     with pytest.raises(cf.errors.ModelError, match=told):
         read(tmp_path, lines)
 
@@ -152,12 +152,12 @@ def test_lines_of_other_commands_are_passed_over(tmp_path):
 
 @pytest.mark.parametrize("head", ["CE", "CP", "CERIG", "RBE3", "ce"])
 def test_constraints_are_counted_and_left_out(head, tmp_path):
-    with pytest.warns(cf.errors.ModelWarning, match=rf"a\.cdb: 2 constraints \({head.upper()}\): .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=rf"a\.cdb: 2 constraints \({head.upper()}\); .*mesh-left-out"):
         read(tmp_path, [*PART, f"{head},1,2", f"{head},2,3"])
 
 
 def test_elements_that_are_no_solids_or_shells_are_counted(tmp_path):
     more = [row(1, 9, 301, [21]), row(1, 9, 302, [22])]
     lines = [*PART[:2], "ET,9,MASS21", *nodes_block(), *elements_block(BRICK, *more)]
-    with pytest.warns(cf.errors.ModelWarning, match=r"a\.cdb: 2 elements of type MASS21: .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"a\.cdb: 2 elements of type MASS21; .*mesh-left-out"):
         assert read(tmp_path, lines).cell_numbers.tolist() == [300]

@@ -78,7 +78,7 @@ def test_collapsed_elements_have_each_of_their_nodes(element, nodes, kind, given
     ],
 )
 def test_elements_of_other_shapes_are_refused(element, nodes, found, tmp_path):
-    with pytest.raises(cf.errors.ModelError, match=rf"a\.cdb: found {found}: .*mesh-unsupported-cell"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.cdb: found {found}; .*mesh-unsupported-cell"):
         of_one(tmp_path, element, nodes)
 
 

@@ -68,7 +68,7 @@ def test_lines_alone_are_no_mesh_and_beams_are_left_out(family, tmp_path):
     found = "1 line" + "3" * (LINES[family] == 3)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        with pytest.raises(cf.errors.ModelError, match=f"found {found}: .*mesh-no-cells"):
+        with pytest.raises(cf.errors.ModelError, match=f"found {found}; .*mesh-no-cells"):
             read(tmp_path, one_element(family, LINES[family]))
     assert [f"*ELEMENT of type {family}" in str(w.message) for w in caught] == [True] * family.startswith("B")
 
@@ -241,7 +241,7 @@ nodes, MASTER,
     ],
 )
 def test_what_is_left_out_is_reported_with_its_line(card, told, tmp_path):
-    with pytest.warns(cf.errors.ModelWarning, match=rf"a\.inp: {told}: .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=rf"a\.inp: {told}; .*mesh-left-out"):
         read(tmp_path, SHELLS + card)
 
 
@@ -256,7 +256,7 @@ def test_sections_without_offset_and_materials_are_passed_over(tmp_path):
      (f"{NODE}*ELEMENT, TYPE=S4\n", "10 nodes and no elements")],
 )  # fmt: skip
 def test_files_without_nodes_or_elements_are_refused(text, told, tmp_path):
-    with pytest.raises(cf.errors.ModelError, match=rf"a\.inp: found {told}: .*mesh-no-cells"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.inp: found {told}; .*mesh-no-cells"):
         read(tmp_path, text)
 
 

@@ -110,7 +110,7 @@ def test_components_of_axes_that_are_round_off_are_none(slant, components, tmp_p
 )
 def test_springs_at_scalar_points_are_left_out(card, tmp_path):
     with pytest.warns(
-        cf.errors.ModelWarning, match=rf"a.bdf: 1 {card[:6]} at scalar points \(from line 10\): .*mesh-left-out"
+        cf.errors.ModelWarning, match=rf"a.bdf: 1 {card[:6]} at scalar points \(from line 10\); .*mesh-left-out"
     ):
         assert attached(tmp_path, card).springs == ()
 
