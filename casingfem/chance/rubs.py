@@ -16,7 +16,7 @@ from casingfem.chance.evaluate import Drawing, severity
 from casingfem.chance.result import Chance
 from casingfem.chance.run import drawing_of
 from casingfem.io.arrays import FloatArray
-from casingfem.io.side_by_side import one_thread, usable_cores
+from casingfem.io.side_by_side import one_thread_for_children, usable_cores
 from contact.io.outfiles import finite, json_text, read_checked, write_checked
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
@@ -61,7 +61,7 @@ def run_rubs(
     progress(sum(map(len, kept.values())), max(len(chosen), 1))
     if missing and scheduler is None:
         _ = drawing_of(path, source).casings.wide  # once, for all workers that are copies of this process
-    with one_thread():
+    with one_thread_for_children():
         for draws, rows in on_workers(missing, run_group, processes or usable_cores(), scheduler):
             if folder is not None:
                 write_checked(group_file(folder, draws), "runs", rows, **head_of(found, draws))

@@ -16,7 +16,7 @@ from casingfem.chance.importance import Importance, indices, mixed_designs
 from casingfem.chance.load import ChanceScene, load_chance
 from casingfem.chance.replaced import FLAG
 from casingfem.io.arrays import FloatArray
-from casingfem.io.side_by_side import one_thread, usable_cores
+from casingfem.io.side_by_side import one_thread_for_children, usable_cores
 from contact.base.errors import InputError
 from contact.io.infiles import read_bytes
 from contact.io.npz import load_npz, write_npz
@@ -90,7 +90,7 @@ def run_draws(
     parts = [Part(str(given.path), json_text(given.source), name) for name in (PAIRS, *missing)]
     if missing and scheduler is None and forks():
         drawing_of(parts[0].path, parts[0].source)  # workers start with the perfect casing instead of solving it
-    with one_thread():
+    with one_thread_for_children():
         for name, found in on_workers(parts, compute, processes or usable_cores(), scheduler):
             if store is not None and name != PAIRS:
                 write_npz(store / f"{name}.npz", found)

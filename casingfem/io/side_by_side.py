@@ -36,7 +36,7 @@ def side_by_side(workers: int) -> Iterator[Each]:
         return
     from contact.io.workers import worker_pool  # loaded with the first processes, not by every command
 
-    with one_thread(), worker_pool(workers) as pool:
+    with one_thread_for_children(), worker_pool(workers) as pool:
         yield pool.map
 
 
@@ -49,7 +49,7 @@ def largest_first(
 
 
 @contextmanager
-def one_thread() -> Iterator[None]:
+def one_thread_for_children() -> Iterator[None]:
     """Within this context, new processes have one BLAS thread each."""
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 from casingfem.errors import InputError
-from casingfem.io.side_by_side import one_thread, usable_cores
+from casingfem.io.side_by_side import one_thread_for_children, usable_cores
 from casingfem.modal.family.splits import SplitMap
 from casingfem.modal.mistuning import (
     Difference,
@@ -98,7 +98,7 @@ def run_mistune(
     if missing and forks():
         worker_of(str(study.path), study.source["sha256"])  # workers start with the map instead of making their own
     try:
-        with one_thread():
+        with one_thread_for_children():
             for chunk, found in in_processes(parts, compute, processes or usable_cores()):
                 content = json.loads(json_text(found))
                 if chunk == PERFECT:
