@@ -151,31 +151,44 @@ def slots_of(quantities: tuple[str, ...]) -> tuple[Slot, ...]:
 
 
 def forms_at(shell: ShellParts, quantities: tuple[str, ...], values: Array, places: Places) -> Forms:
-    """The forms at one angle, for values of the slots (slots,): (points, ...)."""
+    """The forms at several angles, for values of the slots (angles, slots): (angles, points, ...)."""
     imperfection = {
-        name: tuple(values[k : k + 1] for k, slot in enumerate(slots_of(quantities)) if slot.quantity == name)
+        name: tuple(values[:, k] for k, slot in enumerate(slots_of(quantities)) if slot.quantity == name)
         for name in quantities
     }
-    stiffness, mass = point_forms(shell, imperfection, places)
-    return Forms(stiffness[0], mass[0])
+    return point_forms(shell, imperfection, places)
 
 
 def first_derivatives(shell: ShellParts, quantities: tuple[str, ...], places: Places, about: FloatArray) -> list[Forms]:
-    """Derivatives of the forms with respect to each slot at values of the slots, by complex steps."""
-    steps = 1j * TINY * np.eye(len(about))
-    return [Forms(*(part.imag / TINY for part in forms_at(shell, quantities, about + step, places))) for step in steps]
+    """Derivatives of the forms with respect to each slot at values of the slots, by complex steps.
+
+    Parameters
+    ----------
+    shell, quantities, places
+        The perfect casing, its random quantities, and the points of its meridian.
+    about
+        Values of the slots, (..., slots).
+
+    Returns
+    -------
+    list of Forms
+        One for each slot, each (..., points, 15, 15) and (..., points, 5, 5).
+    """
+    stepped = about[..., None, :] + 1j * TINY * np.eye(about.shape[-1])
+    forms = forms_at(shell, quantities, stepped.reshape(-1, about.shape[-1]), places)
+    by_slot = [np.moveaxis(part.reshape(*stepped.shape[:-1], *part.shape[1:]), about.ndim - 1, 0) for part in forms]
+    return [Forms(stiffness.imag / TINY, mass.imag / TINY) for stiffness, mass in zip(*by_slot, strict=True)]
 
 
 def second_derivatives(shell: ShellParts, quantities: tuple[str, ...], places: Places) -> dict[tuple[int, int], Forms]:
     """Second derivatives of the forms of a perfect casing: (slot, slot) -> forms."""
-    count = len(slots_of(quantities))
-    second = {}
-    for k, step in enumerate(STEP * np.eye(count)):
-        above, below = (first_derivatives(shell, quantities, places, way * step) for way in (1.0, -1.0))
-        for m in range(count):
-            pairs = zip(above[m], below[m], strict=True)
-            second[m, k] = Forms(*((up - down) / (2.0 * STEP) for up, down in pairs))
-    return second
+    steps = STEP * np.eye(len(slots_of(quantities)))
+    slopes = first_derivatives(shell, quantities, places, np.stack([steps, -steps]))
+    return {
+        (m, k): Forms(*((above - below) / (2.0 * STEP) for above, below in (part[:, k] for part in slope)))
+        for k in range(len(steps))
+        for m, slope in enumerate(slopes)
+    }
 
 
 def third_derivatives(
@@ -183,12 +196,11 @@ def third_derivatives(
 ) -> dict[tuple[int, int, int], Forms]:
     """Third derivatives of the forms of a perfect casing: (slot, slot, slot) -> forms, for every order of the slots."""
     steps = WIDE * np.eye(len(slots_of(quantities)))
+    signs = np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)])
     third = {}
     for k, one in enumerate(steps):
         for m, other in enumerate(steps[: k + 1]):
-            signs = [(a, b) for a in (1.0, -1.0) for b in (1.0, -1.0)]
-            corners = [first_derivatives(shell, quantities, places, a * one + b * other) for a, b in signs]
-            for j in range(len(steps)):
-                parts = zip(*(corner[j] for corner in corners), strict=True)
-                third[j, m, k] = third[j, k, m] = Forms(*((a - b - c + d) / (4.0 * WIDE**2) for a, b, c, d in parts))
+            corners = first_derivatives(shell, quantities, places, signs @ np.stack([one, other]))
+            for j, corner in enumerate(corners):
+                third[j, m, k] = third[j, k, m] = Forms(*((a - b - c + d) / (4.0 * WIDE**2) for a, b, c, d in corner))
     return third

@@ -132,7 +132,7 @@ def derivatives_of(own: Expansion) -> Derivatives:
 
     return Derivatives(
         slots,
-        real(Forms(*(part.real for part in forms_at(*given, about, own.places)))),
+        real(Forms(*(part[0].real for part in forms_at(*given, about[None], own.places)))),
         [real(form, s) for s, form in enumerate(first_derivatives(*given, own.places, about))],
         second,
         {at: real(form, *at) for at, form in second.items()},
