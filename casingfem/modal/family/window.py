@@ -183,14 +183,13 @@ def torsional(waves: Waves, which: IntArray) -> BoolArray:
 
 def alike_of(terms: "Terms", entries: IntArray, size: FloatArray) -> Alike:
     """Numbers (b, a, sense) with the same difference of nodal diameters, (numbers, 3)."""
-    (b, a, _), step = entries.T, terms.step(*entries[0].tolist())
+    (b, a, _), step = entries.T, terms.step(entries)
     square = np.sqrt(np.maximum(terms.low.value[b] * terms.low.value[a], 0.0))
     scale, powers, every = np.zeros(len(b)), list[Monomials](), np.arange(len(b))
-    plan = ((terms.first, every, 2), (terms.second, every, 2), (terms.third, np.flatnonzero(terms.wanted(entries)), 1))
-    for degree, (values_of, own, kinds) in enumerate(plan, 1):
+    plan = ((terms.first, every), (terms.second, every), (terms.third, np.flatnonzero(terms.wanted(entries))))
+    for degree, (values_of, own) in enumerate(plan, 1):
         factor = products_of(step, degree, len(terms.own.quantities), terms.own.p_max)
-        value = np.array([values_of(*each) for each in entries[own].tolist()]).reshape(len(own), len(factor), kinds)
-        value = np.moveaxis(value, 0, -1)
+        value = np.moveaxis(values_of(entries[own], step), 0, -1)
         scale[own] = np.maximum(scale[own], weights(factor, value, size, square[own]).max(axis=0, initial=0.0))
         powers.append(collected(factor, value, size, scale[own], square[own]))
     first, second, third = powers
@@ -289,76 +288,84 @@ class Terms:
         """Whether both waves of numbers (b, a, sense) are wanted, (numbers,)."""
         return np.asarray(entries[:, :2].max(axis=1) < self.answers)
 
-    def wave(self, pair: int, sense: int) -> int:
-        """Index of a wave or of its conjugate."""
-        return pair + sense * int(self.between_answers.shape[3])
+    def ends(self, entries: IntArray) -> tuple[IntArray, IntArray]:
+        """Indices of the waves b and a of numbers (b, a, sense); with sense 1, a is the conjugate."""
+        b, pair, sense = entries.T
+        return b, pair + sense * self.between_answers.shape[3]
 
     def lines_of(self, line: int) -> list[int]:
         """Slots of a field."""
         return [s for s, slot in enumerate(self.forms.slots) if slot.quantity == self.own.quantities[line]]
 
-    def step(self, b: int, pair: int, sense: int) -> int:
-        """Difference of nodal diameters, from wave a = +-n to wave b."""
-        return int(self.low.n[b] - self.low.n[self.wave(pair, sense)])
+    def step(self, entries: IntArray) -> int:
+        """Difference of nodal diameters, from wave a = +-n to wave b, which all these numbers share."""
+        b, a = self.ends(entries[:1])
+        return int(self.low.n[b[0]] - self.low.n[a[0]])
 
-    def first(self, b: int, pair: int, sense: int) -> FloatArray:
-        """Terms of first power of K and M, for the products of `products_of`, (products, 2)."""
-        a = self.wave(pair, sense)
-        lines = range(len(self.own.quantities) if abs(self.step(b, pair, sense)) <= self.own.p_max else 0)
+    def first(self, entries: IntArray, step: int) -> FloatArray:
+        """Terms of first power of K and M, for the products of `products_of`, (numbers, products, 2)."""
+        b, a = self.ends(entries)
+        lines = range(len(self.own.quantities) if abs(step) <= self.own.p_max else 0)
         at = self.waves[b], self.waves[a]
-        value = np.array([(self.own.K_1[line][at], self.own.M_1[line][at]) for line in lines]).reshape(-1, 2)
-        return np.asarray(self.turn[a] * value)
+        value = np.array([(self.own.K_1[line][at], self.own.M_1[line][at]) for line in lines])
+        return np.asarray(self.turn[a, None, None] * np.moveaxis(value.reshape(-1, 2, len(b)), 2, 0))
 
-    def second(self, b: int, pair: int, sense: int) -> FloatArray:
+    def second(self, entries: IntArray, step: int) -> FloatArray:
         """Terms of second power."""
-        a = self.wave(pair, sense)
+        b, a = (each[:, None] for each in self.ends(entries))
         top, order = self.own.p_max, [slot.order for slot in self.forms.slots]
-        p1, p2 = remaining(self.step(b, pair, sense), 2, top)
+        p1, p2 = remaining(step, 2, top)
         p1, p2 = p1[np.abs(p2) <= top], p2[np.abs(p2) <= top]
         way = p1 + self.low.n[a] - self.own.k[0]
         values = []
         for line, other in product(range(len(self.own.quantities)), repeat=2):
-            value = np.zeros((len(way), 2))
+            value = np.zeros((*way.shape, 2))
             for kind in (0, 1):
                 own = self.direct[kind][way, line, other, b, a] + self.between_answers[kind, way, other, b, line, a]
                 for s in self.lines_of(other):
                     own = own + p2 ** order[s] * self.first_right[s][kind][b, line, p1 + top, a]
                 for s in self.lines_of(line):
                     own = own + p1 ** order[s] * self.first_left[s][kind][other, top - p2, b, a]
-                value[:, kind] = own
+                value[:, :, kind] = own
             values.append(value)
-        return np.asarray(self.turn[a] * np.concatenate(values))
+        return np.asarray(self.turn[a, None] * np.concatenate(values, axis=1))
 
-    def third(self, b: int, pair: int, sense: int) -> FloatArray:
-        """Terms of third power of D = K - w^2 M between two wanted waves, (products, 1)."""
-        used = np.all(np.abs(remaining(self.step(b, pair, sense), 3, self.own.p_max)) <= self.own.p_max, axis=0)
+    def third(self, entries: IntArray, step: int) -> FloatArray:
+        """Terms of third power of D = K - w^2 M between wanted waves, (numbers, products, 1)."""
+        used = np.all(np.abs(remaining(step, 3, self.own.p_max)) <= self.own.p_max, axis=0)
+        used = used.reshape(2 * self.own.p_max + 1, -1)
         every = product(range(len(self.own.quantities)), repeat=3)
-        return np.concatenate([self.third_of(lines, b, pair, sense).ravel()[used] for lines in every])[:, None]
+        values = [self.third_of(lines, entries, step)[:, used] for lines in every]
+        return np.concatenate(values, axis=1)[:, :, None]
 
-    def third_of(self, lines: tuple[int, ...], b: int, pair: int, sense: int) -> FloatArray:
-        """Terms of third power for three fields, by the first harmonic and the third."""
-        wave, a, (first, second, third) = self.wave(pair, sense), pair + sense * self.answers, lines
+    def third_of(self, lines: tuple[int, ...], entries: IntArray, step: int) -> FloatArray:
+        """Terms of third power for three fields, by the first harmonic and the third, (numbers, first, third)."""
+        (b, wave), (first, second, third) = self.ends(entries), lines
+        a = entries[:, 1] + entries[:, 2] * self.answers
         p = np.arange(-self.own.p_max, self.own.p_max + 1)
-        square = 0.5 * float(self.low.value[wave] + self.low.value[b])
-        p2 = self.step(b, pair, sense) - np.add.outer(p, p)
+        square = 0.5 * (self.low.value[wave] + self.low.value[b])
+        p2 = step - np.add.outer(p, p)
         powers = p ** np.arange(3)[:, None]
 
         def D(parts: Two, *at: Any) -> Array:
-            return np.asarray(parts[0][at] - square * parts[1][at])
+            stiffness, mass = (part[at] for part in parts)  # (numbers, ...): what indexes a wave comes first
+            factor = square.astype(mass.dtype).reshape(-1, *[1] * (mass.ndim - 1))
+            return np.asarray(stiffness - factor * mass)
 
-        found = np.zeros(p2.shape)
+        found = np.zeros((len(entries), *p2.shape))
         for s in self.lines_of(second):
-            own = D(self.first_both[s], third, slice(None, None, -1), b, first, slice(None), a).T.astype(float)
+            both = D(self.first_both[s], third, slice(None, None, -1), b, first, slice(None), a)
+            own = both.transpose(0, 2, 1).astype(float)
             for t in self.lines_of(third):
                 after = 0.5 * D(self.second_right[s, t], b, first, slice(None), a)
                 for r in self.lines_of(first):
-                    after = after + powers[self.order(r)] * (D(self.third_none[r, s, t], b, a) / 6.0)
-                own += np.outer(after, powers[self.order(t)])
+                    after = after + powers[self.order(r)] * (D(self.third_none[r, s, t], b, a)[:, None] / 6.0)
+                own += after[:, :, None] * powers[self.order(t)]
             for r in self.lines_of(first):
                 before = 0.5 * D(self.second_left[r, s], third, slice(None, None, -1), b, a)
-                own += np.outer(powers[self.order(r)], before)
+                own += powers[self.order(r)][:, None] * before[:, None, :]
             found += p2 ** self.order(s) * own
-        return np.asarray(self.turn[wave] * found)
+        return np.asarray(self.turn[wave, None, None] * found)
 
     def order(self, slot: int) -> int:
         """Order of the derivative of a slot."""
