@@ -34,9 +34,9 @@ of = "radius"
 random = "example"
 seed = 7
 scale = 0.2
-p_max = 8
+p_max = 3
 [modes]
-count = 6
+count = 3
 [mesh]
 order = 7
 rows = 1
@@ -196,7 +196,7 @@ def run(study, out, draws, *more):
 
 
 def test_a_study_without_random_fields_is_refused(study):
-    study.write_text(STUDY.replace('random = "example"\nseed = 7\nscale = 0.2\np_max = 8', "harmonics = [{p = 3}]"))
+    study.write_text(STUDY.replace('random = "example"\nseed = 7\nscale = 0.2\np_max = 3', "harmonics = [{p = 3}]"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2"])
     assert result.exit_code == 2
     assert "study.toml: imperfection: found a shell without random fields" in result.stderr
@@ -219,7 +219,7 @@ def test_more_draws_are_added_a_spoilt_chunk_is_made_again_and_another_study_is_
     assert tables(out) == after
     shell = cf.load_study(study).shell
     rows = np.loadtxt((out / "mistune.csv").read_text().splitlines(), delimiter=",", comments="#", skiprows=3)
-    np.testing.assert_array_equal(rows[:, 3], cf.modal.mistune(shell, 20, count=6).freq)
+    np.testing.assert_array_equal(rows[:, 3], cf.modal.mistune(shell, 20, count=3).freq)
     study.write_text(STUDY.replace("seed = 7", "seed = 8"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2", "--out", str(out)])
     assert result.exit_code == 2
