@@ -16,8 +16,8 @@ from contact.base.arrays import Array, Indices
 from contact.base.errors import NumericsError
 from contact.cycles.known import EVENTS, Closed, DrivenPhase, Known, resonance
 from contact.cycles.switched import Drive, Plant
+from contact.solver.unilateral.pivoting import pressing
 
-PIVOTS = 200
 TOUCH = 1e-7  # of the velocities that add up to the gap's: a slower hit ends a series, or is no hit
 
 
@@ -124,25 +124,6 @@ class Motion:
 def closed_of(closed: Indices) -> Closed:
     """Numbers of the contacts that are closed."""
     return tuple([i for i, shut in enumerate(closed.tolist()) if shut])
-
-
-def pressing(W: Array, g: Array) -> Array:
-    """Forces lam >= 0 with W lam + g >= 0, complementary, by principal pivoting (after some steps by least index)."""
-    closed = g < 0.0
-    if not closed.any():
-        return np.zeros(g.size)
-    for pivot in range(PIVOTS):
-        lam = np.zeros(g.size)
-        chosen = np.flatnonzero(closed)
-        lam[chosen] = np.linalg.solve(W[np.ix_(chosen, chosen)], -g[chosen])
-        wrong = np.flatnonzero((lam < 0.0) | (~closed & (W @ lam + g < -1e-14 * np.abs(g).max(initial=0.0))))
-        if not wrong.size:
-            return lam
-        closed[wrong if pivot < 10 else wrong[:1]] ^= True
-    raise NumericsError(
-        "found no set of closed contacts that satisfies the contact law: contacts press against each other; give them "
-        "a compliance"
-    )
 
 
 def passage(

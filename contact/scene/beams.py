@@ -14,7 +14,7 @@ from contact.model.bodies.ring_modes import ThinRing, ring_modes
 from contact.model.gaps.rod_modes import Cantilever
 from contact.scene.parts import RecordTable, read_basis
 from contact.scene.problems import Problems
-from contact.scene.scheme import Built, Distance, Force, Name, SceneFile, SchemeTable, Table, Velocity
+from contact.scene.scheme import MODAL, Built, Distance, Force, Name, SceneFile, SchemeTable, Table, Velocity
 
 SECTION = ("width", "height", "E", "rho")  # of a ring that no basis gives
 
@@ -129,8 +129,8 @@ class CantileverFile(SceneFile):
 
     @model_validator(mode="after")
     def _modal(self) -> CantileverFile:
-        if self.scheme.kind != "exact-modal":
-            raise ValueError(f"scheme.kind {self.scheme.kind!r} found, expected 'exact-modal'")
+        if self.scheme.kind not in MODAL:
+            raise ValueError(f"scheme.kind {self.scheme.kind!r} found, expected one of {', '.join(map(repr, MODAL))}")
         return self
 
     def built(self, folder: Path, problems: Problems) -> Built:

@@ -29,9 +29,12 @@ from contact.scene.scheme import (
     SceneFile,
     Table,
     Time,
+    Unit,
     Velocity,
 )
+from contact.scheme.events.event_driven import EventDriven
 from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.protocol import Scheme
 
 OMEGA = replace(CHECKS["frequency"], unit="rad/s", upper=2.0 * np.pi * CHECKS["frequency"].upper)
 Seen = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]  # of a mode of 1e-12 kg, the least that [checks] knows
@@ -117,10 +120,23 @@ class GroundTable(Table):
 
 
 class PatchScheme(Table):
-    """[scheme] of a patch: exact-modal."""
+    """[scheme] of a patch: exact-modal, or event-driven with a coefficient of restitution."""
 
-    kind: Literal["exact-modal"] = Field(description="method of time integration")
-    dt: Time = Field(description="time step [s]")
+    kind: Literal["exact-modal", "event-driven"] = Field(description="method of time integration")
+    dt: Time = Field(description="time step; of event-driven, the interval of the samples [s]")
+    restitution: Unit = Field(
+        default=0.0, description="coefficient of restitution of rigid contacts, for event-driven [-]"
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> PatchScheme:
+        if self.restitution and self.kind != "event-driven":
+            raise ValueError(f"restitution found with kind = {self.kind!r}, expected none")
+        return self
+
+    def method(self) -> Scheme:
+        """The scheme."""
+        return EventDriven(restitution=self.restitution) if self.kind == "event-driven" else ExactModal()
 
 
 class PatchFile(SceneFile):
@@ -153,7 +169,7 @@ class PatchFile(SceneFile):
         with problems.at("body"):
             patch = self.patch(folder)
         problems.check()
-        return patch, contact_law(self.ground.friction, self.law), ExactModal()
+        return patch, contact_law(self.ground.friction, self.law), self.scheme.method()
 
     def patch(self, folder: Path) -> Patch:
         """The patch; a basis file is sought in `folder`. Raises InputError."""

@@ -15,6 +15,7 @@ from contact.model.laws.augmented import AugmentedLagrangian
 from contact.problem import What
 from contact.resolved import MOST_STEPS
 from contact.scene.turns import MEANING, Side
+from contact.scheme.events.event_driven import EventDriven
 from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
 from contact.scheme.linear.cd_lagrange import CDLagrange
 from contact.scheme.linear.central_difference import CentralDifference
@@ -57,7 +58,7 @@ Name = Annotated[str, Field(min_length=1)]  # of a file or a channel
 Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Kind = Literal[
     "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",
-    "massless-boundary", "stabilised-newmark", "nonsmooth-alpha", "projected-alpha", "exact-modal",
+    "massless-boundary", "stabilised-newmark", "nonsmooth-alpha", "projected-alpha", "exact-modal", "event-driven",
 ]  # fmt: skip
 ModalLaw = Literal["auto", "forward", "averaged", "energy"]
 ContactLaw = Literal["lagrange", "penalty", "augmented-lagrangian"]
@@ -75,11 +76,14 @@ SCHEMES: dict[str, tuple[type[Scheme], tuple[str, ...]]] = {
     "nonsmooth-alpha": (NonsmoothAlpha, ("rho_inf", "restitution")),
     "projected-alpha": (ProjectedAlpha, ("rho_inf", "restitution")),
     "exact-modal": (ExactModal, ("law", "modes")),
+    "event-driven": (EventDriven, ("modes", "restitution")),
 }
+MODAL = ("exact-modal", "event-driven")  # the motion of modes is exact for any step
 OF_LAWS = {
     "newmark": ("law", "stiffness", "updates"),
     "hht": ("law", "stiffness", "updates"),
     "penalty": ("stiffness",),
+    "event-driven": ("law", "stiffness"),
 }
 
 
@@ -215,7 +219,7 @@ class SchemeTable(Table):
     def _fits(self) -> SchemeTable:
         if self.courant is not None and self.dt is not None:
             raise ValueError("courant and dt both given, expected one of them")
-        if self.courant is None and self.dt is None and self.kind != "exact-modal":
+        if self.courant is None and self.dt is None and self.kind not in MODAL:
             raise ValueError("neither courant nor dt given, expected one of them")
         allowed = ("kind", "courant", "dt", "most_steps", *SCHEMES[self.kind][1], *OF_LAWS.get(self.kind, ()))
         for key in self.model_fields_set:

@@ -1,3 +1,4 @@
+from .events.event_driven import EventDriven
 from .linear.alpha import HHT, Newmark, StabilisedNewmark
 from .linear.cd_lagrange import CDLagrange
 from .linear.central_difference import CentralDifference
@@ -13,6 +14,7 @@ __all__ = [
     "HHT",
     "CDLagrange",
     "CentralDifference",
+    "EventDriven",
     "ExactModal",
     "MasslessBoundary",
     "MoreauJean",

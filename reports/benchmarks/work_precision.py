@@ -2,7 +2,8 @@
 
 `python -m reports.benchmarks.work_precision [--quick] [--out DIR]` prints and writes work_precision.csv (every run),
 work_precision_winners.csv (the quickest method within an error) and one picture a scene. Scenes: six impacts of rods
-and masses with exact solutions, and a rub of NASA rotor 37 against its finest step. Meshes at Courant 0.5, where steps
+and masses with exact solutions, a rub of NASA rotor 37 against its finest step, and repeated impacts of a ball and of a
+beam. Meshes at Courant 0.5, where steps
 grow with the mesh; steps on one mesh. Exact modal steps have as many modes as a rod has elements, and Courant number
 omega_max dt/2. Penalty springs are as stiff as one element. Run times are of the step loop that stores one step in
 1000, the least of 2 to 12 runs.
@@ -20,7 +21,7 @@ from matplotlib.axes import Axes
 import contact as ct
 from casingfem.plot.style import png
 from contact.io.outfiles import write_atomic
-from reports.benchmarks import work_precision_rubs
+from reports.benchmarks import work_precision_events, work_precision_rubs
 from reports.benchmarks.work_precision_rubs import loop_seconds
 from reports.tables import Row, command_line, show, write
 from reports.verification.schemes.cases import Case, Method, cases, errors, methods, run, spring
@@ -29,17 +30,18 @@ SIZES = (25, 50, 100, 200)
 MIDDLE, COURANT = 100, 0.5  # the mesh of the steps, the step of the meshes
 COURANTS = (0.9, 0.25, 0.1)
 SHOWN = ("force L1", "force L2", "impulse", "gap", "energy", "unaccounted", "us/step")
-WITHIN = {"force L1": (0.1, 0.03, 0.01), "impulse": (0.03, 0.01, 0.003)}
-MARKS = "os^v<>DdphH*PX8+x1"
+WITHIN = {"force L1": (0.1, 0.03, 0.01), "impulse": (0.03, 0.01, 0.003), "gap": (1e-2, 1e-4, 1e-6)}
+MARKS = "os^v<>DdphH*PX8+x1234|_"
 
 
 def every_method(case: Case, elements: int) -> list[Method]:
-    """All schemes on elements, and exact modal steps of as many modes."""
+    """All schemes on elements, and exact modal steps and event-driven runs of as many modes."""
     modal = [
         Method(name=f"exact modal, {law}", scheme=ct.ExactModal(law=law, modes=elements, omega_h_limit=3.05))
         for law in ("forward", "averaged", "energy")
     ]  # fmt: skip
-    return [*methods(spring(case, elements)), *modal]
+    events = Method(name="event-driven", scheme=ct.scheme.EventDriven(modes=elements))
+    return [*methods(spring(case, elements)), *modal, events]
 
 
 def measured(case: Case, elements: int, courant: float) -> list[Row]:
@@ -53,7 +55,7 @@ def measured(case: Case, elements: int, courant: float) -> list[Row]:
         except ct.InputError as error:
             rows.append({**row, "note": str(error).split(",")[0]})
             continue
-        if isinstance(method.scheme, ct.ExactModal):
+        if isinstance(method.scheme, ct.ExactModal | ct.scheme.EventDriven):
             found["gap"] = None  # its state is modal coordinates
         found["us/step"] = 1e6 * spent / int(str(found["steps"]))
         rows.append({**row, "steps": found["steps"], "seconds": spent} | {name: found[name] for name in SHOWN})
@@ -70,8 +72,7 @@ def winners(rows: list[Row]) -> list[Row]:
     """The quickest run of each scene within an error, the next quickest method, and how much longer it takes."""
     result: list[Row] = []
     for scene in dict.fromkeys(str(row["scene"]) for row in rows):
-        known = [name for name in WITHIN if any(row["scene"] == scene and row.get(name) is not None for row in rows)]
-        for quantity in known:
+        for quantity in quantities([row for row in rows if row["scene"] == scene]):
             for limit in WITHIN[quantity]:
                 best: dict[str, Row] = {}
                 for row in rows:
@@ -86,6 +87,12 @@ def winners(rows: list[Row]) -> list[Row]:
                     "next": second.get("method"), "next, ms": milliseconds(second),
                 })  # fmt: skip
     return result
+
+
+def quantities(rows: list[Row]) -> list[str]:
+    """The two quantities by which the methods of a scene are compared."""
+    known = [name for name in WITHIN if any(row.get(name) is not None for row in rows)]
+    return [name for name in known if name != "gap" or "force L1" not in known]
 
 
 def within(value: object, limit: float) -> bool:
@@ -107,7 +114,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the finest mesh of each scene and the winners, write all, draw a picture of each scene."""
     chosen = cases()[:2] if quick else cases()
     rows = [row for case in chosen for row in of_scene(case, quick)]
-    rows += work_precision_rubs.rows(quick)
+    rows += work_precision_rubs.rows(quick) + work_precision_events.rows(quick)
     columns = ["scene", "method", "elements", "courant", "steps", "seconds", *SHOWN, "note"]
     rows = [{name: row.get(name) for name in columns} for row in rows]
     for scene in dict.fromkeys(str(row["scene"]) for row in rows):
@@ -127,21 +134,27 @@ def main(out: Path, quick: bool = False) -> list[Row]:
 
 
 def picture(rows: list[Row], scene: str, path: Path) -> None:
-    """Errors of force and impulse against seconds: lines over meshes, dotted over steps; the front is grey."""
+    """Two errors against seconds: lines over meshes, dotted over steps; the front is grey."""
     names = list(dict.fromkeys(str(row["method"]) for row in rows if row["seconds"]))
-    figure, axes = plt.subplots(1, 2, figsize=(11.0, 4.8), layout="constrained")
-    for axis, quantity in zip(axes, WITHIN, strict=True):
+    shown = quantities(rows)
+    least = 1e-17 if "gap" in shown else 1e-5
+    size = 2.0 + 4.5 * len(shown), 4.8
+    figure, axes = plt.subplots(1, len(shown), figsize=size, layout="constrained", squeeze=False)
+    for axis, quantity in zip(axes[0], shown, strict=True):
         for k, name in enumerate(names):
             mine = [row for row in rows if row["method"] == name and row["seconds"]]
             style = {"marker": MARKS[k % len(MARKS)], "color": colour(k), "ms": 5, "lw": 0.9}
+            label: str | None = name
             for line, kind in ((lines(mine, "elements"), "-"), (lines(mine, "courant"), ":")):
-                drawn = [(seconds(row), abs(float(str(row[quantity])))) for row in line if row[quantity] is not None]
-                if drawn:
-                    axis.plot(*zip(*sorted(drawn), strict=True), kind, label=name if kind == "-" else None, **style)
+                known = [row for row in line if row[quantity] is not None]
+                if known:
+                    drawn = [(seconds(row), max(abs(float(str(row[quantity]))), least)) for row in known]
+                    axis.plot(*zip(*sorted(drawn), strict=True), kind, label=label, **style)
+                    label = None
         front(axis, rows, quantity)
-        axis.set(xscale="log", yscale="log", xlabel="run time [s]", ylabel=f"error of {quantity}", ylim=(1e-5, 3.0))
+        axis.set(xscale="log", yscale="log", xlabel="run time [s]", ylabel=f"error of {quantity}", ylim=(least, 3.0))
     figure.suptitle(scene)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center", fontsize=7)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right center", fontsize=7)
     write_atomic(path, png(figure))
     plt.close(figure)
 

@@ -35,7 +35,7 @@ from contact.model.rotor.rotor import Rotor
 from contact.scheme.modal.at_speeds import at_speeds
 from contact.scheme.modal.modal_stepper import energy_stepper, modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
-from contact.scheme.modal.propagator import Propagator, propagator
+from contact.scheme.modal.propagator import Propagator, propagator, step_of
 from contact.scheme.modal.rub_delassus import rub_delassus
 from contact.scheme.modal.rub_stepper import rub_stepper
 from contact.scheme.protocol import Modal, Problem, Stepper
@@ -90,7 +90,7 @@ class ExactModal:
         mu = law.mu
         if mu > 0.0:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
-        h = _step(float(system.omega.max(initial=0.0)), dt, courant)
+        h = step_of(float(system.omega.max(initial=0.0)), dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
         if self.law == "energy":
             if law.response is not None:
@@ -117,7 +117,7 @@ class ExactModal:
             raise InputError(f"law: found {found}, expected tangent channels")
         body, load = problem.body, np.asarray(problem.load)
         still = BodyMatrices.of_one(body)
-        speeds = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: _step(top, dt, courant))
+        speeds = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: step_of(top, dt, courant))
         parts = speeds.parts[0]
         h = parts.h
         self._require_slow(parts.top, h)
@@ -146,7 +146,7 @@ class ExactModal:
             low, high = sorted((0.0, top))
         speeds = at_speeds(
             system.matrices, system.omega, system.zeta, system.load, low, high, fastest,
-            lambda top: _step(top, dt, courant),
+            lambda top: step_of(top, dt, courant),
         )  # fmt: skip
         if rub.spin is not None:
             speeds = replace(speeds, stretch=SPINS)
@@ -208,7 +208,7 @@ def _prepared(problem: Problem, scheme: ExactModal, law: Law, dt: float | None, 
     if isinstance(problem, Patch):
         return scheme.patch(problem, law, dt, courant)
     if isinstance(problem, Rotor):
-        return rotor_stepper(problem, law, _step(float(problem.body.omega.max(initial=0.0)), dt, courant))
+        return rotor_stepper(problem, law, step_of(float(problem.body.omega.max(initial=0.0)), dt, courant))
     if isinstance(problem, Rub):
         return scheme.rub(problem, law, dt, courant)
     if isinstance(problem, RotatingRim):
@@ -235,16 +235,3 @@ def _gap_system(problem: PointGap) -> ModalSystem:
             found = f"coupled modes of {side.name} (by damping or stiffness)"
             raise InputError(f"sides: found {found}, expected uncoupled modes at a PointGap: use a Patch of that body")
     return point_system(problem)
-
-
-def _step(top: float, dt: float | None, courant: float | None) -> float:
-    if dt is not None and courant is not None:
-        raise InputError("dt: found both dt and courant, expected one of them")
-    if dt is not None:
-        require_positive(dt=dt)
-        return dt
-    if top == 0.0:
-        raise InputError("dt: found none with rigid bodies only, expected a time step")
-    product = 0.8 if courant is None else 2.0 * courant
-    require_positive(courant=product)
-    return product / top

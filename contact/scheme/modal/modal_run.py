@@ -78,12 +78,18 @@ class ModalRun(PlainStepper):
 
     def motions(self) -> tuple[Motion, ...]:
         """Mean velocity and momentum of each body from its mode of frequency zero; NaN without one."""
-        found, system = [], self.system
-        for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
-            modes = slice(int(system.first[b]), int(system.first[b + 1]))
-            rigid = system.omega[modes] == 0.0
-            speed = math.nan
-            if mass > 0.0 and np.count_nonzero(rigid) == 1:
-                speed = float(np.sum(self.velocity()[modes][rigid])) / math.sqrt(mass)
-            found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
-        return tuple(found)
+        return rigid_motions(self.blocks, self.system.masses, self.system.omega, self.velocity())
+
+
+def rigid_motions(
+    blocks: tuple[Block, ...], masses: tuple[float, ...], omega: Array, velocity: Array
+) -> tuple[Motion, ...]:
+    """Mean velocity and momentum of each body from its mode of frequency zero; NaN without one."""
+    found = []
+    for b, ((name, first, end), mass) in enumerate(zip(blocks, masses, strict=True)):
+        rigid = omega[first:end] == 0.0
+        speed = math.nan
+        if mass > 0.0 and np.count_nonzero(rigid) == 1:
+            speed = float(np.sum(velocity[first:end][rigid])) / math.sqrt(mass)
+        found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
+    return tuple(found)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, readonly, require_positive
+from contact.base.errors import InputError
 from contact.base.remembered import remembered
 from contact.record.energy import Stored
 from contact.record.record import Tally
@@ -176,3 +177,21 @@ def with_coupled(omega: Array, zeta: Array, load: Array, h: float, part: Coupled
     found = propagator(np.where(own, 0.0, omega), np.where(own, 0.0, zeta), load, h)
     al, be, c = (readonly(np.where(own, 0.0, values)) for values in (found.al, found.be, found.c))
     return replace(found, al=al, be=be, c=c, rigid=True, coupled=part)
+
+
+def step_of(top: float, dt: float | None, courant: float | None) -> float:
+    """Time step: dt, or 2 courant over the highest frequency `top` [rad/s], or 0.8 over it; raises InputError.
+
+    >>> step_of(100.0, None, 0.5), step_of(100.0, 1e-3, None), step_of(100.0, None, None)
+    (0.01, 0.001, 0.008)
+    """
+    if dt is not None and courant is not None:
+        raise InputError("dt: found both dt and courant, expected one of them")
+    if dt is not None:
+        require_positive(dt=dt)
+        return dt
+    if top == 0.0:
+        raise InputError("dt: found none with rigid bodies only, expected a time step")
+    product = 0.8 if courant is None else 2.0 * courant
+    require_positive(courant=product)
+    return product / top

@@ -167,7 +167,7 @@ KEYS = {
     "newmark": "beta = 0.5\ngamma = 0.55", "hht": "alpha = -0.2", "moreau-jean": "theta = 0.6\nrestitution = 0.5",
     "cd-lagrange": "restitution = 0.5", "paoli-schatzman": "restitution = 0.5", "massless-boundary": "",
     "stabilised-newmark": "", "nonsmooth-alpha": "rho_inf = 0.9\nrestitution = 0.5",
-    "projected-alpha": "rho_inf = 0.9\nrestitution = 0.5",
+    "projected-alpha": "rho_inf = 0.9\nrestitution = 0.5", "event-driven": "modes = 20\nrestitution = 0.5",
 }  # fmt: skip
 
 

@@ -33,13 +33,19 @@ def test_newmark_pairs_on_a_wall(tmp_path, capsys):
 @pytest.mark.campaign
 def test_work_precision_measures_every_scheme(tmp_path, capsys):
     rows = work_precision.main(tmp_path, quick=True)
-    assert len({row["method"] for row in rows}) == 22  # 15 on elements, 3 of modes, 4 of the rub
+    assert len({row["method"] for row in rows}) == 24  # 15 on elements, 4 of modes, 4 of the rub, 1 of the ball
     ran = [row for row in rows if row["seconds"]]
     assert {row["note"][:4] for row in rows if not row["seconds"]} == {"law:"}  # the averaged law needs small steps
     assert all(row["unaccounted"] < 1e-10 and row["seconds"] > 0.0 for row in ran)
-    assert len(list(tmp_path.glob("work_precision_*.png"))) == 3
+    assert len(list(tmp_path.glob("work_precision_*.png"))) == 5
     won = pd.read_csv(tmp_path / "work_precision_winners.csv")
-    assert set(won["scene"]) == {"two rods", "rod on wall", "rub of rotor 37"}
+    assert set(won["scene"]) == {
+        "two rods",
+        "rod on wall",
+        "rub of rotor 37",
+        "bouncing ball, restitution 0.8",
+        "beam on a stop, 5 modes",
+    }
 
 
 def test_the_quickest_method_within_an_error_is_that_of_its_best_run():
@@ -64,6 +70,7 @@ def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
         assert row["Moreau-Jean, theta = 1/2"] == "survived"
         assert row["forward Lagrange"] in ("survived", "refused")
         assert row["massless boundary"] in ("survived", "refused")
+        assert row["event-driven"] in ("survived", "refused")
     beyond = next(row for row in rows if row["scene"] == "Courant 1.01")
     assert beyond["forward Lagrange"] == "refused"
 
