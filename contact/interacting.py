@@ -281,8 +281,8 @@ def interactions(
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
     own = [hz for hz in np.unique(rub_of(what).speed.hz).tolist() if low <= hz <= high]
     at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows), *own])
-    poles = growth_at(closed or what, at, mu=mu)
-    taken = speed_runs(scene, at, poles)
+    poles = _above_floor(growth_at(closed or what, at, mu=mu), at, proposed)
+    taken = speed_runs(scene, at, poles, exact=_decide(scene, proposed))
     return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
@@ -297,8 +297,22 @@ def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interac
     at = np.array([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
     at = np.unique(np.concatenate([at, [hz for hz in own if low <= hz <= high]]))
     at = at[np.concatenate([[True], np.diff(at) > 1e-9 * high])]
-    taken = speed_runs(scene, at, growth(rotor, at))
+    poles = _above_floor(growth(rotor, at), at, proposed)
+    taken = speed_runs(scene, at, poles, exact=True if isinstance(scene.what, Rotor) else None)
     return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
+
+
+def _above_floor(poles: Array, speed_hz: Array, proposed: Peaks) -> Array:
+    """Growth rates at speeds [turns/s]; outside the bands of the map a positive rate is round-off, and is left out."""
+    low, high = np.reshape(np.array(proposed.map.bands_hz), (-1, 2)).T
+    grows = np.any((speed_hz[:, None] >= low) & (speed_hz[:, None] <= high), axis=1)
+    return np.where(grows, poles, np.minimum(poles, 0.0))
+
+
+def _decide(scene: Scene, proposed: Peaks) -> bool | None:
+    """Whether the poles hold for closed contact of the scene: exactly, on average over time, or not at all (None)."""
+    law = scene.law or Unilateral()
+    return None if law.coating is not None else law.response is None and not proposed.averaged
 
 
 def _turning(scene: Scene, runs: int) -> RotatingRim | Rub:
@@ -328,12 +342,15 @@ def _by_poles(peak: Peak) -> DangerousSpeed:
 
 
 def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[DangerousSpeed]:
-    """Rows of the intervals of one verdict: one for each peak; without peaks one row, unless it is safe."""
+    """Rows of the intervals of one verdict: one for each peak; without peaks one row, unless it is safe.
+
+    A slow growth has its own interval.
+    """
     by_speed = {peak.speed_hz: peak for peak in proposed}
     speed = [run.speed_hz for run in runs]
     found: list[DangerousSpeed] = []
     first = 0
-    for verdict, part in groupby(runs, key=lambda run: run.verdict):
+    for (verdict, _), part in groupby(runs, key=lambda run: (run.verdict, run.slow)):
         stretch = list(part)
         last = first + len(stretch) - 1
         low = speed[0] if first == 0 else 0.5 * (speed[first - 1] + speed[first])
@@ -391,11 +408,17 @@ def _worst(runs: Sequence[SpeedRun]) -> SpeedRun:
 
 def _badness(run: SpeedRun) -> float:
     """Rank of a run among those with the same verdict, the worst highest."""
+    if run.slow:
+        return run.closed
     if run.verdict == "unstable":
         return run.growth if math.isfinite(run.growth) else math.inf
     return run.amplitude_m if run.verdict == "resonance" else run.closed
 
 
 def _ranked(rows: Sequence[DangerousSpeed]) -> tuple[DangerousSpeed, ...]:
-    """Rows with the worst verdict first, and in it the worst run first."""
-    return tuple(sorted(rows, key=lambda row: (VERDICTS.index(row.at.verdict), -_badness(row.at), -row.at.closed)))
+    """Rows with the worst verdict first, and in it the worst run first, slow growth last."""
+
+    def rank(row: DangerousSpeed) -> tuple[int, bool, float, float]:
+        return VERDICTS.index(row.at.verdict), row.at.slow, -_badness(row.at), -row.at.closed
+
+    return tuple(sorted(rows, key=rank))

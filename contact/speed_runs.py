@@ -4,6 +4,9 @@ The verdict is the growth of the run (`contact.stability.of_run`). A run that is
 twice its length, again and again up to LONGEST times t_end. A run that grows with contact that opens, and has passed no
 limit, is continued to four times its length: such a growth may end in a bounded motion, or pause where the contact
 begins to open. The last part of a growing run is repeated with half the step (`contact.half_step`).
+
+A short run does not show a slow growth. If all contacts stay closed, the motion is linear and has the growth of closed
+contact, whatever the run shows.
 """
 
 from __future__ import annotations
@@ -40,6 +43,7 @@ RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
 DENSE, PAIRS = 12.0, 3  # states in a period of the fastest whirl that is looked at, and pairs of modes that are
+FOLDS = 3.0  # e-folds of closed contact in a run that show: then a twentieth of the motion has become as large as it
 SHORT = "the run is too short for its growth: lengthen t_end"
 NUMERICAL = "the growth is numerical: reduce dt"
 OTHER_RATE = {
@@ -61,7 +65,8 @@ class SpeedRun:
     relative variation of the largest deflection between windows of the last part; `contact` the fraction of the time in
     which the contact that touches most was closed. `limit_m` is the largest rim deflection that the linear model
     allows, for a run that passed it and was stopped; nan for others. `allowed_m` is that deflection for every run.
-    `may_change` is that of the run's result.
+    `may_change` is that of the run's result. `opens`: whether some contact is open for a part of the time; `slow`:
+    whether the growth is that of closed contact, too slow for the run to show it.
     """
 
     speed_hz: float
@@ -86,6 +91,8 @@ class SpeedRun:
     may_change: bool = False
     force_n: float = math.nan
     mode: int | None = None
+    opens: bool = True
+    slow: bool = False
 
     @property
     def stopped(self) -> bool:
@@ -129,21 +136,22 @@ class SpeedRun:
         if not self.contact > 0.0:
             return "" if self.body == "rotor" else "The contact never closes."
         opens = f"The contact opens (closed {100.0 * self.contact:.2g} % of the time)."
-        slow = (
-            f"The contact stays closed. Its growth, {self.closed:.2g} 1/s, is a factor of "
-            f"e^{self.closed * self.seconds:.2g} in this run."
-        )
-        closed = opens if self.contact < CLOSED else slow
+        some = "One contact stays closed, others open." if self.opens else "The contact stays closed."
+        closed = opens if self.contact < CLOSED else some
         size = f"{1e3 * self.amplitude_m:.2g} mm, steady within {100.0 * self.steady:.2g} %"
         bounded = f"The motion is bounded at {size}."
         ends = {"bounded": bounded, "decays": "The motion decays."}
         return " ".join(filter(None, [closed if self.closed > 0.0 else "", ends.get(self.state or "", "")]))
 
 
-def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
+def speed_runs(
+    scene: Scene, speed_hz: Array, poles: Array, *, exact: bool | None = None
+) -> tuple[SpeedRun, ...]:  # fmt: skip
     """Run a scene at speeds [turns/s] above 0, and judge each run.
 
-    `poles` (speeds,) are the growth rates of closed contact.
+    `poles` (speeds,) are the growth rates of closed contact. They decide where all contacts stay closed: `exact` if
+    they hold for the scene itself, not `exact` if for its average over time; such a growth must show in a long run.
+    None: they do not hold for this scene.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -155,7 +163,7 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     ('safe', 0.0)
     """
     scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
-    return _decided(_judged(scenes, speed_hz, poles, LONGEST))
+    return _decided(_judged(scenes, speed_hz, poles, LONGEST, exact))
 
 
 def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
@@ -198,7 +206,9 @@ def times_longer(result: Result) -> int:
     return 4 if result.growth is not None and result.growth.outcome == "grows" else 2
 
 
-def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, longest: int = 1) -> list[SpeedRun]:
+def _judged(
+    scenes: Sequence[Scene], speed_hz: Array, poles: Array, longest: int = 1, exact: bool | None = None
+) -> list[SpeedRun]:  # fmt: skip
     """Scenes at constant speeds, with the verdict of each; runs that do not decide go on to `longest` times t_end.
 
     Every motion that does not grow counts as a resonance until all runs are known. A run that grows is replaced only if
@@ -218,7 +228,7 @@ def _judged(scenes: Sequence[Scene], speed_hz: Array, poles: Array, longest: int
 
     def longer(i: int, outcome: Outcome) -> int:
         what = scenes[i].what
-        run = _speed_run(what, _of_rotor(what, outcome), float(speed_hz[i]), float(poles[i]))
+        run = _speed_run(what, _of_rotor(what, outcome), float(speed_hz[i]), float(poles[i]), exact)
         decides = run.verdict in ("safe", "resonance")
         if i not in found or decides or (run.seconds > 0.0 and found[i].verdict != "unstable"):
             found[i] = run
@@ -316,7 +326,9 @@ def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:
     raise InputError(f"scene: found {type(what).__name__}, expected a RotatingRim or a Rub")
 
 
-def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> SpeedRun:
+def _speed_run(
+    what: object, outcome: Outcome, speed_hz: float, pole: float, exact: bool | None
+) -> SpeedRun:  # fmt: skip
     """The verdict of one run."""
     none = math.nan
     allowed = _allowed(what)
@@ -330,8 +342,9 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     if result is None:
         return replace(run, why=f"the run failed: {outcome}")
     closed = float(np.max(result.contact_steps, initial=0)) / max(result.steps, 1)
+    opens = float(np.min(result.contact_steps, initial=result.steps)) < CLOSED * result.steps
     force = float(np.max(result.peak_force, initial=0.0))
-    run = replace(run, seconds=result.steps * result.dt, contact=closed, force_n=force)
+    run = replace(run, seconds=result.steps * result.dt, contact=closed, force_n=force, opens=opens)
     growth = result.growth
     if growth is not None:
         run = replace(
@@ -353,7 +366,30 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     if growth is not None and growth.amplitude < STILL * size:
         return replace(run, verdict="safe")
     verdict, why = _of_growth(growth, passed=passed)
-    return replace(run, verdict=verdict, why=why, may_change=may_change(result))
+    run = replace(run, verdict=verdict, why=why, may_change=may_change(result))
+    return run if exact is None else _with_poles(run, exact=exact)
+
+
+def _with_poles(run: SpeedRun, *, exact: bool) -> SpeedRun:
+    """A run judged by the growth of closed contact if no contact opens and the run itself does not show the growth.
+
+    >>> run = SpeedRun(speed_hz=20.0, verdict="safe", closed=0.3, growth=0.1, low=-0.2, high=0.4, amplitude_m=2e-5,
+    ...                half_wall_s=math.inf, n=4, wave="with", body="casing", seconds=0.5, contact=1.0, opens=False)
+    >>> [_with_poles(run, exact=exact).verdict for exact in (True, False)]
+    ['unstable', 'not decided']
+    >>> [_with_poles(one, exact=False).verdict for one in (replace(run, seconds=20.0), replace(run, opens=True))]
+    ['safe', 'safe']
+    """
+    shown = run.closed * run.seconds
+    silent = run.verdict in ("safe", "resonance") or run.why == SHORT
+    if run.opens or not run.closed > 0.0 or not silent or (not exact and shown > FOLDS):
+        return run
+    rotor = run.body == "rotor"
+    what = "the free motion grows" if rotor else "the contact stays closed and grows"
+    slow = f"{what} by {run.closed:.2g} 1/s, in this run by a factor of e^{shown:.2g}"
+    if exact:
+        return replace(run, verdict="unstable", why=slow, may_change=False, slow=not rotor)
+    return replace(run, verdict="not decided", why=f"{slow}: lengthen t_end", may_change=True)
 
 
 def _wave(travel: float) -> str:

@@ -15,11 +15,11 @@ PAIR = ct.gaps.HandPair(
 SPEEDS = np.linspace(45.0, 60.0, 61)
 
 
-def pair_scene(clearance=-1e-5, casing=None, t_end=0.5, **more):
+def pair_scene(clearance=-1e-5, casing=None, t_end=0.5, pair=PAIR, **more):
     """The pair as a rim and a blade that turns: f_c + f_b = n f at 52.5 turns/s without contact."""
     tip = ct.ModalBody(
-        omega=[PAIR.blade.omega], zeta=[PAIR.blade.zeta], channels=("span", "flap"),
-        rows=[[PAIR.blade.modal_mass**-0.5], [0.0]], S=np.eye(2) * PAIR.compliance,
+        omega=[pair.blade.omega], zeta=[pair.blade.zeta], channels=("span", "flap"),
+        rows=[[pair.blade.modal_mass**-0.5], [0.0]], S=np.eye(2) * pair.compliance,
     )  # fmt: skip
     rim = ct.RotatingRim(
         casing or ct.gaps.pair_rim(PAIR.casing, radius=0.5), tip, clearance=clearance, speed_hz=20.0, **more
@@ -115,16 +115,17 @@ def test_several_tips_have_rows_of_the_disks_n():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("psi", "unstable"), [(0.5, 3), (1.0, 6)])
-def test_rows_are_ranked_by_verdict_and_by_what_the_runs_show(psi, unstable):
-    """Five pairs and a blade: unstable rows by the growth of their worst run, safe ones by that of closed contact."""
+@pytest.mark.parametrize(("psi", "unstable", "slow"), [(0.5, 3, 1), (1.0, 6, 0)])
+def test_rows_are_ranked_by_verdict_and_by_what_the_runs_show(psi, unstable, slow):
+    """Five pairs and a blade: unstable rows by the growth of their worst run, slow and safe ones by closed contact."""
     soft = blade(psi=psi, S=2e-5, zeta=5e-4)
     rim = ct.RotatingRim(ring(zeta=5e-4), soft, clearance=-1e-5, speed_hz=5.0, lean_deg=45.0)
     scene = ct.Scene(what=rim, t_end=1.2, dt=1e-4, on_limit="flag")
     found = ct.interactions(scene, np.linspace(85.0, 140.0, 111), runs=3)
     verdicts = [row.at.verdict for row in found.rows]
-    assert verdicts == ["unstable"] * unstable + verdicts[unstable:]
-    assert "unstable" not in verdicts[unstable:]
+    assert verdicts == ["unstable"] * (unstable + slow) + verdicts[unstable + slow :]
+    assert "unstable" not in verdicts[unstable + slow :]
+    assert [row.at.slow for row in found.rows[: unstable + slow]] == [False] * unstable + [True] * slow
     growth = [row.at.growth for row in found.rows[:unstable]]
     assert growth == sorted(growth, reverse=True)
     closed = [row.at.closed for row in found.rows[unstable:]]
@@ -134,6 +135,18 @@ def test_rows_are_ranked_by_verdict_and_by_what_the_runs_show(psi, unstable):
     for row in found.rows[:unstable]:
         own = [run for run in found.runs if row.from_hz <= run.speed_hz <= row.to_hz and run.verdict == "unstable"]
         assert row.at.growth == max(run.growth for run in own)
+
+
+def test_a_growth_too_slow_for_the_runs_is_that_of_closed_contact():
+    """The contact stays closed, so that a run long enough shows the growth of the poles, an e-fold in 1.6 s."""
+    damped = replace(PAIR, casing=replace(PAIR.casing, zeta=2.6e-3), blade=replace(PAIR.blade, zeta=2.6e-3))
+    (formula,) = ct.stability.peaks(damped, SPEEDS).rows
+    kick = {"clearance": -1e-4, "casing": ct.gaps.pair_rim(damped.casing, radius=0.5), "pair": damped}
+    short, long = (ct.interactions(pair_scene(t_end=t, **kick), SPEEDS, runs=2).rows[0].at for t in (0.2, 4.0))
+    assert (short.verdict, short.slow, long.verdict, long.slow) == ("unstable", True, "unstable", False)
+    assert short.closed == pytest.approx(formula.growth, rel=0.02)
+    assert long.growth == pytest.approx(formula.growth, rel=0.02)
+    assert short.note.startswith(f"The contact stays closed and grows by {short.closed:.2g} 1/s")
 
 
 def test_a_motion_that_opens_the_contact_and_is_bounded_states_so_below_the_table():

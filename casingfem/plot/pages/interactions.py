@@ -71,6 +71,9 @@ def speeds_verdict(found: Any) -> Verdict:
     if worst:
         facts.insert(0, ("Safe", f"{listed(safe)}." if safe else "No speed of the range is safe."))
         facts.insert(0, ("Worst", row_words(found.rows[0])))
+    slow = [row for row in found.rows if row.at.slow]
+    if slow:
+        facts.insert(1, ("Slow", slow_words(slow)))
     if found.runs:
         facts.append(("Force", force_words(found.runs)))
         facts.append(("Deflection", deflection_words(found.runs)))
@@ -79,6 +82,16 @@ def speeds_verdict(found: Any) -> Verdict:
         found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state,
         strips=(("Speeds", speed_strip(found)),),
     )  # fmt: skip
+
+
+def slow_words(rows: Sequence[Any]) -> str:
+    """Ranges in which closed contact grows more slowly than the runs can show."""
+    ranges = listed(sorted((row.from_hz, row.to_hz) for row in rows))
+    rate, length = max(row.at.closed for row in rows), max(row.at.seconds for row in rows)
+    return (
+        f"{ranges}: the contact stays closed and the motion grows by at most {rate:.2g} 1/s. "
+        f"A machine that dwells there reaches large motions; the runs of {length:.3g} s are too short to show them."
+    )
 
 
 def force_words(runs: Sequence[Any]) -> str:
@@ -126,7 +139,9 @@ def row_words(row: Any) -> str:
     moves = f"the {row.mover}" if row.n is None else f"n = {row.n} of the {row.body}"
     travels = {"with": ", travelling with the blades", "against": ", travelling against the blades"}.get(row.wave, "")
     words = f"{range_words(row.from_hz, row.to_hz)}: {moves}{travels}"
-    if math.isfinite(at.growth):
+    if at.slow:
+        words += f", slow growth of closed contact, {at.closed:.3g} 1/s"
+    elif math.isfinite(at.growth):
         interval = f" (95 %: {at.low:.3g} to {at.high:.3g})" if math.isfinite(at.low) and math.isfinite(at.high) else ""
         words += f", growth {at.growth:.3g} 1/s{interval}"
     elif math.isfinite(at.closed):
@@ -142,7 +157,7 @@ def runs_table(found: Any) -> Table:
     """Every run: speed, verdict, growth, deflection."""
     heads = (
         "speed [rpm]", "speed [Hz]", "verdict", "growth [1/s]", "95 % from [1/s]", "to [1/s]", "rim [mm]",
-        "force [N]", "n", "wave", "reason of a run that does not decide",
+        "force [N]", "n", "wave", "remark",
     )  # fmt: skip
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (f"{60.0 * run.speed_hz:.5g}", f"{run.speed_hz:.5g}", run.verdict, number(run.growth), number(run.low),
