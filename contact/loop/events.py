@@ -174,9 +174,10 @@ def search(p: Phases, w: EventWork, phase: int, h: float) -> tuple[int, float]:
         step = math.inf
         for row in range(w.closed.size):
             value, rate, hair = w.then[0, row], w.then[1, row], TINY * w.size[w.closed[row], row]
-            if value < -hair or (value <= 0.0 and rate < -STILL * w.bound[1, row]):
+            if rate < 0.0 and (value < -hair or (value <= 0.0 and rate < -STILL * w.bound[1, row])):
                 return row, polished(p, w, phase, row, tau)
-            step = min(step, max(falls(value + hair, rate, -w.bound[2, row]), 1e-15 * h))
+            above = max(value, 0.0) + hair  # at the start of a phase a value may be below zero by round-off, and rise
+            step = min(step, max(falls(above, rate, -w.bound[2, row]), 1e-15 * h))
         tau += step
         if tau >= h:
             return -1, h

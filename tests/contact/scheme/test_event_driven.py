@@ -98,6 +98,22 @@ def test_a_mass_on_a_contact_spring_rebounds_after_half_a_period_however_stiff_t
     assert result.impulse[0] == pytest.approx(2.0 * mass * speed, rel=1e-6 if stiffness > 1e10 else 1e-12)
 
 
+def test_energy_in_a_closed_contact_is_accounted_for():
+    ball = ct.PointMass(mass=3.0, x=1.0, velocity=-2.0)
+    result = event_driven([ct.Wall(), ball], 0.8, 0.1, law=ct.Penalty(stiffness=20.0))
+    w, time = math.sqrt(20.0 / 3.0), result.steps * result.dt - 0.5
+    assert result.gap[-1, 0] == 0.0  # the contact is closed: the spring takes the overlap
+    assert result.energy.end.residual == pytest.approx(0.5 * 3.0 * 2.0**2 * math.sin(w * time) ** 2, rel=1e-12)
+    assert result.impulse[0] == pytest.approx(3.0 * 2.0 * (1.0 - math.cos(w * time)), rel=1e-12)
+    assert abs(result.energy.unaccounted) < 1e-13 * result.energy.scale
+
+
+def test_many_short_contacts_of_a_mass_on_a_rod_of_many_modes_end():
+    bodies = [ct.PointMass(mass=1.0, velocity=1.0), ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="right")]
+    result = event_driven(bodies, 1.0, 1.6e-3, modes=200)
+    assert abs(result.energy.unaccounted) < 1e-11 * result.energy.scale
+
+
 def test_damped_modes_before_two_coupled_contacts_move_as_the_differential_equations_say():
     omega, zeta = np.array([0.0, 9.0, 22.0, 41.0]), np.array([0.0, 0.02, 0.05, 0.01])
     rows = np.random.default_rng(5).normal(size=(2, 4))
