@@ -72,3 +72,21 @@ def test_the_tips_are_on_the_rim_and_turn_against_the_casing(written):
     k = int(np.argmax(force))
     near = np.abs(result.time - times[k]) < 1e-4
     assert force[k] == pytest.approx(result.force[near].max(), rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_body_is_drawn_with_its_displacement_times_the_stated_factor_and_at_rest_with_1(folder, written):
+    """The largest displacement is drawn as a twentieth of the body's diagonal."""
+    rest = ct.ModalBody.load(folder / "casing.npz").recovery_points
+    frames = steps_of(written[0] / "casing.vtkhdf")
+    (factor,) = {float(frame.field_data["exaggeration"]) for frame in frames}
+    moved = np.array([frame.point_data["displacement"] for frame in frames])
+    np.testing.assert_allclose([frame.points for frame in frames], rest + factor * moved, atol=1e-6)
+    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
+    assert factor * np.linalg.norm(moved, axis=2).max() == pytest.approx(0.05 * diagonal, rel=1e-5)
+    (folder / "apart.toml").write_text(SCENE.replace("clearance = 1e-4", "clearance = 1e-3"), encoding="utf-8")
+    result = CliRunner().invoke(main, ["rub", str(folder / "apart.toml"), "--vtu", "--out", str(folder / "apart")])
+    assert result.exit_code == 0, result.output
+    for frame in steps_of(folder / "apart" / "vtu" / "casing.vtkhdf"):
+        assert frame.field_data["exaggeration"] == 1.0
+        np.testing.assert_allclose(frame.points, rest, atol=1e-7)

@@ -56,6 +56,7 @@ def test_sigma_grows_with_a_misfit_and_a_misfit_too_small_is_called_so():
     assert loose.inflation == loose.misfit > 1.5
     assert loose.sigma[0] == pytest.approx(loose.misfit * loose.stated_sigma[0])
     assert "times what the stated sigma explain" in repr(loose)
+    assert loose.outliers == ()  # rows that all scatter by more than they state contain no wrong one
     exact = cf.update(blade(), table(), vary("material.E", "material.nu", "shell.thickness"))
     assert exact.inflation == 1.0
     assert exact.overstated

@@ -125,6 +125,23 @@ def test_waves_of_a_spinning_drum_are_those_of_the_chart(turn):
 
 
 @pytest.mark.slow
+def test_a_rigid_block_on_its_axis_on_round_springs_whirls_at_its_frequency_plus_and_minus_the_speed():
+    """In the turning frame x'' - 2 Omega y' + (w^2 - Omega^2) x = 0, which gives w -+ Omega; along the axis w."""
+    side, omega, speed = 0.1, 300.0, 90.0
+    mesh = cf.imported.grid_mesh(
+        "hexahedron20", (1, 1, 1), lambda u: (u - 0.5) * side, groups={"low": (2, 0.0), "high": (2, 1.0)}
+    )
+    k = 0.5 * omega**2 * STEEL.rho * side
+    part = cf.Solid(
+        mesh=mesh, material=STEEL, supports=dict.fromkeys(("low", "high"), cf.ElasticEdge(k_face=k)),
+        rotation=cf.Rotation(omega=speed),
+    )  # fmt: skip
+    found = 2.0 * np.pi * cf.whirl_modes(part, 6).freq
+    for exact in (omega - speed, omega, omega + speed):
+        assert np.abs(found / exact - 1.0).min() < 1e-4
+
+
+@pytest.mark.slow
 def test_whirl_of_a_blade_has_no_waves():
     part = block(AXES["flapping out of it"].at(400.0), (6, 2, 1))
     found = cf.whirl_modes(part, 3)
