@@ -293,12 +293,16 @@ def at_speed(scene: Scene, speed_hz: float) -> Scene:
     """
     if rotor_of(scene.what) is not None:
         return _rotor_at(scene, speed_hz)
-    rub = rub_of(scene.what)
+    return replace(scene, what=_turned(scene.what, speed_hz), dt=_step_at(scene, speed_hz), record=None)
+
+
+def _step_at(scene: Scene, speed_hz: float) -> float | None:
+    """The scene's step, or a smaller one if the highest harmonic of its rim would turn too far in it."""
+    rub: Rub = rub_of(scene.what)
     highest = max([rub.casing.n_max, *(p for p, _, _ in rub.profile.terms)])
-    dt = scene.dt
-    if dt is not None and highest:
-        dt = min(dt, TURN / (2.0 * math.pi * highest * speed_hz))
-    return replace(scene, what=_turned(scene.what, speed_hz), dt=dt, record=None)
+    if scene.dt is None or not highest:
+        return scene.dt
+    return min(scene.dt, TURN / (2.0 * math.pi * highest * abs(speed_hz)))
 
 
 def _rotor_at(scene: Scene, speed_hz: float) -> Scene:
@@ -309,12 +313,12 @@ def _rotor_at(scene: Scene, speed_hz: float) -> Scene:
         turned = replace(what, speed=Speed.constant(speed_hz))
     else:
         turned = at_constant_speed(cast(Rub, what), speed_hz)
-    every = 1
-    if scene.dt:
+    every, dt = 1, scene.dt if isinstance(what, Rotor) else _step_at(scene, speed_hz)
+    if dt:
         rates = np.abs(modes_at(cast(Rotor, rotor_of(turned)), 2.0 * math.pi * speed_hz)[0].imag)
         fastest = max(2.0 * math.pi * speed_hz, float(np.sort(rates)[: 2 * PAIRS].max(initial=0.0)))
-        every = max(1, int(2.0 * math.pi / (DENSE * fastest * scene.dt)))
-    return replace(scene, what=turned, record=Record(every=every, state_every=every))
+        every = max(1, int(2.0 * math.pi / (DENSE * fastest * dt)))
+    return replace(scene, what=turned, dt=dt, record=Record(every=every, state_every=every))
 
 
 def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:

@@ -33,23 +33,26 @@ def figure_cycles(
     the motions of `Basins.records` with the parameter, drawn with the part of random starts that end on them.
     """
     names = [key for key in rows[0] if key.startswith("amplitude_")]
+    largest_m = max((abs(row[name]) for row in rows for name in names if np.isfinite(row[name])), default=0.0)
+    scale, unit = (1e3, "mm") if largest_m < 0.1 else (1.0, "m")
     parameter = list(rows[0])[1]
     figure = new_figure(7.6, 1.2 + 2.9 * len(names))
     panels: Any = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
         for number, part in groupby(rows, key=lambda row: row["branch"]):
-            _branch(axes, list(part), parameter, name, COLOURS[(int(number) - 1) % len(COLOURS)])
+            _branch(axes, list(part), parameter, name, scale, COLOURS[(int(number) - 1) % len(COLOURS)])
         for kind, shape in MARKS.items():
             shown = [mark for mark in marks if mark["kind"] == kind]
-            x, y = [mark[parameter] for mark in shown], [mark[name] for mark in shown]
+            x, y = [mark[parameter] for mark in shown], [scale * mark[name] for mark in shown]
             if shown:
                 colour = PERFECT if kind == "grazing" else MEASURED
                 axes.plot(x, y, shape, color=colour, markersize=6, mfc="white", label=kind, zorder=4)
         for one in reached:
-            x, y = one[parameter], one[f"{name}_m"]
+            x, y = one[parameter], scale * one[f"{name}_m"]
             axes.plot(x, y, "o", color=AFTER, markersize=4.0 + 14.0 * one["share"] ** 0.5, alpha=0.5, zorder=5)
             axes.annotate(f"{one['share']:.0%}", (x, y), xytext=(9, 0), textcoords="offset points", va="center")
-        axes.set_ylabel(f"max |{name.removeprefix('amplitude_')}| [m]")
+        axes.set_ylabel(f"max |{name.removeprefix('amplitude_')}| [{unit}]")
+        axes.yaxis.set_major_formatter(Powers(-3, 4))
     panels[-1].set_xlabel(LABELS.get(parameter, parameter))
     if parameter == "speed_hz":
         rpm_above(panels[0])
@@ -60,13 +63,15 @@ def figure_cycles(
     return figure
 
 
-def _branch(axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str, colour: str) -> None:
+def _branch(
+    axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str, scale: float, colour: str
+) -> None:  # fmt: skip
     """One branch; an interval of equal stability extends to the first point of the next, without gaps."""
     start = 0
     for kept, part in groupby(rows, key=lambda row: row["stable"]):
         stop = start + len(list(part))
         shown = rows[start : stop + 1]
-        x, y = [row[parameter] for row in shown], [row[name] for row in shown]
+        x, y = [row[parameter] for row in shown], [scale * row[name] for row in shown]
         axes.plot(x, y, color=colour, linestyle="-" if kept else "--")
         start = stop
 

@@ -120,6 +120,15 @@ class Verdict:
     strips: tuple[tuple[str, Markup], ...] = ()
 
 
+def capital(words: str) -> str:
+    """A sentence's first letter in upper case.
+
+    >>> capital("mode 1")
+    'Mode 1'
+    """
+    return words[:1].upper() + words[1:]
+
+
 def written(cell: Cell, digits: int = 5) -> str:
     """A cell as text.
 

@@ -104,13 +104,13 @@ def counted(number: int, name: str) -> str:
 def valued(name: str, value: float) -> str:
     """A value of the parameter with its unit; a speed in rpm and Hz.
 
-    >>> valued("amplitude", 14.978142), valued("speed_hz", 5.0), valued("friction", 0.1)
-    ('14.978 N', '300 rpm (5 Hz)', '0.1')
+    >>> valued("amplitude", 14.978142), valued("speed_hz", 5.0), valued("freq_hz", 10163.4), valued("friction", 0.1)
+    ('14.978 N', '300 rpm (5 Hz)', '10,163 Hz', '0.1')
     """
     if name == "speed_hz":
         return with_rpm(value)
     unit = LABELS.get(name, "").partition("[")[2].rstrip("]").replace("-", "")
-    return f"{raised(f'{value:.5g}')} {unit}".rstrip()
+    return f"{raised(f'{value:,.5g}')} {unit}".rstrip()
 
 
 def jump_words(name: str, jumps: Sequence[Any]) -> str:

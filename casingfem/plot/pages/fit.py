@@ -9,7 +9,7 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.correlation import mac_panel
-from casingfem.plot.page import Picture, Section, Table, Verdict, powers, written
+from casingfem.plot.page import Picture, Section, Table, Verdict, capital, powers, written
 from casingfem.plot.style import new_figure, styled
 from casingfem.plot.update import Paired, figure_comparison, figure_corner, figure_errors, value_words
 from casingfem.updating.columns import PAIRS, units
@@ -141,15 +141,6 @@ def with_unit(words: str, unit: str) -> str:
     """
     value, _, spread = words.partition("\n")
     return " ".join(part for part in (value, "" if unit == "-" else powers(unit), spread) if part)
-
-
-def capital(words: str) -> str:
-    """A sentence's first letter in upper case.
-
-    >>> capital("mode 1")
-    'Mode 1'
-    """
-    return words[:1].upper() + words[1:]
 
 
 def used_words(fit: UpdateResult) -> str:

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.plot.history import time_unit
-from casingfem.plot.page import Cell, Page, Picture, Section, Table, Verdict, origin, written
+from casingfem.plot.page import Cell, Page, Picture, Section, Table, Verdict, capital, origin, written
 from casingfem.plot.pages.interactions import speeds_section
-from casingfem.plot.pages.speeds import force_size, speed_strip, speed_words, with_rpm
+from casingfem.plot.pages.speeds import force_size, short, speed_strip, speed_words, with_rpm
 from contact.io.columns import Columns
 from contact.io.decision import decision
 
@@ -95,25 +95,35 @@ def scene_page(
 
 def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
     """Summary of a run: outcome, force, deflection, motion, speeds and wear, confidence, next steps."""
-    state, sentence = outcome(ran)
+    own = None if found is None else own_run(ran, found.runs)
+    state, sentence = outcome(ran, own)
     facts = [("Force", force_words(ran))] if ran.contacts else []
     if ran.rim is not None:
         facts.append(("Deflection", deflection_words(ran)))
-    if ran.rotor is not None:
-        facts.append(("Rotor", rotor_words(ran.rotor)))
+    if ran.rotor is not None and ran.contacts:
+        facts.append(("Rotor", capital(rotor_words(ran.rotor))))
     if ran.growth is not None:
         facts.append(("Motion", ran.growth.words))
     if found is not None:
         facts.append(("Ranges", " ".join(speed_words(found))))
     facts += [("Wear", wear_words(ran))] if ran.tracks else []
     return Verdict(
-        found=sentence, sure=sure_words(ran), further=further_words(ran), facts=tuple(facts), state=state,
+        found=sentence, sure=sure_words(ran), further=further_words(ran, own), facts=tuple(facts), state=state,
         strips=(("Speeds", speed_strip(found, ran.speed_hz)),),
     )  # fmt: skip
 
 
-def outcome(ran: Ran) -> tuple[str, str]:
-    """The state (good, bad or open), and the first sentence."""
+def own_run(ran: Ran, runs: Sequence[Any]) -> Any:
+    """The run at the scene's speed in the table of dangerous speeds, if it decides and this run says otherwise."""
+    own = next((run for run in runs if math.isclose(run.speed_hz, ran.speed_hz, rel_tol=1e-9)), None)
+    if own is None or own.verdict == "not decided" or not ran.closings:
+        return None
+    motion = None if ran.growth is None else ran.growth.outcome
+    return own if (own.verdict == "unstable") != decision(motion, passed=ran.divergence is not None) else None
+
+
+def outcome(ran: Ran, own: Any = None) -> tuple[str, str]:
+    """The state (good, bad or open), and the first sentence; `own` is a run at constant speed that says otherwise."""
     at = f" at {with_rpm(ran.speed_hz)}" if ran.speed_hz else ""
     motion = None if ran.growth is None else ran.growth.outcome
     grows = decision(motion, passed=ran.divergence is not None)
@@ -125,6 +135,8 @@ def outcome(ran: Ran) -> tuple[str, str]:
         return "bad", f"Unsafe{at}: the motion passed a limit of the model after {ran.divergence.time:.4g} s."
     if ran.rim is not None and ran.rim.largest > ran.rim.allowed:
         return "bad", f"Outside the linear model{at}: the rim deflects by more than half of its wall."
+    if own is not None:
+        return constant_speed_words(own, at, grows=bool(grows))
     if grows:
         return "bad", f"Unsafe{at}: the motion grows."
     if not ran.contacts:
@@ -141,6 +153,19 @@ def outcome(ran: Ran) -> tuple[str, str]:
         f"The contact closes {times(ran.closings)}, for {share:.3g} % of {duration(ran.span)}, with "
         f"{force_size(ran.force)} at most."
     )
+
+
+def constant_speed_words(own: Any, at: str, *, grows: bool) -> tuple[str, str]:
+    """State and first sentence where a run at constant speed decides otherwise than this run, which may be shorter."""
+    length = f"in a run of {duration(own.seconds)} at this constant speed"
+    if own.slow:
+        return "bad", f"Unsafe{at}: {own.why}."
+    if own.verdict == "unstable":
+        return "bad", f"Unsafe{at}: the motion grows {length}."
+    state = "good" if own.verdict == "safe" else "open"
+    if grows:
+        return "open", f"The motion grows in this run{at}. It does not grow {length}: {own.verdict}."
+    return state, f"{capital(own.verdict)}{at}: the motion does not grow {length}. This run is too short to decide."
 
 
 def duration(time: float) -> str:
@@ -216,7 +241,7 @@ def wear_words(ran: Ran) -> str:
     volume = sum(float(track.volume) for track in ran.tracks)
     bare = sum(int(track.bare) for track in ran.tracks)
     through = f" The coating is worn through in {counted(bare, 'place')}." if bare else ""
-    return f"At most {1e6 * deepest:.3g} µm deep, {1e9 * volume:.3g} mm³ in all.{through}"
+    return f"At most {1e6 * deepest:.3g} µm deep, {short(1e9 * volume)} mm³ in all.{through}"
 
 
 def sure_words(ran: Ran) -> str:
@@ -236,14 +261,16 @@ def sure_words(ran: Ran) -> str:
     return f"{words} {left} not checked."
 
 
-def further_words(ran: Ran) -> str:
-    """Recommended next steps."""
+def further_words(ran: Ran, own: Any = None) -> str:
+    """Recommended next steps; `own` is a run at constant speed that says otherwise than this run."""
     if any(flag.failed for flag in ran.flags):
         return "Correct what the message names, then run the scene again."
     motion = None if ran.growth is None else ran.growth.outcome
     if motion == "numerical":
         return "Reduce dt, then run the scene again."
-    if decision(motion, passed=ran.divergence is not None):
+    if own is not None and own.verdict != "unstable":
+        return "Lengthen t_end, to see how the motion ends."
+    if own is not None or decision(motion, passed=ran.divergence is not None):
         return "Leave the unsafe speeds, add damping or reduce friction; then run the scene again."
     if ran.flags:
         return "Read the warnings above: beyond their limits the model does not describe the machine."

@@ -1,6 +1,7 @@
 """The page of a scene: its verdict by what the run did, figures by the arrays of a run whose answer is known."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +18,7 @@ from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_
 from contact.io.trust import Flag
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
-from tests.casingfem.plot.page_samples import growth_sample, ran_sample, rim_sample
+from tests.casingfem.plot.page_samples import growth_sample, ran_sample, rim_sample, speeds_sample
 
 N, HZ, SPEED = 4, 100.0, 5.0
 FAILED = Flag("the motion is not finite", "motion-overflow", failed=True)
@@ -151,6 +152,28 @@ def test_the_first_sentence_states_whether_the_speed_is_safe(name):
     assert (verdict.state, verdict.found[: len(words)]) == (state, words)
 
 
+CONSTANT = {  # motion of the run, what the run at its constant speed says
+    "bounded later": ("undecided", {"verdict": "safe"}, "good",
+                      "Safe at 300 rpm (5 Hz): the motion does not grow in a run of 1.6 s at this constant speed"),
+    "grows later": ("undecided", {"verdict": "unstable"}, "bad", "Unsafe at 300 rpm (5 Hz): the motion grows in a run"),
+    "grows slowly": ("bounded", {"verdict": "unstable", "slow": True, "why": "the contact stays closed"}, "bad",
+                     "Unsafe at 300 rpm (5 Hz): the contact stays closed."),
+    "slows down": ("grows", {"verdict": "safe"}, "open",
+                   "The motion grows in this run at 300 rpm (5 Hz). It does not grow in a run of 1.6 s"),
+    "agrees": ("grows", {"verdict": "unstable"}, "bad", "Unsafe at 300 rpm (5 Hz): the motion grows."),
+    "does not decide": ("undecided", {"verdict": "not decided"}, "open", "Not decided at 300 rpm"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CONSTANT)
+def test_the_first_sentence_agrees_with_the_table_of_speeds(name):
+    motion, given, state, words = CONSTANT[name]
+    found = speeds_sample()
+    found.runs = (*found.runs, replace(found.runs[0], speed_hz=5.0, seconds=1.6, **given))
+    verdict = scene_verdict(ran_sample(growth=growth_sample(motion, 8.0)), found)
+    assert (verdict.state, verdict.found[: len(words)]) == (state, words)
+
+
 def test_the_verdict_has_force_deflection_against_its_limit_and_wear():
     worn = SimpleNamespace(worn=np.array([0.0, 2e-5]), volume=3e-9, bare=0)
     facts = dict(scene_verdict(ran_sample(tracks=(worn,))).facts)
@@ -169,7 +192,7 @@ def table(**ranges):
         for low, high in parts
     ]
     peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.array([1.0, 5.0, 10.0])), rotor=False)
-    return SimpleNamespace(rows=rows, peaks=peaks, records=list, words="60 runs of the scene.", COLUMNS=())
+    return SimpleNamespace(rows=rows, runs=(), peaks=peaks, records=list, words="60 runs of the scene.", COLUMNS=())
 
 
 def test_safe_speeds_are_those_between_the_dangerous_ones():
