@@ -42,5 +42,6 @@ def impact(
     still[rests[pressed]] = True
     held = rests[pressed]
     if held.size:  # at rest exactly
-        after = after - N[held].T @ np.linalg.lstsq(N[held] @ N[held].T, N[held] @ after, rcond=None)[0]
+        stop = -np.linalg.solve(N[held] @ N[held].T, N[held] @ after)
+        after, impulse[held] = after + N[held].T @ stop, impulse[held] + stop
     return after, impulse, still

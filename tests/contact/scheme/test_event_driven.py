@@ -180,6 +180,20 @@ def test_a_block_that_falls_flat_rests_on_both_feet():
     assert result.max_penetration.max() < 1e-12
 
 
+def test_a_rocking_block_comes_to_rest_on_the_reactions_of_statics():
+    rows = np.array([[0.5, 0.7], [0.5, -0.9]])
+    body = ct.ModalBody(
+        omega=[0.0, 0.0], zeta=[0.0, 0.0], channels=("left", "right"), rows=rows, S=np.zeros((2, 2))
+    )  # fmt: skip
+    load = np.array([-20.0, 1.0])
+    patch = ct.Patch(body=body, normal=("left", "right"), clearance=[0.2, 0.25], load=load, velocity=[0.0, 0.3])
+    result = event_driven(patch, 3.0, 0.01, restitution=0.5)
+    assert result.force[-1] == pytest.approx(np.linalg.solve(rows.T, -load), rel=1e-9)
+    fallen = np.linalg.solve(rows, [-0.2, -0.25])
+    assert result.energy.lost_in_contact == pytest.approx(0.5 * 0.3**2 + load @ fallen, rel=1e-9)
+    assert abs(result.energy.unaccounted) < 1e-13 * result.energy.scale
+
+
 def test_impacts_of_a_beam_do_not_depend_on_the_interval_of_the_samples():
     gap = BEAM.before_stop(clearance=1e-3, velocity=0.5, modes=5)
     runs = [event_driven(gap, 0.05 + dt, dt, record=ct.Record(at=[0.05])) for dt in (0.05, 1e-3, 7.8125e-6)]
