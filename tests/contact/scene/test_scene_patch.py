@@ -34,16 +34,26 @@ def test_the_command_line_runs_it():
     assert document["energy"]["friction"] == pytest.approx(-0.5, abs=1e-6)
 
 
-def of_basis(folder, contacts, more=""):
+def of_basis(folder, contacts, more="", scheme='kind = "exact-modal"'):
     rows = np.array([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     ct.ModalBody(omega=[0.0, 1.0, 2.0], zeta=[0.0, 0.0, 0.1], channels=("n", "s", "t"), rows=rows,
                  S=np.zeros((3, 3))).save(folder / "block.npz")  # fmt: skip
     file = folder / "scene.toml"
     file.write_text(
         f'[scene]\nkind = "patch"\nt_end = 1.0\n[body]\nbasis = "block.npz"\nload = {{n = -2.0, s = 0.5}}\n'
-        f'{contacts}{more}\n[scheme]\nkind = "exact-modal"\ndt = 1e-2\n'
+        f"{contacts}{more}\n[scheme]\n{scheme}\ndt = 1e-2\n"
     )
     return ct.load_scene(file)
+
+
+def test_an_event_driven_scene_has_its_restitution_and_refuses_friction(tmp_path):
+    contact = '[[contact]]\nnormal = "n"\nclearance = 0.01\n'
+    scene = of_basis(tmp_path, contact, scheme='kind = "event-driven"\nrestitution = 0.5')
+    assert scene.scheme == ct.scheme.EventDriven(restitution=0.5)
+    assert len(ct.run(scene).intervals[0]) > 1
+    rough = '[[contact]]\nnormal = "n"\ntangent = ["s"]\nclearance = 0.01\n[ground]\nfriction = 0.4\n'
+    with pytest.raises(ct.InputError, match=r"found Coulomb with friction 0\.4, expected Unilateral"):
+        ct.run(of_basis(tmp_path, rough, scheme='kind = "event-driven"'))
 
 
 @pytest.mark.slow
@@ -82,6 +92,11 @@ def test_contacts_without_tangents_have_no_friction(tmp_path):
         ("clearance = 0.0", "clearance = -0.1", "body: clearance: contact 1 penetrates"),
         ("displacement = [1.0, 0.0]", "displacement = [1.0]", "body: displacement"),
         ('kind = "exact-modal"', 'kind = "newmark"', "scheme.kind: found 'newmark', expected 'exact-modal'"),
+        (
+            'kind = "exact-modal"',
+            'kind = "exact-modal"\nrestitution = 0.5',
+            "restitution found with kind = 'exact-modal'",
+        ),
         ("friction = 0.1", "mu = 0.1", "ground.mu: unknown key"),
     ],
 )
