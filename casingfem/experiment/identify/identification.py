@@ -35,7 +35,8 @@ from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.labels import circle_notes, labelled, oriented
 from casingfem.experiment.identify.lscf import Candidates, recurring_poles
 from casingfem.experiment.identify.mode import Mode, Sensors, found_in, mode_of, reasons
-from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled, without_copies, without_twins
+from casingfem.experiment.identify.one_peak import one_a_peak
+from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled
 from casingfem.experiment.identify.responses import Responses, over_noise, usable
 from casingfem.experiment.identify.setups import setups_of
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
@@ -122,16 +123,17 @@ def identify(
         start = with_residues(data, _picks(picked, poles), rules)
         parts = [SetUp(np.arange(len(used.H)), data, picked_fits(data, start, rules))]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
+    apart = tuple[str, ...]()
+    if circle is None and picked is None:
+        parts, apart = _one_a_peak(parts, grid, rules)
     several = tracked(parts, grid, circle, rules) if len(parts) > 1 else None
     found = partial(_modes, parts[0], picked is not None, rules) if several is None else several.modes
     modes, sensors, suspects = labelled(found, Sensors.of(grid, used.power, circle))
-    modes = modes if several or picked is not None else without_copies(modes, grid.directions)
     doublets = paired(modes)
     modes = oriented(settled(modes, doublets), doublets, sensors)
-    modes = modes if picked is not None else without_twins(modes, doublets)
     notes = (
         *used.notes, *_empty(modes, rules), *_test_notes(parts[0].data, rules),
-        *(several.notes if several else ()), *circle_notes(modes, grid, circle), *suspects,
+        *(several.notes if several else ()), *apart, *circle_notes(modes, grid, circle), *suspects,
         *pair_notes(modes, doublets),
     )  # fmt: skip
     if tau is not None:
@@ -160,6 +162,18 @@ def _of_records(records: FrfSet, refused: Mapping[str, object], **options: Any) 
         found = f"{', '.join(given)} with time records"
         raise InputError(records.path, found=found, expected="frequency responses with these options")
     return identify_output_only(records, **options)
+
+
+def _one_a_peak(parts: list[SetUp], grid: SensorGrid, rules: Thresholds) -> tuple[list[SetUp], tuple[str, ...]]:
+    """The set-ups with one mode at each peak that differs between channels, and notes."""
+    directions = np.zeros(grid.channels.size, np.int64)
+    directions[grid.channels] = grid.directions[:, None]
+    done, notes = list[SetUp](), list[str]()
+    for part in parts:
+        both = [one_a_peak(fit, directions[part.channels], rules) for fit in part.fits]
+        done.append(part._replace(fits=[fit for fit, _ in both]))
+        notes += [note for _, some in both for note in some]
+    return done, tuple(notes)
 
 
 @with_one_thread

@@ -1,23 +1,18 @@
-"""Modes beside each other: pairs, pairs that are not resolved, one resonance that is seen twice."""
+"""Pairs of modes, and pairs that are not resolved."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from casingfem.experiment.circle.orientation import quadrature
-from casingfem.experiment.identify.mode import MANY, NOWHERE, Mode
+from casingfem.experiment.identify.mode import NOWHERE, Mode
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import FloatArray
 
 ALIKE = 25.0  # largest chi-squared of differences of fitted poles by chance: 4.5 standard deviations
-NEAR_COPY = 2.0  # bandwidths within which a mode may be that of another set-up
-UNSEEN, DEVIATIONS = 0.1, 3.0  # of one mode at a sensor: share of the other mode; its own standard deviations
-PURE = 0.9  # share of n from which a shape is that of a mode
-HALF = 0.5  # bandwidths within which two modes may be one; assurance above which shapes are similar
-SAME = 2.0  # standard deviations within which two frequencies do not differ
 
 
 def neighbours(n: Sequence[int], chi: Sequence[float], most: float) -> list[tuple[int, ...]]:
@@ -134,69 +129,3 @@ def unresolved_notes(modes: list[Mode], remedy: str) -> tuple[str, ...]:
         for mode in modes
         if mode.unresolved
     )
-
-
-def without_copies(modes: list[Mode], directions: IntArray) -> list[Mode]:
-    """The modes (ascending); of two close modes that no sensor sees together, the weaker one is doubtful.
-
-    Two unrecognised set-ups of few modes give such copies. Modes of pure n, or of different `directions` (sensors,),
-    are no copies.
-    """
-    text = "no sensor sees both it and the mode at {:.2f} Hz: one mode in two set-ups? Measure all sensors at once"
-    return _weaker(modes, lambda k, j: text if _apart(modes[k], modes[j], directions) else "")
-
-
-def without_twins(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mode]:
-    """Mark the weaker of two modes (ascending) within half a bandwidth that may be one resonance as doubtful.
-
-    A resonance leaves two poles if its peak moves from hit to hit, or if it is not linear. The shapes of the two poles
-    are then similar, or their frequencies do not differ. Shapes of normal modes are nearly orthogonal at many sensors:
-    of random shapes at 8 sensors 3 % have an assurance above 0.5. The two modes of a doublet are kept, and modes of
-    nodal diameters may have one frequency.
-    """
-
-    def why(k: int, j: int) -> str:
-        one, other = modes[k], modes[j]
-        gap = other.freq - one.freq
-        if (k, j) in doublets or gap > HALF * 2.0 * min(one.zeta * one.freq, other.zeta * other.freq):
-            return ""
-        if len(one.shape) >= MANY and float(one.shape @ other.shape) ** 2 > HALF:
-            return (
-                "its shape and frequency are nearly those of the stronger mode at {:.2f} Hz: one mode that differs from"
-                " hit to hit or with the force? Check for loose parts or level"
-            )
-        waves = min(one.n, other.n) > 0  # modes of a circle come in pairs
-        same = not waves and gap < SAME * float(np.hypot(one.sigma_freq, other.sigma_freq))
-        return (
-            "its frequency is that of the stronger mode at {:.2f} Hz within their uncertainty: one peak that is not"
-            " that of a linear resonance? Measure with another force, or another reference"
-        ) if same else ""  # fmt: skip
-
-    return _weaker(modes, why)
-
-
-def _weaker(modes: list[Mode], why: Callable[[int, int], str]) -> list[Mode]:
-    """Give the weaker of two close modes (ascending) a reason, its own or that of `why` (lower, upper)."""
-    done = list(modes)
-    for k, one in enumerate(modes):
-        for j in range(k + 1, len(modes)):
-            other = modes[j]
-            if other.freq - one.freq > NEAR_COPY * 2.0 * max(one.zeta * one.freq, other.zeta * other.freq):
-                break
-            weaker, at = min((k, other), (j, one), key=lambda m: (not modes[m[0]].reason, modes[m[0]].signal))
-            if not done[weaker].reason and (text := why(k, j)):
-                done[weaker] = replace(done[weaker], reason=text.format(at.freq))
-    return done
-
-
-def _apart(one: Mode, other: Mode, directions: IntArray) -> bool:
-    """Whether each sensor sees only one of two modes, and neither is the mode of a circle or of a direction."""
-    if min(one.purity, other.purity) > PURE:
-        return False
-    sizes = [np.abs(mode.shape) for mode in (one, other)]
-    seen = [size > np.maximum(UNSEEN * size.max(), DEVIATIONS * mode.sigma_shape)
-            for size, mode in zip(sizes, (one, other), strict=True)]  # fmt: skip
-    if np.any(seen[0] & seen[1]) or not (seen[0].any() and seen[1].any()):
-        return False
-    first, second = (np.abs(directions[some]) for some in seen)
-    return bool(np.isin(first, second).any())

@@ -192,7 +192,7 @@ def fit_poles(window: Window, poles: Array, *, steps: int = STEPS) -> PoleFit:
     >>> bool(abs(fit.poles[0] / pole - 1.0) < 1e-9)
     True
     """
-    return _finished(window, refined(window, poles, steps))
+    return finished(window, refined(window, poles, steps))
 
 
 def refined(window: Window, poles: Array, steps: int = STEPS) -> State:
@@ -218,7 +218,7 @@ def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
     Damping parameter in Marquardt's method, Technical University of Denmark, IMM-REP-1999-05).
     """
     polynomials = used.polynomials()
-    at = _state(used, poles, polynomials)
+    at = state(used, poles, polynomials)
     entries, least = 2.0 * used.Y.size + 1.0, 1e-12 * float(np.sum(np.abs(used.Y) ** 2))
     damping, rise, system = FIRST, 2.0, None
     for _ in range(steps if len(at.poles) else 0):
@@ -228,7 +228,7 @@ def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
         damped = information.copy()
         damped.flat[:: len(damped) + 1] += damping * scale
         step = np.asarray(np.linalg.solve(damped, -gradient), np.float64)
-        new = _state(used, _moved(window, at.poles, step), polynomials)
+        new = state(used, _moved(window, at.poles, step), polynomials)
         gain, predicted = at.squares - new.squares, float(step @ (damping * scale * step - gradient))
         if gain >= 0.0:
             at, system, rise = new, None, 2.0
@@ -257,7 +257,8 @@ def _moved(window: Window, poles: Array, step: FloatArray) -> Array:
     return np.asarray(-sigma + 1j * omega)
 
 
-def _state(window: Window, poles: Array, polynomials: Array) -> State:
+def state(window: Window, poles: Array, polynomials: Array) -> State:
+    """Residues and polynomials by linear least squares at given poles [rad/s]."""
     columns, by_q = window.resonances(poles)
     whole, tau = zgeqrf(np.concatenate([columns, polynomials], axis=1))[:2]
     Q, T = zungqr(whole, tau)[0], whole[: whole.shape[1]]
@@ -282,7 +283,7 @@ def _information(products: Array, A: Array) -> FloatArray:
     return np.concatenate(whole)
 
 
-def _finished(window: Window, at: State) -> PoleFit:
+def finished(window: Window, at: State) -> PoleFit:
     """Complete the fit: poles in ascending order, with residual, covariance and noise."""
     count = len(at.poles)
     along = at.Q.conj().T @ at.by_q

@@ -46,6 +46,8 @@ class Thresholds:
         Modal assurance criterion above which two poles within `near` bandwidths are one mode seen twice.
     near
         Bandwidths within which two poles must differ in shape.
+    misfit
+        Part of a peak that no model explains: measured resonances leave 1 to 5 % of their peak.
     sure_freq
         Largest standard deviation of the frequency of a sure mode, in bandwidths; that of ln zeta is `known_zeta`, for
         damping ratios of repeated tests scatter by as much.
@@ -89,6 +91,7 @@ class Thresholds:
     floor: float = 3e-4
     same_shape: float = 0.9
     near: float = 1.0
+    misfit: float = 0.03
     sure_freq: float = 0.1
     above_zero: float = 2.0
     sure_peak: float = 3.0
