@@ -182,7 +182,7 @@ def _best_start(fit: PoleFit) -> tuple[Array, float]:
     at = np.append(np.linspace(low, high, count), worst)
     grid = np.concatenate([-usual * width + 1j * at for width in GRID_WIDTHS])
     columns = window.resonances(grid)[0]
-    Q = np.linalg.qr(np.concatenate([window.resonances(fit.poles)[0], window.polynomials()], axis=1))[0]
+    Q = np.linalg.qr(np.concatenate([window.resonances(fit.poles)[0], window.polynomials], axis=1))[0]
     rest = window.Y - Q @ (Q.conj().T @ window.Y)
     seen = Q.conj().T @ columns
     whole = np.sum(np.abs(columns) ** 2, axis=0)

@@ -200,7 +200,8 @@ def fitted_group(
     whole = _window(data, lines, Y, rules)
     if known is not None and _unchanged(known, whole):
         return known
-    small = replace(whole, Y=compressed(whole.Y))
+    few = compressed(whole.Y)
+    small = whole if few is whole.Y else replace(whole, Y=few)
     seen = data.freq[data.peaks.at]
     here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
     start = modes.poles[group]
@@ -213,9 +214,7 @@ def fitted_group(
         small = replace(small, terms=outer_terms(fit, rules))
         if small.terms > fit.window.terms:
             fit = fit_poles(small, fit.poles)
-    if small.Y is whole.Y:
-        return fit
-    return fit_poles(replace(whole, terms=small.terms), fit.poles, steps=0)
+    return fit if few is whole.Y else fit_poles(replace(whole, terms=small.terms), fit.poles, steps=0)
 
 
 def _kept(lines: slice, first: int, count: int) -> slice:

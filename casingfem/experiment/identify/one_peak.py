@@ -52,7 +52,7 @@ def _group(fit: PoleFit, tried: list[complex], rules: Thresholds) -> IntArray | 
 
 def _each_alone(fit: PoleFit, group: IntArray) -> list[State]:
     """One pole of each channel in place of a group, all of one damping ratio; the other poles are subtracted."""
-    Y = fit.rest + _response(fit, group) + fit.window.polynomials() @ fit.B
+    Y = fit.rest + _response(fit, group) + fit.window.polynomials @ fit.B
     weights = np.sum(np.abs(fit.A[group]) ** 2, axis=1)
     start = np.array([weights @ fit.poles[group] / weights.sum()])
     windows = [replace(fit.window, Y=Y[:, [k]]) for k in range(Y.shape[1])]
@@ -62,7 +62,7 @@ def _each_alone(fit: PoleFit, group: IntArray) -> list[State]:
     )
     sigma = np.exp(np.average(np.log(-poles.real), weights=np.abs(A) ** 2 + 1e-300))
     return [
-        state(w, np.array([-sigma + 1j * pole.imag]), w.polynomials()) for w, pole in zip(windows, poles, strict=True)
+        state(w, np.array([-sigma + 1j * pole.imag]), w.polynomials) for w, pole in zip(windows, poles, strict=True)
     ]
 
 
@@ -89,7 +89,7 @@ def _as_one(fit: PoleFit, group: IntArray, own: list[State]) -> tuple[PoleFit, s
     omega = float(share @ poles.imag)
     mean, scatter = complex(poles[0].real, omega), float(np.sqrt(share @ (poles.imag - omega) ** 2))
     kept = np.delete(np.arange(len(fit)), group)
-    at = state(fit.window, np.append(fit.poles[kept], mean), fit.window.polynomials())
+    at = state(fit.window, np.append(fit.poles[kept], mean), fit.window.polynomials)
     rest = np.concatenate([each.rest for each in own], axis=1)
     beside = np.concatenate([each.A[1:] for each in own], axis=1)
     one = finished(

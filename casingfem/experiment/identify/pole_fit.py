@@ -100,6 +100,7 @@ class Window:
         columns = along * inverse
         return columns, -columns * inverse
 
+    @cached_property
     def polynomials(self) -> Array:
         """Polynomial columns (lines, terms) that represent the modes outside the window."""
         span = (2.0 * self.freq - self.freq[0] - self.freq[-1]) / (self.freq[-1] - self.freq[0])
@@ -217,7 +218,7 @@ def _descended(window: Window, used: Window, poles: Array, steps: int) -> State:
     The damping of a step follows the ratio of the decrease of the sum of squares to the predicted decrease (Nielsen,
     Damping parameter in Marquardt's method, Technical University of Denmark, IMM-REP-1999-05).
     """
-    polynomials = used.polynomials()
+    polynomials = used.polynomials
     at = state(used, poles, polynomials)
     entries, least = 2.0 * used.Y.size + 1.0, 1e-12 * float(np.sum(np.abs(used.Y) ** 2))
     damping, rise, system = FIRST, 2.0, None
@@ -335,7 +336,7 @@ def _noise_about(window: Window, at: State) -> tuple[FloatArray, FloatArray, Flo
         rest = at.rest[near & used]
         if len(rest) < 4:
             rest = at.rest[used]
-        square = 0.5 * float(np.mean(np.abs(rest) ** 2)) / freedom
+        square = 0.5 * float(np.vdot(rest, rest).real) / rest.size / freedom
         local[k] = max(square, window.floor**2)
         alike[k] = alike_lines(rest)
         noise[k] = max(local[k] * alike[k], 1.0, window.floor**2)
@@ -347,13 +348,13 @@ def alike_lines(rest: Array) -> float:
 
     1 + 2 sum of |rho_k| over the lags whose correlation exceeds chance.
     """
-    total = float(np.sum(np.abs(rest) ** 2))
+    total = float(np.vdot(rest, rest).real)
     if total == 0.0:
         return 1.0
     chance = 2.5 / np.sqrt(rest.size)
     alike = 1.0
     for lag in range(1, min(MOST_LAGS, len(rest) - 1)):
-        rho = abs(complex(np.sum(rest[lag:] * rest[:-lag].conj()))) / total
+        rho = abs(complex(np.vdot(rest[:-lag], rest[lag:]))) / total
         if rho < chance:
             break
         alike += 2.0 * rho

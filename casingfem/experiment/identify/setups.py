@@ -255,12 +255,13 @@ def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thre
     own, seen = [], data.freq[data.peaks.at]
     for fit in fits:
         whole = replace(fit.window, Y=fit.window.Y[:, channels])
-        small = replace(whole, Y=compressed(whole.Y))
+        few = compressed(whole.Y)
+        small = whole if few is whole.Y else replace(whole, Y=few)
         here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
         start = candidates(whole.freq, small.Y, len(here), data.end, rules=rules, every=EVERY).poles
         inside = (start.imag > 2.0 * np.pi * whole.freq[0]) & (start.imag < 2.0 * np.pi * whole.freq[-1])
         found = counted(small, start[inside], here, more=False, rules=rules)
-        own.append(found if small.Y is whole.Y else fit_poles(whole, found.poles, steps=0))
+        own.append(found if few is whole.Y else fit_poles(whole, found.poles, steps=0))
     return _Group(channels, own)
 
 
