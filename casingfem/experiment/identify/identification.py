@@ -4,7 +4,8 @@
 2. `lscf`: poles that recur over the orders of p-LSCF. `groups`: close modes are fitted together by maximum likelihood
    (`pole_fit`), as many as the data justify (`counting`), until every visible peak has a mode.
 3. `setups`: channels that were measured together are identified alone; `tracks` averages their modes.
-4. `mode`: shapes and reasons for doubtful modes. `labels`: nodal diameters and antinodes. `pairs`: pairs of modes.
+4. `one_peak`: one mode where a peak differs between channels. `mode`: shapes and reasons for doubtful modes. `labels`:
+   nodal diameters and antinodes. `pairs`: pairs of modes.
 """
 
 from __future__ import annotations

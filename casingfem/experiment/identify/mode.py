@@ -237,7 +237,7 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
         else:
             yield f"its damping is uncertain by {100.0 * by_zeta:.0f} %: measure longer, or more averages"
     zeta = float(-fit.poles[k].real / abs(fit.poles[k]))
-    if zeta > rules.damped:
+    if zeta > rules.zeta_most:
         yield f"its damping of {100.0 * zeta:.2g} % is that of a residual, or of several modes"
     ratio = float(fit.peaks[k] / np.sqrt(fit.local[k]))
     least = rules.sure_peak * max(1.0, FEW / channels)

@@ -21,7 +21,7 @@ class Thresholds:
         A pole recurs when its frequency agrees within a quarter of the half-power bandwidth and its damping within 30
         %: twice the scatter over orders that 20 dB of signal over noise leaves.
     zeta_most
-        Poles above this damping ratio are residuals of other bands, not peaks.
+        Poles above this damping ratio are residuals of other bands, or several modes: no candidates, and doubtful.
     reach, reach_lines
         A window has this many half-power bandwidths, and at least this many lines, on each side of its modes: the
         skirts then determine the residual terms.
@@ -57,8 +57,6 @@ class Thresholds:
         Least ratio of the peak to what the fit leaves there: 10 dB.
     in_phase
         Least share of a sure mode's energy in phase: below it the residues of an isolated mode are not a shape.
-    damped
-        Damping ratio above which a peak is no longer that of one mode.
     narrow
         Bandwidth in lines below which damping cannot be estimated.
     local
@@ -96,7 +94,6 @@ class Thresholds:
     above_zero: float = 2.0
     sure_peak: float = 3.0
     in_phase: float = 0.6
-    damped: float = 0.1
     narrow: float = 0.5
     local: float = 0.12
     ended: float = 0.2

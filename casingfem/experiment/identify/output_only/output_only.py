@@ -219,7 +219,7 @@ def _reasons(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
         )
     if found.sigma_zeta > rules.known_zeta * found.zeta:
         reasons.append(f"its damping is uncertain by {100.0 * found.sigma_zeta / found.zeta:.0f} %: measure longer")
-    if found.zeta > rules.damped:
+    if found.zeta > rules.zeta_most:
         reasons.append(f"its damping of {100.0 * found.zeta:.2g} % is that of a residual, or of several modes")
     if mode.collinearity < rules.in_phase and not mode.unresolved:
         reasons.append(f"only {100.0 * mode.collinearity:.0f} % of its shape is in phase: two modes, or a load's peak?")
