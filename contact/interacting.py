@@ -31,7 +31,8 @@ from contact.model.rotor.rotor import Rotor
 from contact.model.rotor.rotor_rub import rotor_of
 from contact.model.rotor.whirl import critical_speeds, growth
 from contact.prepared import Scene
-from contact.speed_runs import SpeedRun, Verdict, speed_runs
+from contact.speed_runs import speed_runs
+from contact.speed_verdict import SpeedRun, Verdict
 from contact.stability.peaks import Peak, Peaks, growth_at, peaks
 from contact.stability.rotor import rotor_peaks
 from contact.stability.split_casing import AVERAGED

@@ -22,7 +22,8 @@ from casingfem.study.load import load_shell_study
 from casingfem.study.tasks import run_reduce
 from contact.interacting import Interactions
 from contact.io.outfiles import write_atomic
-from contact.speed_runs import SpeedRun, at_speed
+from contact.speed_runs import at_speed
+from contact.speed_verdict import SpeedRun
 from contact.version import versions
 from reports.tables import ROOT, Row, command_line, show, write
 from reports.verification.rubs import rotor37

@@ -4,7 +4,7 @@
 steel ring of up to five nodal diameters before one blade, several blades or a bladed disk: with and without friction,
 damping, clearance, lean and out-of-roundness. It draws two sets: from the seed `--first`, on which constants were set,
 and from the seed `--fresh`, on which none was set. A run of half a second gives its verdict. If a longer run may change
-it (`contact.speed_runs.may_change`), the run is repeated two or four times as long, up to sixteen times, as runs of
+it (`contact.speed_verdict.may_change`), the run is repeated two or four times as long, up to sixteen times, as runs of
 `casingfem interactions` are.
 
 A run three times as long at a tenth of the step, which continues to a tenth of the radius, shows the further motion.
@@ -43,7 +43,7 @@ import contact as ct
 from casingfem.io.arrays import FloatArray
 from contact.record.record import prime_stride
 from contact.speed_runs import LONGEST as REPEATED
-from contact.speed_runs import may_change, times_longer
+from contact.speed_verdict import may_change, times_longer
 from reports.tables import Row, command_line, show, write
 
 KINDS = ("rim", "rub", "disk")

@@ -12,7 +12,7 @@ from contact.io.columns import records_of
 from contact.on_rotor import RotorHistory
 from contact.record.growth import RunGrowth
 from contact.result import CONTACTS
-from contact.speed_runs import SpeedRun
+from contact.speed_verdict import SpeedRun
 
 CONTACT = {
     "contact": 1, "closings": 4, "closed_s": 0.08, "impulse_N_s": 2.4, "peak_force_N": 46.0, "windowed_force_N": 45.5,

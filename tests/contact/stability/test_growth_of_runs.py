@@ -7,7 +7,7 @@ import pytest
 
 import contact as ct
 from contact.record.growth import Cause, RunGrowth
-from contact.speed_runs import may_change
+from contact.speed_verdict import may_change
 from tests.contact.synthetic_rim import blade
 
 PAIR = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.004)
