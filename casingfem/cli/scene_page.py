@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casingfem.cli.pictures import figures, speed_figures, turn_of
+from casingfem.examples import first_sentence
 from contact.io.infiles import read_bytes, text_of
 
 if TYPE_CHECKING:
@@ -36,9 +37,10 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
         if found is not None:
             drawn |= speed_figures(scene, found, ran.speed_hz)
     say("drawing")
-    film = rub_film(scene.what, result)
+    film, text = rub_film(scene.what, result), text_of(read_bytes(file))
+    described = first_sentence(text)
     return scene_page(
-        file.stem, text_of(read_bytes(file)), ran, drawn, found=found, why=why,
+        file.stem, text, ran, drawn, found=found, why=why, lead=described if described.endswith(".") else "",
         source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),
     )  # fmt: skip
 

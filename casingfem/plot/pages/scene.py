@@ -75,10 +75,13 @@ class Ran:
 
 
 def scene_page(
-    name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
+    name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "", lead: str = "",
     source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> Page:  # fmt: skip
-    """The page; `found` is the result of `contact.interactions`, or `why` the reason if there is none."""
+    """The page; `found` is the result of `contact.interactions`, or `why` the reason if there is none.
+
+    `lead` is a sentence on the scene below the title.
+    """
     shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
@@ -90,7 +93,9 @@ def scene_page(
     sections.append(Section("The scene", preformatted=scene))
     notice = str(ran.flags[0]) if ran.flags else ""
     verdict = scene_verdict(ran, found)
-    return Page(title=f"Scene {name}", sections=sections, notice=notice, verdict=verdict, source=origin(source))
+    return Page(
+        title=f"Scene {name}", sections=sections, lead=lead, notice=notice, verdict=verdict, source=origin(source)
+    )  # fmt: skip
 
 
 def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
