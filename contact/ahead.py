@@ -88,12 +88,14 @@ def _rim() -> None:
 
 
 def _rub() -> None:
-    """The loop of several tips, which patches, coatings and coupled modes have, too; then what Hertz's law adds."""
+    """The loop of several tips, patches, coatings and coupled modes; what laws and coatings, and patches, add to it."""
     casing, blade = _bodies()
     tips = (ContactPoint(), ContactPoint(angle_deg=90.0))
     rub = Rub(casing, (blade,), tips, clearance=-1e-6, speed=Speed.constant(1.0), turning="casing")
     for law in (Coulomb(mu=0.1), Hertz(k=1e9, mu=0.1)):
         run(rub, law=law, dt=1e-5, t_end=FEW * 1e-5, on_limit="flag")
+    patch = Patch(body=_body(1.0, channels=("x",)), normal=("x",), velocity=[-1e-3])
+    run(patch, dt=1e-3, t_end=FEW * 1e-3)
 
 
 def _batch() -> None:

@@ -16,7 +16,6 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
-from numba.np import arrayobj
 
 WORD = ir.IntType(64)
 BYTES = ir.IntType(8).as_pointer()
@@ -28,8 +27,6 @@ typeof: Any = numba.typeof
 Type: Any = types.Type
 Attributes: Any = AttributeTemplate
 Primitive: Any = extending.models.PrimitiveModel
-make_array: Any = arrayobj.make_array
-populate_array: Any = arrayobj.populate_array
 struct: Any = cgutils.create_struct_proxy
 Words = list[int]
 TYPES: dict[tuple[Any, ...], Any] = {}  # by what decides them; they live as long as the program
@@ -76,8 +73,10 @@ def bundled(value: Any) -> Any:
 
 
 def _size(kind: Any) -> int:
-    """Words of a field: items, address, shape and strides of an array; one for any other type."""
-    return 2 + 2 * int(kind.ndim) if isinstance(kind, types.Array) else 1
+    """Words of a field: address, shape and strides of an array; one for any other type."""
+    if not isinstance(kind, types.Array):
+        return 1
+    return 1 + int(kind.ndim) * (1 if kind.layout == "C" else 2)
 
 
 def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
@@ -112,7 +111,7 @@ def _pack(value: Any, kinds: list[Any], words: Words, held: list[Any]) -> None:
     """Add the type and the words of a field, and the objects that must live as long as the bundle."""
     if isinstance(value, np.ndarray):
         kinds.append(array_type(value))
-        words += (value.size, address_of(value), *value.shape, *value.strides)
+        words += (address_of(value), *value.shape, *(() if kinds[-1].layout == "C" else value.strides))
     elif isinstance(value, tuple):
         inner = Bundle(value)
         kinds.append(inner.kind)
@@ -191,12 +190,27 @@ def _loaded(kind: Any, context: Any, builder: Any, word: Any) -> Any:
 
 
 def _array(kind: Any, context: Any, builder: Any, word: Any) -> Any:
-    array = make_array(kind)(context, builder)
-    shape, strides = ([word(2 + part * kind.ndim + i) for i in range(kind.ndim)] for part in range(2))
-    data = word(1, context.get_value_type(kind.dtype).as_pointer())
-    item = ir.Constant(WORD, kind.dtype.bitwidth // 8)
-    populate_array(array, data=data, shape=shape, strides=strides, itemsize=item, meminfo=None)
-    return array._getvalue()
+    """Array without an owner, made of few instructions: strides of a contiguous one follow from its shape."""
+    model, item = context.data_model_manager[kind], kind.dtype.bitwidth // 8
+    shape = [word(1 + i) for i in range(kind.ndim)]
+    if kind.layout == "C":
+        strides = [ir.Constant(WORD, item)]
+        for length in shape[:0:-1]:
+            strides.insert(0, builder.mul(strides[0], length))
+    else:
+        strides = [word(1 + kind.ndim + i) for i in range(kind.ndim)]
+    count = shape[0]
+    for length in shape[1:]:
+        count = builder.mul(count, length)
+    array = ir.Constant(model.get_value_type(), None)
+    array = builder.insert_value(array, ir.Constant(WORD, item), model.get_field_position("itemsize"))
+    array = builder.insert_value(array, count, model.get_field_position("nitems"))
+    data = word(0, context.get_value_type(kind.dtype).as_pointer())
+    array = builder.insert_value(array, data, model.get_field_position("data"))
+    for name, lengths in (("shape", shape), ("strides", strides)):
+        for i, length in enumerate(lengths):
+            array = builder.insert_value(array, length, [model.get_field_position(name), i])
+    return array
 
 
 def _function(kind: Any, context: Any, builder: Any, word: Any) -> Any:

@@ -73,6 +73,20 @@ class AsWritten(JITCodeLibrary):
 class SealedLibrary(AsWritten):
     """A compiled function with the functions it calls, invisible to all others."""
 
+    def finalize(self) -> None:
+        """Link the functions that its parts call, each once; optimise and compile."""
+        found: dict[Any, None] = dict.fromkeys(self._linking_libraries)
+        waiting = list(found)
+        while waiting:
+            part = waiting.pop()
+            if isinstance(part, PartLibrary):
+                more = [each for each in part._linking_libraries if each not in found]
+                found |= dict.fromkeys(more)
+                waiting += more
+        self._linking_libraries = list(found)
+        finish: Any = super().finalize
+        finish()
+
     def _optimize_final_module(self) -> None:
         _relink(self._final_module, binding.Linkage.linkonce_odr, "internal")
         self._optimise()
@@ -98,10 +112,12 @@ class VectorLibrary(SealedLibrary):
 
 
 class PartLibrary(AsWritten):
-    """A function without optimisation, to be inlined into its callers."""
+    """A function without optimisation, to be inlined into its callers; `SealedLibrary` links the functions it calls."""
 
-    def _optimize_final_module(self) -> None:
-        pass
+    def finalize(self) -> None:
+        """Make it ready for linking."""
+        _relink(self._final_module, binding.Linkage.external, "linkonce_odr")
+        self._finalize_final_module()
 
     def _finalize_final_module(self) -> None:
         library: Any = self
@@ -112,6 +128,17 @@ class PartLibrary(AsWritten):
         library._codegen._add_module(binding.parse_assembly("\n".join(places)))
         library._finalize_specific()
         library._finalized = True
+
+
+class ApartLibrary(PartLibrary):
+    """A part that its callers call, not inline: the time to optimise a function grows faster than its size."""
+
+    def finalize(self) -> None:
+        """Make it ready for linking."""
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                function.add_function_attribute("noinline")
+        super().finalize()
 
 
 class SealedPipeline(CompilerBase):
@@ -148,6 +175,12 @@ class PartPipeline(SealedPipeline):
     library = PartLibrary
 
 
+class ApartPipeline(SealedPipeline):
+    """The sealed pipeline for parts that are not inlined."""
+
+    library = ApartLibrary
+
+
 def _relink(module: Any, found: Any, linkage: str) -> None:
     for function in module.functions:
         if not function.is_declaration and function.linkage == found:
@@ -177,6 +210,11 @@ def jit_vectors(function: Function) -> Function:
 def jit(function: Function) -> Function:
     """Compile a function that compiled functions call, else as `jit_entry`; Python calls compile it again."""
     return part(function, OPTIONS)
+
+
+def jit_apart(function: Function) -> Function:
+    """Compile a large part of a step loop that most steps or most runs do not call, else as `jit`."""
+    return compiled(function, {**OPTIONS, **PART}, Part, ApartPipeline)
 
 
 def jit_inside(function: Function) -> Function:
@@ -238,11 +276,13 @@ def part(function: Function, options: dict[str, Any]) -> Function:
 class ByAddress(protocol):  # type: ignore[misc]
     """A compiled function that loops call by its address: compiled once for all loops, and only if `used`.
 
-    A subclass names the `function`, as Python has it, and its signature `kind`.
+    A subclass names the `function`, as Python has it, and its signature `kind`. A part of a loop that is compiled apart
+    has the `pipeline` of the loop, so that its sums have the same order there.
     """
 
     kind: Any
     function: Callable[..., Any]
+    pipeline: type[SealedPipeline] = SealedPipeline
 
     def __init__(self, *, used: bool) -> None:
         self.used = used
@@ -253,7 +293,7 @@ class ByAddress(protocol):  # type: ignore[misc]
 
     def __wrapper_address__(self) -> int:
         """Address of the function; 0 if the run never calls it."""
-        return address_of(self.function, self.kind) if self.used else 0
+        return address_of(self.function, self.kind, self.pipeline) if self.used else 0
 
     def signature(self) -> Any:
         """Argument types and return type."""
@@ -261,9 +301,9 @@ class ByAddress(protocol):  # type: ignore[misc]
 
 
 @cache
-def address_of(function: Callable[..., Any], kind: Any) -> int:
+def address_of(function: Callable[..., Any], kind: Any, pipeline: type[SealedPipeline]) -> int:
     """Compile a function that is called by its address."""
-    made: Any = CFunction(function, normalized(kind), {}, BY_ADDRESS, pipeline_class=SealedPipeline)
+    made: Any = CFunction(function, normalized(kind), {}, BY_ADDRESS, pipeline_class=pipeline)
     made._cache = MachineCode(function)
     with interrupts_held(), calls_looked_up_once():
         with_room(made.compile)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from contact.base.arrays import Array
-from contact.jit.compiled import jit
+from contact.jit.compiled import jit, jit_apart
 from contact.jit.vector import WIDTH, load, put
 from contact.loop.modal.rows import fill_some, product_of_sum
 from contact.loop.rub.state import ModalBlocks, RubState, Work
 from contact.record.record import Tally
 
 
-@jit
+@jit_apart
 def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
     """Add to the increments `d` the motion of coupled modes without contact, from the last increments `old`."""
     n = s.q.size
@@ -36,7 +36,7 @@ def answer(s: RubState, blocks: ModalBlocks, w: Work, forces: Array) -> None:
         put(s.d, i, load(s.d, i) + load(w.moved_by, i))
 
 
-@jit
+@jit_apart
 def works_of_coupling(s: RubState, blocks: ModalBlocks, w: Work, sums: Tally) -> None:
     """Work of damping and of a skew stiffness on coupled modes, and the error of their discrete energy.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from contact.base.arrays import Array
-from contact.jit.compiled import jit
+from contact.jit.compiled import jit, jit_apart
 from contact.jit.vector import WIDTH, load, put
 from contact.loop.formulas import free_step, mean_gap
 from contact.loop.modal.rows import bound, product, product_of_sum, rotate
@@ -43,7 +43,7 @@ def slope_at(speed: Array, t: float) -> float:
     return float(speed[segment, 3])
 
 
-@jit
+@jit_apart
 def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float, out: Array) -> None:
     """Modal forces of gravity and whirl at t, when the casing has turned by `angle`.
 
@@ -172,7 +172,7 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
     return inside
 
 
-@jit
+@jit_apart
 def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
     """Find the coating bars under the near tips, and measure gaps to the bars' surface.
 

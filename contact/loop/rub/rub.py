@@ -8,7 +8,7 @@ is compiled by itself, and is much smaller.
 
 from __future__ import annotations
 
-from contact.jit.compiled import jit, jit_vectors
+from contact.jit.compiled import jit, jit_apart, jit_vectors
 from contact.loop.formulas import works
 from contact.loop.limits import outgrown, tip_motion
 from contact.loop.modal.rows import move, product, product_of_sum
@@ -161,7 +161,7 @@ def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding
             note_slips(s, rows, steady, dim, sums, out, time, h)
 
 
-@jit
+@jit_apart
 def note_rim(s: RubState, rows: RubRows, w: Work, dim: int, ends: bool) -> None:
     """Update the largest deflection of the rim from q and the forces of this step."""
     rim = rows.rim
@@ -244,7 +244,7 @@ def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks, steady: Steady, w
     return count
 
 
-@jit
+@jit_apart
 def settle(s: RubState, rows: RubRows, coats: Coats, blocks: ModalBlocks, w: Work, count: int, dim: int,
            share: float, slid: float, sums: Tally) -> None:  # fmt: skip
     """Add the forces to the increments, the gaps and the sums."""
@@ -259,7 +259,7 @@ def settle(s: RubState, rows: RubRows, coats: Coats, blocks: ModalBlocks, w: Wor
     assign(s.strain, w.strain, w.strain.size)
 
 
-@jit
+@jit_apart
 def skip(s: RubState, rows: RubRows, blocks: ModalBlocks, solver: Solver | None, flight: FreeFlight, w: Work,
          angle: float, turn: float, room: int, sums: Tally) -> int:  # fmt: skip
     """Take steps without contact at once; returns how many, or what `skip_ahead` returns where there are none."""

@@ -16,7 +16,6 @@ from contact.solver.abradable.tips import Coats, coated
 from contact.solver.dense import affine, assign, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
-from contact.solver.yielding.several import yielding_forces
 from contact.solver.yielding.yields import Yielding, gives_way
 
 
@@ -94,7 +93,7 @@ def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats, y: 
         known(rows, w, size)
     start(s, rows, w, count, dim, slid)
     if coated(coats) or gives_way(y):
-        solved = yielding_forces(
+        solved = solver.yielding(
             coats, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
         )
     else:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 from contact.base.arrays import Array
-from contact.jit.compiled import jit
+from contact.jit.compiled import jit, jit_apart
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, Swing
 from contact.loop.rub.state import RubState
 from contact.record.record import Tally
@@ -52,7 +52,7 @@ def unbalance(swing: Swing, t: float) -> tuple[float, float]:
     return x, y
 
 
-@jit
+@jit_apart
 def add_unbalance(swing: Swing, t: float, h: float, angles: Array, out: Array) -> None:
     """Force of the unbalance on the modes of the rotor, which rotates against the angle of the casing."""
     ux, uy = unbalance(swing, t)
@@ -83,7 +83,7 @@ def shared(s: RubState, swing: Swing, t: float, h: float, angles: Array) -> tupl
     return gained / (h * h), jumped / (h * h)
 
 
-@jit
+@jit_apart
 def spin_on(s: RubState, laws: RubLaws, rows: RubRows, angles: Array, dim: int, base: float, t: float, h: float,
             sums: Tally) -> None:  # fmt: skip
     """Take from the rotor's spin the energy that unbalance and contact absorb in this step.

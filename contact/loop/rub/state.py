@@ -14,6 +14,7 @@ from contact.loop.rub.rows import RubRows
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room, staggered
+from contact.solver.yielding.several import YieldingForces
 
 NODES = 8  # angles in a cell between which W is interpolated
 TERMS = 12  # of the power series of a row, an even number
@@ -144,6 +145,7 @@ class Solver(NamedTuple):
     """Solver for the forces of several tips. A loop without it has a single tip, whose force has a closed formula."""
 
     all_sliding: AllSliding
+    yielding: YieldingForces
     room: Room  # of the friction solver
 
 
@@ -161,10 +163,13 @@ def tips(s: RubState, solver: Solver | None) -> int:
     return s.mu.size
 
 
-def solver_of(s: RubState, *, newton: bool = True) -> Solver:
-    """Work arrays of the solver; `newton`: Newton's method on the forces solves for the tips."""
+def solver_of(s: RubState, *, newton: bool = True, yields: bool = False) -> Solver:
+    """Work arrays of the solver; `newton`: Newton's method on the forces; `yields`: on a coating or with a law."""
     K, R = s.mu.size, s.lam.size
-    return Solver(all_sliding=AllSliding(used=R > K > 1), room=solver_room(K if newton else 0, R // K))
+    return Solver(
+        all_sliding=AllSliding(used=R > K > 1), yielding=YieldingForces(used=yields),
+        room=solver_room(K if newton else 0, R // K),
+    )  # fmt: skip
 
 
 def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:

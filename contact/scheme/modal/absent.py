@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array, aligned
+from contact.base.arrays import aligned
 
 
 class Absent(NamedTuple):
@@ -25,26 +25,19 @@ def absent() -> Absent:
     from contact.jit.bundle import bundled
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.state import ModalBlocks
-    from contact.loop.rub.steady import Steady
+    from contact.loop.rub.steady import AtOnce, Steady
     from contact.loop.tally import Sticking
-    from contact.solver.abradable.tips import Coats
+    from contact.solver.abradable.tips import no_coats
     from contact.solver.unilateral.active_set import active_space
     from contact.solver.unilateral.springs import spring_space
-    from contact.solver.yielding.yields import ByDepth, yielding
+    from contact.solver.yielding.yields import no_law
 
     none, plane, whole = np.zeros(0), np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
     rows = RowBlocks(whole, whole, aligned(0, 8), whole)
-    coats = Coats(
-        worn=none, start=whole, track=whole, round=none, mean=none, thickness=0.0, stiffness=none, yield_force=none,
-        hardening=none, under=0, memory=plane, first=whole, cut=none,
-    )  # fmt: skip
     steady = Steady(
-        rows=plane, roots=plane, springs=none, active=active_space(0, 0), soft=spring_space(0, 0),
+        rows=plane, roots=plane, springs=none, at_once=AtOnce(used=False), active=active_space(0, 0),
+        soft=spring_space(0, 0),
         past=Sticking(plane, none, none, none), slip=none, strain=none,
     )  # fmt: skip
-    law = yielding(ByDepth(_rigid, used=False), none, none, none)
-    return Absent(bundled(coats), bundled(law), bundled(ModalBlocks(*(rows,) * 7)), bundled(steady))
-
-
-def _rigid(depth: float, rate: float, values: Array) -> tuple[float, float]:
-    raise AssertionError("a rigid surface has no force-depth law")
+    parts = no_coats(), no_law(), ModalBlocks(*(rows,) * 7), steady
+    return Absent(*map(bundled, parts))

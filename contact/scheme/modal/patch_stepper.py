@@ -171,8 +171,9 @@ def patch_stepper(problem: Patch, speeds: AtSpeeds, law: Law, label: str, *, ave
     state.limits[1] = FAR_FETCHED * _reach(problem, given[:: len(given) // k], parts)
     return PatchStepper(
         problem=problem, parts=parts, state=state, wide=wide, laws=_laws(), rows=rows, steady=steady,
-        flight=no_flight(parts), work=work, solver=solver_of(wide, newton=newton), sums=tally(k), averaged=averaged,
-        law=law, label=label, y=yielding_of(law, state.now, state.last), coupled=coupled,
+        flight=no_flight(parts), work=work, sums=tally(k), averaged=averaged, law=law, label=label, coupled=coupled,
+        solver=solver_of(wide, newton=newton, yields=law.response is not None),
+        y=yielding_of(law, state.now, state.last),
     )  # fmt: skip
 
 
@@ -255,7 +256,7 @@ def _delassus(rows: Array, S: Array, parts: Propagator, mean: int) -> Array:
 
 def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -> Steady:
     """Solver data for contacts that do not need Newton's method on the forces, and data for their events."""
-    from contact.loop.rub.steady import Steady
+    from contact.loop.rub.steady import AtOnce, Steady
     from contact.loop.tally import Sticking
     from contact.solver.unilateral.active_set import active_space
     from contact.solver.unilateral.springs import spring_space, springs_of
@@ -268,8 +269,8 @@ def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -
     full = aligned(R, whole(rows.shape[1]))
     full[:, : rows.shape[1]] = rows
     return Steady(
-        rows=full, roots=roots, springs=springs, active=active_space(k, 0 if soft else columns),
-        soft=spring_space(soft, columns if soft else 0),
+        rows=full, roots=roots, springs=springs, at_once=AtOnce(used=roots.size > 0),
+        active=active_space(k, 0 if soft else columns), soft=spring_space(soft, columns if soft else 0),
         past=Sticking(np.zeros((2, R)), np.zeros(k), np.zeros(k), np.zeros(k)), slip=np.zeros(R), strain=np.zeros(R),
     )  # fmt: skip
 

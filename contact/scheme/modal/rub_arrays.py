@@ -45,11 +45,12 @@ class LoopArrays:
 
     @staticmethod
     def of(
-        rub: Rub, system: RubSystem, parts: Propagator, state: RubState, share: float, *, vary: bool, plain: bool
-    ) -> LoopArrays:
+        rub: Rub, system: RubSystem, parts: Propagator, state: RubState, share: float, *, vary: bool,
+        yields: bool, coupled: bool,
+    ) -> LoopArrays:  # fmt: skip
         """The arrays of a rub; `share` as in `unchanging`; `vary`: the speed changes the coefficients of the modes.
 
-        `plain`: the surface is rigid and the modes are uncoupled.
+        `yields`: the tips are on a coating or have a force-depth law; `coupled`: the modes are coupled.
         """
         from contact.loop.rub.state import NODES, solver_of, work_space
 
@@ -57,8 +58,8 @@ class LoopArrays:
         fixed = not W.size and not vary and rub.spin is None
         several = fixed and (system.contacts >= SEVERAL or len(system.still) > FEW)
         rows = rub_rows(rub, system, parts, W, *(cell(rub, system, parts, share, NODES) if several else NO_CELL))
-        alone = plain and state.mu.size == 1 and state.lam.size < 3
-        solver = None if alone else solver_of(state)
+        alone = not (yields or coupled) and state.mu.size == 1 and state.lam.size < 3
+        solver = None if alone else solver_of(state, yields=yields)
         return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows, newton=not alone), solver)
 
 

@@ -99,7 +99,8 @@ class RubStepper(ExactRun):
                     self.wide,
                     0.25 if self.averaged else 1.0,
                     vary=self.speeds.vary,
-                    plain=self.worn is None and self.y is None and self.coupled is None,
+                    yields=self.worn is not None or self.y is not None,
+                    coupled=self.coupled is not None,
                 )
             )
         return self.made[0]

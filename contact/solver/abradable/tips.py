@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
 
@@ -133,6 +135,15 @@ class Coats(NamedTuple):
     memory: Array
     first: Indices
     cut: Array
+
+
+def no_coats() -> Coats:
+    """Tips before a surface without coating."""
+    none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return Coats(
+        worn=none, start=whole, track=whole, round=none, mean=none, thickness=0.0, stiffness=none, yield_force=none,
+        hardening=none, under=0, memory=np.zeros((0, 0)), first=whole, cut=none,
+    )  # fmt: skip
 
 
 @jit

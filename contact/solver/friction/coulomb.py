@@ -20,7 +20,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 from contact.io.trust import LEFT
-from contact.jit.compiled import jit
+from contact.jit.compiled import jit_apart
 from contact.solver.friction.inexact import inexact
 from contact.solver.friction.newton import MOST_ITERATIONS, TOLERANCE, newton, otherwise
 from contact.solver.friction.room import Room, friction_room
@@ -202,7 +202,7 @@ def solver_room(contacts: int, dim: int) -> Room:
     return friction_room(contacts, dim, pivoted)
 
 
-@jit
+@jit_apart
 def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
     """Improve `force` until it satisfies the law to TOLERANCE of the largest force; returns (iterations, residual)."""
     iterations, residual = newton(W, b, mu, dim, count, force, room)

@@ -11,20 +11,25 @@ one step, several need a few; steps that do not converge are halved.
 from __future__ import annotations
 
 import math
+from typing import Any
+
+from numba import types
 
 from contact.base.arrays import Array, Indices
-from contact.jit.compiled import jit
-from contact.solver.abradable.tips import Coats, borne, coated, coating_of, settled, surface
+from contact.jit.bundle import Bundle, function_type
+from contact.jit.compiled import MATRIX, VECTOR, ByAddress, VectorPipeline, jit
+from contact.solver.abradable.tips import Coats, borne, coated, coating_of, no_coats, settled, surface
 from contact.solver.dense import affine, assign
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
-from contact.solver.friction.room import BEHIND, GUESS, MOTION, SOFT, Room
-from contact.solver.yielding.yields import Yielding, bears, gives_way, pressed
+from contact.solver.friction.room import BEHIND, GUESS, MOTION, SOFT, Room, friction_room
+from contact.solver.yielding.yields import Yielding, bears, gives_way, no_law, pressed
 
 MOST = 200  # Newton steps: a few do
 NEAR = 1e-11  # of the largest depth or gap: largest error of the depths
 FLAT = 1e-8  # of a bar's stiffness, or of 1/D: the least slope of F, where bars flow without hardening or a law is flat
+INDICES: Any = types.Array(types.int64, 1, "C")
 CLOSER, LONGER, SHORTEST = 0.9, 1.3, 1.0 / 32.0  # error to reach; growth of the fraction of a step; least fraction
 
 
@@ -47,7 +52,6 @@ def alone(c: Coats, y: Yielding, k: int, D: float, gap: float) -> tuple[float, f
     return 0.0, 0.0, 1.0 / D
 
 
-@jit
 def yielding_forces(c: Coats, y: Yielding, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
                     count: int, force: Array, depth: Array, start: AllSliding, room: Room) -> bool:  # fmt: skip
     """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) that satisfy both laws.
@@ -90,6 +94,17 @@ def yielding_forces(c: Coats, y: Yielding, tips: Indices, W: Array, b: Array, mu
             force[i] = trial[i] if part == 1.0 else force[i] + part * (trial[i] - force[i])
         affine(W, force, b, u, size)
     return False
+
+
+class YieldingForces(ByAddress):
+    """`yielding_forces` as a function address, so that loops of rigid contacts do not contain its code."""
+
+    kind: Any = types.boolean(
+        Bundle(no_coats()).kind, Bundle(no_law()).kind, INDICES, MATRIX, VECTOR, VECTOR, types.int64, types.int64,
+        VECTOR, VECTOR, function_type(AllSliding, AllSliding(used=False)), Bundle(friction_room(1, 1)).kind,
+    )  # fmt: skip
+    function = staticmethod(yielding_forces)
+    pipeline = VectorPipeline
 
 
 @jit

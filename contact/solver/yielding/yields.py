@@ -70,6 +70,16 @@ def yielding(law: ByDepth, values: Array, now: Array, before: Array) -> Yielding
     )
 
 
+def no_law() -> Yielding:
+    """Rigid contacts."""
+    none = np.zeros(0)
+    return yielding(ByDepth(_rigid, used=False), none, none, none)
+
+
+def _rigid(depth: float, rate: float, values: Array) -> tuple[float, float]:
+    raise AssertionError("a rigid surface has no force-depth law")
+
+
 @jit
 def gives_way(y: Yielding) -> bool:
     """Whether the contacts have a law."""
