@@ -210,7 +210,8 @@ def _spacing(runs: Sequence[SpeedRun]) -> str:
 def speeds_of(scene: Scene | HandPair) -> Array:
     """Speeds [turns/s] up to AROUND times the highest speed of a scene, in STEPS steps.
 
-    Speeds at which a run takes less than a turn, or a body is not known (`ModalBody.known_speeds`), are left out.
+    Left out are speeds at which a run takes less than a turn, at which a body is not known (`ModalBody.known_speeds`),
+    or at which the rim would be faster than `contact.io.plausible` allows, unless the scene itself is faster.
 
     Raises InputError for a pair, and for a scene that does not turn.
     """
@@ -228,6 +229,10 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     low, high = top * AROUND / STEPS, top * AROUND
     if scene.t_end is not None and low < 1.0 / scene.t_end < high:
         low = 1.0 / scene.t_end
+    if isinstance(what, RotatingRim | Rub):
+        from contact.io.plausible import fastest_hz  # pydantic is loaded when it is needed
+
+        high = min(high, max(top, fastest_hz(rub_of(what).casing.line_radius(0))))
     for body in () if rub_of(what) is None else rub_of(what).bodies:
         if body.known_speeds is not None:
             known = np.asarray(body.known_speeds) / (2.0 * math.pi)
@@ -248,7 +253,7 @@ def interactions(
         run. A rotor, alone or in its casing, is run at its critical speeds too; its poles are those without contact.
     speed_hz
         Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0. If left out, 200
-        speeds up to twice the highest speed of the scene, at which all bodies are known.
+        speeds up to twice the highest speed of the scene, at which all bodies are known, and 600 m/s of the rim.
     runs
         Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds.
     closed

@@ -26,7 +26,7 @@ def add_implausible(tables: StudyFile, structure: Shell | Solid | MeshShell | No
     """Report all impossible numbers that the file does not allow."""
     found = [*implausible(tables), *of_chart(tables), *of_parameters(tables), *of_structure(structure)]
     if tables.rotation is not None and structure is not None and structure.rotation is not None:
-        if text := speed_fault(tables.rotation.speed_hz, reach(structure), CHECKS["speed"]):
+        if text := speed_fault(tables.rotation.speed_hz, reach(structure)):
             found.append(Implausible("rotation.speed_hz", "speed", text))
     allow = [*tables.checks.allow, *(UNITLESS if unitless(tables) else ())]
     problems.extend(with_code("study-implausible", f"{problems.file}: {line}") for line in refused(found, allow))

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from contact.io.plausible import CHECKS, FROM_ZERO, REACH, SCANNED, CheckName
+from contact.io.plausible import CHECKS, FROM_ZERO, REACH, CheckName
 from contact.io.tables import NotNegative, Positive
 from contact.model.law import Law, Penalty, Unilateral
 from contact.model.laws.augmented import AugmentedLagrangian
@@ -40,7 +40,6 @@ Deviation = Annotated[FiniteFloat, CHECKS["roundness"]]
 TurnsPerSecond = Annotated[FiniteFloat, CHECKS["speed"]]
 MOST_RPM = 600_000.0  # the smallest turbochargers turn half as fast
 Rpm = Annotated[FiniteFloat, Field(ge=-MOST_RPM, le=MOST_RPM)]
-ScannedSpeed = Annotated[FiniteFloat, SCANNED]
 Frequency = Annotated[Positive, CHECKS["frequency"]]
 Mass = Annotated[Positive, CHECKS["mass"]]
 Stiffness = Annotated[Positive, CHECKS["stiffness"]]
@@ -132,8 +131,8 @@ class RunHead(Table):
 class ScanTable(Table):
     """First and last speed [Hz] and number of speeds for `casingfem stability` and `interactions`."""
 
-    from_hz: ScannedSpeed = Field(description="first speed [turns/s]")
-    to_hz: ScannedSpeed = Field(description="last speed [turns/s]")
+    from_hz: TurnsPerSecond = Field(description="first speed [turns/s]")
+    to_hz: TurnsPerSecond = Field(description="last speed [turns/s]")
     steps: Annotated[int, Field(ge=2, le=1_000_000)] = Field(default=401, description="number of speeds")
 
     @model_validator(mode="after")

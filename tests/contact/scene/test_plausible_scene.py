@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import contact as ct
@@ -114,3 +115,14 @@ def test_the_page_of_limits_lists_every_check_that_a_scene_may_allow(tmp_path):
     bounds = {"friction": "| 0 | 2 |", "lean": "| -75 | 75 |"}
     for name, between in bounds.items():
         assert re.search(rf"^\| {name} \| [^|]+ {re.escape(between)}", page, re.MULTILINE)
+
+
+def test_interactions_examine_no_rim_faster_than_a_run_may_be(tmp_path):
+    limit = 600.0 / (2.0 * np.pi * ring().line_radius(0))
+    for speed in (f"hz = {1.01 * limit}", f"hz = 80.0\nscan = {{from_hz = 1.0, to_hz = {1.01 * limit}}}"):
+        assert "expected at most 600 m/s" in refused(tmp_path, RIM.replace("hz = 80.0", speed))
+    scene = tmp_path / "scene.toml"
+    scene.write_text(RIM.replace("hz = 80.0", f"hz = {0.8 * limit}"))
+    assert ct.scene.load_interactions(scene).speed_hz[-1] == pytest.approx(limit)
+    scene.write_text(RIM.replace("hz = 80.0", f"hz = {1.5 * limit}") + '[checks]\nallow = ["speed"]\n')
+    assert ct.scene.load_interactions(scene).speed_hz[-1] == pytest.approx(1.5 * limit)
