@@ -80,20 +80,19 @@ def loaded(pair: HandPair) -> Loaded:
 def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
     """All coincidences of casing waves with blade modes, ascending, for the senses of rotation of these speeds [Hz].
 
-    They are sought up to `REACH` times the fastest speed, with the frequencies of both at each speed, and only between
-    the speeds at which the matrices of all bodies are known (`ClosedContact.known_speeds`). With several contacts, a
-    wave and a mode coincide only if their motions at the contacts are similar: |sum of products| above `ALIKE` of its
-    largest possible value. So a wave of n diameters coincides only with a tuned disk's modes of n
-    diameters. The poles decide whether the motion grows there.
+    They are sought up to `REACH` times the fastest speed, with the frequencies of both at each speed. Contact moves a
+    coincidence, so those at speeds for which the matrices of a body are not known (`ClosedContact.known_speeds`) are
+    sought too, with the matrices of the nearest known speed. With several contacts, a wave and a mode coincide only if
+    their motions at the contacts are similar: |sum of products| above `ALIKE` of its largest possible value. So a wave
+    of n diameters coincides only with a tuned disk's modes of n diameters. The poles decide whether the motion grows
+    there.
     """
     seen = waves_of(contact)
-    low, high = contact.known_speeds
-    high = min(high, REACH * 2.0 * math.pi * float(np.abs(speed_hz).max()))
-    found = []
+    top, found = REACH * 2.0 * math.pi * float(np.abs(speed_hz).max()), []
     for sense in (1.0, -1.0):
         if not np.any(np.sign(speed_hz) == sense):
             continue
-        crossings = _crossings(seen, sense, low, high) if low < high else []
+        crossings = _crossings(seen, sense, top)
         speed = np.array([crossing[0] for crossing in crossings])
         free, below, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0, 1.0 - STEP, 1.0 + STEP))
         for k, (at, wave, mode) in enumerate(crossings):
@@ -104,9 +103,9 @@ def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, 
     return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
-def _crossings(seen: Waves, sense: float, lowest: float, top: float) -> list[tuple[float, int, int]]:
-    """(speed [rad/s], wave, mode) where a wave has a mode's frequency in the blade's frame, from `lowest` to `top`."""
-    at = sense * np.linspace(lowest, top, LOOKS)
+def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, int]]:
+    """(speed [rad/s], wave, mode) where a wave has a mode's frequency in the blade's frame, up to `top` [rad/s]."""
+    at = sense * np.linspace(0.0, top, LOOKS)
     free = seen.poles(at, sense)
     if free is None:
         return []

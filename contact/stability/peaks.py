@@ -124,7 +124,11 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
 
 
 def growth_map(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
-    """Growth over ascending speeds [turns/s], with additional speeds close to each coincidence."""
+    """Growth over ascending speeds [turns/s], with additional speeds close to each coincidence.
+
+    Raises InputError at speeds for which the matrices of a body are not known.
+    """
+    contact.require_known(2.0 * math.pi * speed_hz)
     seeds = close_speeds(coincidences(contact, speed_hz))
     return scan(lambda at: growth(contact, at), speed_hz, floor=floor_of(contact), seeds=seeds)
 

@@ -73,7 +73,10 @@ class Waves:
         )
 
     def poles(self, speed: Array, sense: float) -> FreePoles | None:
-        """Poles at speeds [rad/s] of one sense of rotation; None if two of them coincide."""
+        """Poles at speeds [rad/s] of one sense of rotation; None if two of them coincide.
+
+        At speeds for which the matrices of a body are not known, those of the nearest known speed are used.
+        """
         contact, m, r = self.contact, self.order.size, len(self.contact.Q)
         first = np.concatenate([[0], 2 * np.cumsum([group.size for group in self.groups])]).astype(int)
         s = np.empty((speed.size, 2 * m), dtype=complex)
@@ -81,7 +84,7 @@ class Waves:
         order, sign, casing = np.empty(2 * m), np.empty(2 * m), np.empty(2 * m, dtype=bool)
         rows, pushes = contact.Q @ self.U, self.U.conj().T @ contact.pushes(sense).T
         C, K = self.parts
-        odd, even = powers(speed, len(C), len(K))
+        odd, even = powers(sense * np.clip(np.abs(speed), *contact.known_speeds), len(C), len(K))
         for size in sorted({group.size for group in self.groups}):
             same = [i for i, group in enumerate(self.groups) if group.size == size]
             at = np.array([self.groups[i] for i in same])  # (groups, size)
