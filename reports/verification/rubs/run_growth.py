@@ -44,7 +44,7 @@ from casingfem.io.arrays import FloatArray
 from contact.record.record import prime_stride
 from contact.speed_runs import LONGEST as REPEATED
 from contact.speed_verdict import may_change, times_longer
-from reports.tables import Row, command_line, show, write
+from reports.tables import Row, command_line, show, text, write
 
 KINDS = ("rim", "rub", "disk")
 RADIUS, WALL = 0.25, 4e-3
@@ -59,6 +59,7 @@ COPIES, MOVED = 3, 1e-9
 SOME = 100  # states of a rate
 AFTER = 0.25  # of the short run: time for which a motion that escapes later keeps its level
 STATES = ("grows", "passed", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
+EACH = ("seed", "kind", "verdict", "long run", "sign agrees", "off", "why")  # printed after each draw
 
 
 def ring(rng: np.random.Generator) -> ct.ModalBody:
@@ -300,9 +301,12 @@ def compared(seed: int) -> Row:
 def main(out: Path, quick: bool = False, count: int = 200, first: int = 0, fresh: int = 1100) -> list[Row]:
     """Print the verdicts that differ and how many agree, by set and kind; write a row for each draw."""
     size = min(count, 6) if quick else count
-    sets = {begin: [compared(seed) for seed in range(begin, begin + size)] for begin in (first, fresh)}
-    rows = [row for part in sets.values() for row in part]
-    write(out / "run_growth.csv", rows)
+    rows: list[Row] = []
+    for seed in (begin + k for begin in (first, fresh) for k in range(size)):
+        rows.append(compared(seed))
+        print(*(f"{name} {text(rows[-1][name])}" for name in EACH), sep=", ", flush=True)
+        write(out / "run_growth.csv", rows)
+    sets = {first: rows[:size], fresh: rows[size:]}
     different = [row for row in rows if not row["agrees"]]
     shown = ("seed", "kind", "mu", "planned s", "verdict", "long run", "folds", "growth 1/s", "low", "high", "since s",
              "end s", "closed", "sign agrees", "why")  # fmt: skip
