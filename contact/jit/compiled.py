@@ -282,7 +282,7 @@ class ByAddress(protocol):  # type: ignore[misc]
 
     kind: Any
     function: Callable[..., Any]
-    pipeline: type[SealedPipeline] = SealedPipeline
+    pipeline: Any = SealedPipeline
 
     def __init__(self, *, used: bool) -> None:
         self.used = used
@@ -301,7 +301,7 @@ class ByAddress(protocol):  # type: ignore[misc]
 
 
 @cache
-def address_of(function: Callable[..., Any], kind: Any, pipeline: type[SealedPipeline]) -> int:
+def address_of(function: Callable[..., Any], kind: Any, pipeline: Any) -> int:
     """Compile a function that is called by its address."""
     made: Any = CFunction(function, normalized(kind), {}, BY_ADDRESS, pipeline_class=pipeline)
     made._cache = MachineCode(function)
