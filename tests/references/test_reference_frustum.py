@@ -121,16 +121,16 @@ def test_kirchhoff_love_limit(frustum, table):
 
 @pytest.mark.slow
 def test_thin_walls_do_not_lock(frustum):
-    """R/t = 10,000 on order 8, 4 rows, against a graded mesh of order 12, 12 rows: within 2e-4.
+    """R/t = 10,000 on order 8, 4 rows, against a graded mesh of order 12, 6 rows: within 2e-4.
 
     With as many nodes, order 2 is off by 5e-3.
     """
-    edges = sorted({*np.linspace(0, 0.1, 5), *np.linspace(0.1, 0.9, 5), *np.linspace(0.9, 1, 5)})
+    edges = (0.0, 0.05, 0.1, 0.5, 0.9, 0.95, 1.0)  # 12 rows change 4e-7
 
     def frequencies(mesh):
         return cf.modes(frustum(thickness=5e-5, mesh=mesh), 6, method="fourier").freq
 
-    fine = frequencies(cf.ShellMesh(order=12, rows=tuple(edges), around=1))
+    fine = frequencies(cf.ShellMesh(order=12, rows=edges, around=1))
     high = np.abs(frequencies(cf.ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()
     low = np.abs(frequencies(cf.ShellMesh(order=2, rows=16, around=1)) / fine - 1).max()
     assert high < 3e-4

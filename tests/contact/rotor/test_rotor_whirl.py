@@ -89,6 +89,24 @@ def test_a_simply_supported_timoshenko_beam_has_its_exact_frequencies():
         np.testing.assert_allclose(found[2 * n - 2 : 2 * n], exact, rtol=5e-5)
 
 
+def test_a_rigid_tilt_of_a_stepped_shaft_has_the_inertia_of_its_cylinders_and_turns_by_their_polar_moment():
+    """rho (A z^2 + I) along the shaft, and 2 rho I between the planes, however few the elements."""
+    pieces = [R.Piece(length=0.1, diameter=0.06, elements=1), R.Piece(length=0.3, diameter=0.03, elements=2)]
+    shaft = R.Shaft(pieces=pieces, bearings=[R.Bearing(at=0.0, kxx=1e7)])
+    found, z = shaft.matrices(), shaft.nodes - 0.17
+    one, other = (
+        np.array([{way: z[node - 1], turn: sense}.get(d, 0.0) for node, d in found.dofs])
+        for way, turn, sense in (("x", "ry", 1.0), ("y", "rx", -1.0))
+    )
+    diametral = sum(p.rho * (p.area * (b**3 - a**3) / 3.0 + p.inertia * (b - a))
+                    for p, a, b in zip(pieces, (-0.17, -0.07), (-0.07, 0.23), strict=True))  # fmt: skip
+    polar = sum(2.0 * p.rho * p.inertia * p.length for p in pieces)
+    for tilt in (one, other):
+        assert tilt @ found.M @ tilt == pytest.approx(diametral, rel=1e-12)
+    assert one @ found.G @ other == pytest.approx(polar, rel=1e-12)
+    assert other @ found.G @ one == pytest.approx(-polar, rel=1e-12)
+
+
 def test_critical_speeds_are_where_the_whirl_frequency_is_the_speed():
     rotor = R.Rotor.of(overhung(), 0.0)
     critical = R.critical_speeds(rotor)
