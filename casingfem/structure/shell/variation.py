@@ -4,6 +4,7 @@ Equal bolts at N angles split n nodal diameters only if N divides 2n. If the ele
 each bolt has another position in its element and another numerical stiffness. Then the mesh also splits other pairs.
 """
 
+from collections.abc import Mapping
 from itertools import chain, pairwise
 
 import numpy as np
@@ -18,7 +19,7 @@ from casingfem.structure.field.random import typical
 from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.geometry.lengths import Lengths, chart_lengths
 from casingfem.structure.geometry.revolved import chart_lines
-from casingfem.structure.geometry.strip import breaks_between
+from casingfem.structure.geometry.strip import ON_LINE, breaks_between
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.element import gauss, lagrange
 from casingfem.structure.mesh.shell_mesh import ShellMesh
@@ -66,6 +67,11 @@ def finest_harmonic(shell: ShellParts, defect: Field) -> int:
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
 
+# longest rows in bending lengths sqrt(R t), at most so many in an interval (`reports.verification.modes.locking`);
+# corners, steps and stiffeners bend the wall more than the ends of a plain casing do: between their lines, rows of 5.8
+# leave errors of 3e-4, rows of 4.5 of 2e-5 (`tests/casingfem/modal/test_bolted.py`)
+PLAIN, LINED, ROWS = 7.0, 5.0, 4
+LAYER = 2.5  # width of the row for a shear layer, in thicknesses
 MANY = 30  # stretches between the ends of strips: more of them are too short for polynomials of high order
 
 
@@ -80,14 +86,13 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     bolts it is a multiple of theirs, which preserves symmetric pairs, at 8 nodes a wave if nothing else varies.
 
     Along the meridian the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide,
-    gets a separate row. The rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and
-    stiffeners put an element line at each of their ends or places, and each interval between them is divided
-    separately. If there are many, the order is reduced.
+    gets a separate row, as on both sides of a stiffener. The rest is divided by the bending length sqrt(R t). Strips,
+    the pieces of a meridian and stiffeners put an element line at each of their ends or places, and each interval
+    between them is divided separately, more finely than a plain casing. If there are many, the order is reduced.
 
     Lengths are those of the surface in metres, independent of the chart's parameters. If the second parameter is not
     proportional to length, the number of elements increases by the ratio of the longest to the mean element.
     """
-    (a0, a1), _ = np.real(shell.chart.bounds)
     t, lengths = shell.thinnest, chart_lengths(shell.chart)
     length = lengths.along
     if not shell.chart.periodic:
@@ -115,11 +120,29 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = whole
     if bolted:
         around = following(around, int(np.lcm.reduce(list(bolted.values()))))
-    held = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
-    at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
-    layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
-    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.verification.modes.locking
-    return ShellMesh(order=order, rows=divided(shell, lengths, longest, (layers[0], layers[1])), around=around)
+    longest = (LINED if stretches > 1 else PLAIN) * np.sqrt(radius * t) / length
+    breaks = divided(shell, lengths, longest, shear_layers(shell, length), most=ROWS)
+    return ShellMesh(order=order, rows=breaks, around=around)
+
+
+def shear_layers(shell: ShellParts, length: float) -> dict[float, float]:
+    """Widths of the rows for shear layers, as parts of the length, by places from 0 to 1 of the first parameter.
+
+    A layer lies at an edge that no support fixes and on both sides of a stiffener.
+    """
+    (a0, a1), _ = np.real(shell.chart.bounds)
+    fixed = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
+    places = np.array([*(k for k in (0, 1) if (0, k) not in fixed), *((at - a0) / (a1 - a0) for at in stations(shell))])
+    thickness = np.real(shell.geometry(a0 + (a1 - a0) * places, np.zeros(len(places))).thickness)
+    return dict(zip(places.tolist(), np.clip(LAYER * thickness / length, 1e-3, 0.1).tolist(), strict=True))
+
+
+def stations(shell: ShellParts) -> list[float]:
+    """First parameters of the stiffeners."""
+    return [float(np.real(at)) for at in shell.stations.values()]
+
+
+EVEN: Mapping[float, float] = {}  # no layers
 
 
 def lines_of(shell: ShellParts) -> list[float]:
@@ -128,9 +151,13 @@ def lines_of(shell: ShellParts) -> list[float]:
 
 
 def divided(
-    shell: ShellParts, lengths: Lengths, longest: float, layers: tuple[float, float] = (0.0, 0.0)
+    shell: ShellParts,
+    lengths: Lengths,
+    longest: float,
+    layers: Mapping[float, float] = EVEN,
+    most: float = np.inf,
 ) -> tuple[float, ...]:
-    """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
+    """Breaks of the rows: rows for layers, and the rest of each interval in equal rows below `longest`, at most `most`.
 
     All are fractions of the chart's length in metres; breaks are fractions of its first parameter. A layer wider than
     half of its interval is omitted.
@@ -139,13 +166,18 @@ def divided(
     rows: set[float] = set()
     for start, end in pairwise(breaks):
         low, high = lengths.at(start), lengths.at(end)
-        first = layers[0] * (start == 0.0 and layers[0] < 0.5 * (high - low))
-        last = layers[1] * (end == 1.0 and layers[1] < 0.5 * (high - low))
-        count = max(1, int(np.ceil((high - low - first - last) / longest - 1e-9)))
+        first, last = (layer_at(layers, place, 0.5 * (high - low)) for place in (start, end))
+        count = int(np.clip(np.ceil((high - low - first - last) / longest - 1e-9), 1, most))
         inner = np.linspace(low + first, high - last, count + 1)
         inner = inner[(inner > low) & (inner < high)]
         rows |= {start, end, *lengths.part(inner).tolist()}
     return tuple(sorted(rows))
+
+
+def layer_at(layers: Mapping[float, float], place: float, below: float) -> float:
+    """Width of the layer at a place, 0 without one and if it is not below a limit."""
+    width = next((width for at, width in layers.items() if abs(at - place) < ON_LINE), 0.0)
+    return width if width < below else 0.0
 
 
 SEEN = 1e-7  # estimated splits below this are not worth a warning
