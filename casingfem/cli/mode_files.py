@@ -98,6 +98,8 @@ def print_wheel(
     count = asked.count if "count" in asked.model_fields_set else OF_A_DIAMETER
     if asked.band_hz is not None and (wheel.coriolis or wheel.deviations is not None):
         raise study.error("modes.band_hz", "a band of a mistuned or whirling wheel", "count, of each nodal diameter")
+    if asked.method != "auto":
+        raise study.error("modes.method", repr(asked.method), '"auto" for a wheel')
     with ProgressMessage(f"modes of {study.path.name}") as working:
         wanted = asked.wanted.get("band", count)
         found = cyclic_modes(wheel.sector, wanted, diameters=wheel.diameters)

@@ -203,9 +203,14 @@ def resolving(shell: Shell, n: int) -> Shell:
 
 
 def inertia_below(meridian: Meridian, sigma: float) -> int:
-    """Number of eigenvalues of one harmonic below sigma: the negative pivots of L D L^T (Sylvester)."""
+    """Number of eigenvalues of one harmonic below sigma."""
     root = 1.0 / np.sqrt(meridian.mass)
-    _, D, _ = ldl(root[:, None] * meridian.K * root - sigma * np.eye(len(root)))
+    return negative(root[:, None] * meridian.K * root - sigma * np.eye(len(root)))
+
+
+def negative(matrix: FloatArray) -> int:
+    """Number of negative eigenvalues of a symmetric matrix: the negative pivots of L D L^T (Sylvester)."""
+    _, D, _ = ldl(matrix)
     pivots = eigvalsh_tridiagonal(np.diag(D), np.diag(D, -1))
     return int(np.count_nonzero(pivots < 0.0))
 

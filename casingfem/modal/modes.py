@@ -16,6 +16,7 @@ from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
 from casingfem.linalg.memory import require_affordable
+from casingfem.modal.bolted import bolted_modes, require_bolts_alone
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import MeshModes, mesh_modes, require_stable
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
@@ -32,6 +33,7 @@ from casingfem.structure.shell.variation import outer_supports
 
 __all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 
+METHODS = ("auto", "shell", "fourier", "bolts")
 COUNT = 40
 HIGHEST = 1e15  # Hz: beyond, its square leaves the range of what is counted
 FINEST = 0.015  # share of the finest polynomials in a shape beyond which it is not resolved
@@ -82,8 +84,10 @@ def modes(
     band
         Lower and upper frequency [Hz], instead of a count. A mode on an end belongs to it, as does its double.
     method
-        "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings. "auto":
-        "fourier" if nothing varies around, else "shell". Imported structures allow only "auto".
+        "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings. "bolts": the
+        same problems coupled by the bolts, if nothing else varies around: quicker than "shell" and converged around the
+        edge, but other tasks (`reduce`, updates, `eigen_derivatives`) use the two-dimensional model. "auto": "fourier"
+        if nothing varies around, else "shell". Imported structures allow only "auto".
     system
         The assembled structure, if it exists already.
     direct
@@ -115,17 +119,19 @@ def modes(
     if not isinstance(shell, Shell):
         require_structure(shell, "modes")
         if method != "auto":
-            raise ValueError(f'method must be "auto" for an imported structure, found {method!r}')
+            raise ModelError("modes-method", f'method: found {method!r}, expected "auto" for an imported structure')
         return mesh_modes(shell, wanted, system=system if isinstance(system, MeshSystem) else None, direct=direct)
-    if method not in ("auto", "shell", "fourier"):
-        raise ModelError("modes-method", f'method must be "auto", "shell" or "fourier", found {method!r}')
+    if method not in METHODS:
+        raise ModelError("modes-method", f"method: found {method!r}, expected one of {', '.join(METHODS)}")
     warn_of(shell)
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
-        mesh = shell.mesh
-        nodes = mesh.order * mesh.around * (mesh.order * (len(mesh.breaks) - 1) + 1)
-        require_affordable(plate_count(shell, wanted), DOFS * nodes)
+        require_affordable(plate_count(shell, wanted), DOFS * nodes_of(shell))
         found_by_n = fourier_modes(shell, wanted) if isinstance(wanted, int) else fourier_band(shell, wanted)
         return checked_resolution(found_by_n, around=False)
+    if method == "bolts":
+        require_bolts_alone(shell)
+        require_affordable(plate_count(shell, wanted), DOFS * nodes_of(shell))
+        return checked_resolution(bolted_modes(shell, wanted), around=False)
     started = time.perf_counter()
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
@@ -165,6 +171,12 @@ def count_or_band(count: int | None, band: Band | None) -> int | Band:
     if count is not None and count < 1:
         raise ModelError("modes-count", f"count must be at least 1, found {count}")
     return band or count or COUNT
+
+
+def nodes_of(shell: Shell) -> int:
+    """Number of nodes of the mesh of a closed casing."""
+    mesh = shell.mesh
+    return mesh.order * mesh.around * (mesh.order * (len(mesh.breaks) - 1) + 1)
 
 
 def plate_count(shell: Shell, wanted: int | Band) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from scipy.special import spherical_jn
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, read_only
@@ -218,6 +219,25 @@ class Bolts:
         xi = 2.0 * (places - self.angles[bolt, None]) / self.patch
         weights = size[:, None] * w * 1.875 / self.patch * (1.0 - xi**2) ** 2
         return places.ravel(), weights.ravel(), np.repeat(bolt, per_part)
+
+    def spectrum(self, orders: Array) -> Array:
+        """Fourier coefficients of all patches with their factors, int p e^(i k theta) dtheta for each order k.
+
+        One patch has e^(i k theta_b) 15 j_2(x)/x^2 with x = k width/2 and the spherical Bessel function j_2.
+
+        >>> Bolts(count=4, k=1e8, loose={1: 0.0}).spectrum(np.array([0, 1, 4])).real.round(3).tolist()
+        [3.0, -0.995, 2.772]
+        """
+        x = 0.5 * self.patch * np.asarray(orders, dtype=float)
+        far = np.maximum(x, 1e-2)
+        one = np.where(x > 1e-2, 15.0 * spherical_jn(2, far) / far**2, 1.0 - x**2 / 14.0)
+        return np.asarray(one * (np.exp(1j * np.outer(orders, self.angles)) @ self.factors))
+
+    def single(self, line: EdgeLine) -> PointSprings:
+        """One tight bolt as springs at the place 0 of an edge."""
+        nodes, values = line.interpolate(np.zeros(1))
+        blocks = along_springs(self.stiffness[:, None], line.frame(np.zeros(1)).directions)
+        return PointSprings(nodes, values, blocks, rotation=np.full(1, self.k_rot))
 
     def springs(self, line: EdgeLine) -> PointSprings:
         """The patches of springs on an edge, exact for the element's polynomials on any mesh."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array, IntArray
+from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.curved_beam import (
     MOTIONS,
     beam_strain,
@@ -18,6 +19,7 @@ from casingfem.structure.edge.curved_beam import (
     tie,
 )
 from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import outer_support
 from casingfem.structure.mesh.edge_form import (
     EdgeForm,
     EdgeLine,
@@ -81,6 +83,19 @@ def support_form(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntA
     B = np.einsum("qm,qmik->qimk", springs.values, G[at]).reshape(len(at), MOTIONS, -1)
     dofs = node_dofs(grid, name, own)[at].reshape(len(at), -1)
     return EdgeForm(dofs=dofs, B=B, D=support_stiffness(springs, np.einsum("qm,qmi->qi", springs.values, radial[at])))
+
+
+def bolt_stiffness(shell: ShellParts, name: str) -> Array:
+    """Stiffness of one bolt of an edge on u_r, u_theta, u_z, w_1, w_2 (5, 5), with a ring also on its turn (6, 6)."""
+    z, start = np.array([shell.line_at(name)]), np.zeros(1)
+    line, support = single_place(line_frame(shell, 1, z, start)), shell.supports[name]
+    bolts = outer_support(support)
+    assert isinstance(bolts, Bolts)
+    springs = bolts.single(line)
+    if not isinstance(support, Ring):
+        return np.asarray(spring_form(springs).D[0])
+    foot, _, radial = ties(shell, z, start, support.support_point(outward(shell, name)))
+    return np.asarray(foot[0].T @ support_stiffness(springs, radial)[0] @ foot[0])
 
 
 def on_ring(line: EdgeLine, ring: Ring) -> EdgeLine:

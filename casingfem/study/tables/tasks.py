@@ -24,10 +24,11 @@ REQUIRED = ("material", "chart", "shell")
 
 
 class Wanted(TypedDict, total=False):
-    """Count or band [Hz], the arguments of `modes`."""
+    """Count or band [Hz] and method, the arguments of `modes`."""
 
     count: int
     band: tuple[float, float]
+    method: str
 
 
 class ModesTable(Table):
@@ -41,6 +42,11 @@ class ModesTable(Table):
         description="band [from, to] of which all modes are computed [Hz], instead of count",
     )
     elastic_only: bool = Field(default=False, description="whether rigid-body modes are an error")
+    method: Literal["auto", "shell", "fourier", "bolts"] = Field(
+        default="auto",
+        description="the model: shell (two-dimensional), fourier (one harmonic around at a time, perfect casings), "
+        "bolts (harmonics coupled by the bolts, if nothing else varies around); auto takes fourier or shell",
+    )
 
     @model_validator(mode="after")
     def _count_or_band(self) -> "ModesTable":
@@ -52,8 +58,10 @@ class ModesTable(Table):
 
     @property
     def wanted(self) -> Wanted:
-        """Arguments for `modes`: count or band."""
-        return {"count": self.count} if self.band_hz is None else {"band": (self.band_hz[0], self.band_hz[1])}
+        """Arguments for `modes`: count or band, and the method."""
+        if self.band_hz is None:
+            return {"count": self.count, "method": self.method}
+        return {"band": (self.band_hz[0], self.band_hz[1]), "method": self.method}
 
 
 @table_of(Parameter)

@@ -204,7 +204,7 @@ LEFT_OUT = {
         "k_r": None, "k_theta": None, "k_z": None, "k_rot": 0.0, "first_angle_deg": 0.0, "width_deg": None,
         "width_m": None, "spacing_deg": None, "loose": [],
     },
-    ModesTable: {"count": 40, "band_hz": None, "elastic_only": False},
+    ModesTable: {"count": 40, "band_hz": None, "elastic_only": False, "method": "auto"},
     ParameterTable: {"sigma": None, "log": False, "start": None},
     UpdateTable: {
         "sigma": None, "outliers": "set-aside", "reach": 0.5, "count": None, "model_error": 0.0, "shape_sigma": None,
