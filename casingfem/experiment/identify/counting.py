@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtri
 
-from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, refined, tried, widths
+from casingfem.experiment.identify.pole_fit import PoleFit, Window, finished, fit_poles, refined, tried, widths
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 
@@ -46,8 +46,8 @@ def counted(
     return fit
 
 
-def outer_terms(fit: PoleFit, rules: Thresholds = USUAL) -> int:
-    """Number of polynomials that the residual of a fit needs.
+def outer_terms(window: Window, poles: Array, rules: Thresholds = USUAL) -> int:
+    """Number of polynomials that the residual of some poles [rad/s] needs.
 
     One more is added while the decrease of the sum of squares would justify a pole. Modes just outside a wide window
     leave a smooth residual, which would move the poles inside.
@@ -59,19 +59,18 @@ def outer_terms(fit: PoleFit, rules: Thresholds = USUAL) -> int:
     >>> Y = (1.0 / (2j * np.pi * lines[:, None] - poles)) @ np.array([[900.0, 500.0], [9000.0, 7000.0]])
     >>> Y = Y + rng.normal(size=Y.shape) + 1j * rng.normal(size=Y.shape)
     >>> window = Window(freq=lines, Y=Y, along=np.ones(len(lines)))
-    >>> outer_terms(fit_poles(window, poles[:1]))
+    >>> outer_terms(window, fit_poles(window, poles[:1]).poles)
     4
     """
-    needed = asked(fit.window.Y.shape[1], rules)
-    while fit.window.terms < rules.terms_most:
-        more = replace(fit.window, terms=fit.window.terms + 1)
-        if fit.squares - refined(more, fit.poles, 0).squares < needed:
+    needed, squares = asked(window.Y.shape[1], rules), refined(window, poles, 0).squares
+    while window.terms < rules.terms_most:
+        more = replace(window, terms=window.terms + 1)
+        at = refined(more, poles, 0)
+        fall = squares - at.squares
+        if fall < needed or fall < needed * float(finished(more, at).noise.max(initial=1.0)):
             break
-        wider = fit_poles(more, fit.poles, steps=0)
-        if fit.squares - wider.squares < needed * float(wider.noise.max(initial=1.0)):
-            break
-        fit = wider
-    return fit.window.terms
+        window, squares = more, at.squares
+    return window.terms
 
 
 def worth(fit: PoleFit, rules: Thresholds = USUAL) -> FloatArray:

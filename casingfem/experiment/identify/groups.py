@@ -207,11 +207,11 @@ def fitted_group(
     start = modes.poles[group]
     if more is None:
         if known is None or known.window.terms > small.terms:
-            small = replace(small, terms=outer_terms(fit_poles(small, start, steps=0), rules))
+            small = replace(small, terms=outer_terms(small, start, rules))
         fit = fit_poles(small, start)
     else:
         fit = counted(small, start, here, more, rules)
-        small = replace(small, terms=outer_terms(fit, rules))
+        small = replace(small, terms=outer_terms(fit.window, fit.poles, rules))
         if small.terms > fit.window.terms:
             fit = fit_poles(small, fit.poles)
     return fit if few is whole.Y else fit_poles(replace(whole, terms=small.terms), fit.poles, steps=0)
@@ -320,20 +320,21 @@ def _leaks(parts: list[SetUp], rules: Thresholds) -> bool:
     Up to eight groups of each set-up are fitted with and without the window. The window is accepted if it lowers the
     sum of squares of more than half of the groups, and if the total decrease is more than one pole would have to give.
     """
-    falls: list[float] = []
+    tested, falls = list[tuple[Responses, Modal, IntArray]](), list[float]()
     for part in parts:
         data, modes = part.data, part.modes
         if np.isfinite(data.end):
             return False
         strength = np.sum(np.abs(modes.A) ** 2, axis=1)
         ranked = sorted(groups(modes.poles, data.step, rules), key=lambda g: -float(strength[g].max()))
-        for group in ranked[:8]:
-            lines, rest = _alone(data, modes, group, rules)
-            Y, line = compressed(rest), float(data.freq[1] - data.freq[0])
-            plain, wide = (
-                fit_poles(_window(data._replace(leak=leak), lines, Y, rules), modes.poles[group])
-                for leak in (0.0, line)
-            )
-            falls.append((plain.squares - wide.squares) / float(max(plain.noise.max(), wide.noise.max())))
-    least = asked(max((len(part.channels) for part in parts), default=1), rules)
-    return sum(falls) > least and sum(fall > 0.0 for fall in falls) > 0.5 * len(falls)
+        tested += [(data, modes, group) for group in ranked[:8]]
+    for data, modes, group in tested:
+        lines, rest = _alone(data, modes, group, rules)
+        Y, line = compressed(rest), float(data.freq[1] - data.freq[0])
+        plain, wide = (
+            fit_poles(_window(data._replace(leak=leak), lines, Y, rules), modes.poles[group]) for leak in (0.0, line)
+        )
+        falls.append((plain.squares - wide.squares) / float(max(plain.noise.max(), wide.noise.max())))
+        if 2 * sum(fall <= 0.0 for fall in falls) >= len(tested):
+            return False
+    return sum(falls) > asked(max((len(part.channels) for part in parts), default=1), rules)
