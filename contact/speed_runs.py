@@ -84,11 +84,9 @@ def _judged(
 ) -> list[SpeedRun]:  # fmt: skip
     """Scenes at constant speeds, with the verdict of each; runs that do not decide go on to `longest` times t_end.
 
-    Every motion that does not grow counts as a resonance until all runs are known. A run that grows is replaced only if
-    its continuation decides that the motion does not.
+    Every motion that does not grow counts as a resonance until all runs are known.
     """
-    found: dict[int, SpeedRun] = {}
-    most: dict[int, int] = {}
+    found: list[list[SpeedRun]] = [[] for _ in scenes]  # verdicts of each scene, from its shortest run on
     ended = 0
 
     def whole(done: float) -> tuple[str, float]:
@@ -100,20 +98,29 @@ def _judged(
         tell("", 0.0)
 
     def longer(i: int, outcome: Outcome) -> int:
-        what = scenes[i].what
-        run = judged(what, outcome, float(speed_hz[i]), float(poles[i]), exact)
-        decides = run.verdict in ("safe", "resonance")
-        if i not in found or decides or (run.seconds > 0.0 and found[i].verdict != "unstable"):
-            found[i] = run
+        run = judged(scenes[i].what, outcome, float(speed_hz[i]), float(poles[i]), exact)
+        found[i].append(run)
         if not (run.may_change and isinstance(outcome, Result)):
             return 0
-        count = times_longer(outcome) * outcome.steps
-        return count if count <= most.setdefault(i, longest * outcome.steps) else 0
+        times = times_longer(outcome)
+        return times * outcome.steps if times * run.seconds <= longest * found[i][0].seconds else 0
 
     with as_part(whole):
         tell("", 0.0)
         run_many(scenes, record=_record, ended=note, longer=longer)
-    return [found[i] for i in range(len(scenes))]
+    return [_settled(runs) for runs in found]
+
+
+def _settled(runs: Sequence[SpeedRun]) -> SpeedRun:
+    """Verdict of one motion from runs of increasing length.
+
+    The longest run decides. A growth remains unless a longer run decides that the motion does not grow.
+    """
+    last = runs[0]
+    for run in runs[1:]:
+        if run.verdict in ("safe", "resonance") or (run.seconds > 0.0 and last.verdict != "unstable"):
+            last = run
+    return last
 
 
 def _record(steps: int) -> Record:
