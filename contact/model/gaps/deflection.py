@@ -20,6 +20,7 @@ from contact.model.trig import harmonics
 
 PLACES = 32  # around the rim, per period of its highest harmonic
 ROWS = 4096  # states that are read together
+TOGETHER = 256  # motions whose values around the rim fit into the cache of a core
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -98,9 +99,15 @@ def around(moved: Array) -> Array:
     """
     N = moved.shape[-1] // 2
     waves = harmonics(N, places(moved.shape[-1])).T
-    there = np.abs(moved[..., : N + 1] @ waves[: N + 1])
-    there += np.abs(moved[..., N + 1 :] @ waves[N + 1 :])
-    return np.asarray(there.max(axis=-1))
+    every = moved.reshape(-1, moved.shape[-1])
+    found = np.empty(len(every))
+    for start in range(0, len(every), TOGETHER):
+        part = every[start : start + TOGETHER]
+        there, other = part[:, : N + 1] @ waves[: N + 1], part[:, N + 1 :] @ waves[N + 1 :]
+        np.abs(there, out=there)
+        there += np.abs(other, out=other)
+        found[start : start + TOGETHER] = there.max(axis=1)
+    return found.reshape(moved.shape[:-1])
 
 
 def deflection(rub: Rub, time: Array, q: Array, forces: Array) -> Array:
