@@ -10,13 +10,13 @@ HEAD = """# Error against run time
 Made by `.venv/bin/python docs/work_precision.py` from [a table](work_precision_winners.csv) that `python -m
 reports.benchmarks.work_precision` computes. Six impacts of rods and masses have exact solutions. The rub is the blade
 of NASA rotor 37 before a steel cylinder for two turns, eight touches. Its errors are against an eighth of the shortest
-step. A ball with a coefficient of restitution has five impacts in 7 s and a closed form. A cantilever of five modes
+step. A ball with a coefficient of restitution has seven impacts in 7 s and a closed form. A cantilever of five modes
 meets its stop about ten times in 0.05 s; its errors are against the passage of the limit cycles.
 
 Every method runs on meshes of 25, 50, 100 and 200 elements a rod at Courant 0.5, and on 100 elements at Courant 0.1,
 0.25 and 0.9. Exact modal steps and event-driven runs have as many modes as a rod has elements. In the last three scenes
 the column "courant" has the step [s]. Run time is that of the step loop on one core,
-the least of 2 to 12 runs; 20 other processes shared the machine.
+the least of 4 to 24 runs; 15 other processes shared the machine. The rub was timed on another day, with less load.
 
 ## Which method is quickest within an error
 
@@ -30,8 +30,8 @@ TAIL = """
   force rings.
 - Repeated impacts of a bar: no method has the force within 3 % over six impacts, because the error of a rebound shifts
   the next one. The massless boundary and exact modal steps reach 10 %.
-- Repeated impacts of a few modes, or of a mass with a coefficient of restitution: to 1 % take time steps. Below 0.01 %
-  take event-driven runs. Their error is that of double precision, and no step of the other methods reaches it.
+- Repeated impacts of a few modes, or of a mass with a coefficient of restitution: to 1 % take time steps. For 0.01 %
+  or less take event-driven runs. Their error is that of double precision, and no step of the other methods reaches it.
 - Event-driven runs of rods: the force rings, because the massless end vibrates on the residual compliance and no step
   damps it. Its L1 error is 15 to 83 %. The impulse converges as the number of modes grows.
 - Rods of unequal length: CD-Lagrange and Paoli-Schatzman on elements reach 3 % before modes do.
