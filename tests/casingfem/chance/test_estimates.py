@@ -42,6 +42,15 @@ def points_of_seeds():
     return [cf.chance.points(seed, range(512), 1)[:, 0] for seed in range(100)]
 
 
+def test_a_rare_event_that_some_sequences_meet_once_has_the_interval_of_independent_draws():
+    """5 of 16 sequences have one of 512 draws each: the rule of even sequences would end at 0.018, not at 0.022."""
+    hit = np.zeros(512, dtype=bool)
+    hit[:5] = True
+    found = cf.chance.probability(hit)
+    assert found.value == pytest.approx(5.0 / 512.0)
+    assert found.high == pytest.approx(0.0226, rel=0.06)
+
+
 @pytest.mark.parametrize("limit", [0.5, 0.507])
 def test_an_interval_is_narrow_and_right_where_sequences_have_nearly_the_same_number_of_hits(limit):
     """Half of each sequence is below 0.5: 256 of 512 draws, where independent draws leave +-0.044."""
