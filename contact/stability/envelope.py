@@ -94,6 +94,8 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
 
     >>> window_bounds(320, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(320, 1e-3, 1e-3, 0.016)[:3].tolist()
     ([0, 10, 20], [0, 16, 32])
+    >>> window_bounds(320, 1e-3, 1e-3, 0.004)[:3].tolist()  # three revolutions; 8 times at the start are left out
+    [8, 20, 32]
     >>> window_bounds(320, 1e-3, 1e-3, 1e300)[:3].tolist()  # hardly turns
     [0, 10, 20]
     """

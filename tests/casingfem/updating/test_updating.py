@@ -1,6 +1,7 @@
 """Updating: twins with and without noise, bounds, priors, what the data do not determine, refusals."""
 
 import json
+from itertools import product
 
 import numpy as np
 import pytest
@@ -236,6 +237,8 @@ def test_result_shows_before_after_and_how(exact_fit):
         "mode", "n", "measured_hz", "sigma_hz", "confidence",
         "before_hz", "after_hz", "error_before_rel", "error_after_rel",
     }  # fmt: skip
+    for pair, side in product(data["pairs"], ("before", "after")):
+        assert pair[f"error_{side}_rel"] == pytest.approx(pair[f"{side}_hz"] / pair["measured_hz"] - 1.0, abs=1e-15)
     assert data["iterations"] == len(fit.history)
     text = repr(fit).splitlines()
     assert text[0].split() == ["parameter", "unit", "start", "value", "sigma", "sigma", "in"]
