@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
@@ -330,7 +330,7 @@ def bolted_modes(shell: Shell, wanted: int | Band) -> Modes:
     Raises
     ------
     NumericsError
-        If the inertia at one shift disagrees with what was found.
+        If the inertia at one shift disagrees with what was found, or round-off makes a stiffness indefinite.
 
     Examples
     --------
@@ -344,12 +344,17 @@ def bolted_modes(shell: Shell, wanted: int | Band) -> Modes:
     """
     started = time.perf_counter()
     band = None if isinstance(wanted, int) else wanted
-    harmonics, limit = harmonics_of(shell, wanted if isinstance(wanted, int) else 0, band)
     low = -np.inf
-    if band is not None:
-        low, limit = ((2.0 * np.pi * f) ** 2 * (1.0 + way * CLEAR) for f, way in zip(band, (-1.0, 1.0), strict=True))
-    low = low if band is None or band[0] > 0.0 else -np.inf
-    found = harmonics.shapes(limit)
+    try:
+        harmonics, limit = harmonics_of(shell, wanted if isinstance(wanted, int) else 0, band)
+        if band is not None:
+            ways = zip(band, (-1.0, 1.0), strict=True)
+            low, limit = ((2.0 * np.pi * f) ** 2 * (1.0 + way * CLEAR) for f, way in ways)
+        low = low if band is None or band[0] > 0.0 else -np.inf
+        found = harmonics.shapes(limit)
+    except LinAlgError as error:
+        reason = "a stiffness is not positive in double precision"
+        raise NumericsError(f'method "bolts": found a wall so thin that {reason}; use method "shell"') from error
     values = np.array([shape.value for shape in found])
     if isinstance(wanted, int):
         below, sigma = gap_after(values, min(wanted, len(found) - 1))
