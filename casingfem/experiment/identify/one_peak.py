@@ -31,10 +31,11 @@ def one_a_peak(fit: PoleFit, directions: IntArray, rules: Thresholds = USUAL) ->
     notes, tried = list[str](), list[complex]()
     while fit.refined and (group := _group(fit, tried, rules)) is not None:
         tried += fit.poles[group].tolist()
-        own = _each_alone(fit, group)
-        if len(np.unique(np.abs(directions[np.abs(fit.A[group]).argmax(axis=1)]))) == 1 and _is_one(
-            fit, group, own, rules
-        ):
+        strongest = np.abs(fit.A[group]).argmax(axis=1)
+        if len(np.unique(np.abs(directions[strongest]))) > 1:
+            continue
+        own = _each_alone(fit, group, _most(fit, group, rules))
+        if own:
             fit, note = _as_one(fit, group, own)
             notes.append(note)
     return fit, tuple(notes)
@@ -50,36 +51,38 @@ def _group(fit: PoleFit, tried: list[complex], rules: Thresholds) -> IntArray | 
     return None
 
 
-def _each_alone(fit: PoleFit, group: IntArray) -> list[State]:
-    """One pole of each channel in place of a group, all of one damping ratio; the other poles are subtracted."""
-    Y = fit.rest + _response(fit, group) + fit.window.polynomials @ fit.B
+def _most(fit: PoleFit, group: IntArray, rules: Thresholds) -> float:
+    """Sum of squares below which one mode in place of a group has the smaller information criterion."""
+    count, channels = 2.0 * fit.window.Y.size, fit.window.Y.shape[1]
+    noise = max(count, rules.misfit**2 * float(np.sum(np.abs(_response(fit, group)) ** 2)))
+    fewer = len(group) * (2 * channels + 2) - (3 * channels + 1)
+    return float(max(fit.squares, noise) * count ** (fewer / count))
+
+
+def _each_alone(fit: PoleFit, group: IntArray, most: float) -> list[State]:
+    """One pole of each channel in place of a group, of one damping ratio; none if their squares are above `most`.
+
+    The other poles are subtracted. The strongest channels are fitted first: they leave the most.
+    """
+    inside = _response(fit, group)
+    Y = fit.rest + inside + fit.window.polynomials @ fit.B
     weights = np.sum(np.abs(fit.A[group]) ** 2, axis=1)
-    start = np.array([weights @ fit.poles[group] / weights.sum()])
+    start, total = np.array([weights @ fit.poles[group] / weights.sum()]), 0.0
     windows = [replace(fit.window, Y=Y[:, [k]]) for k in range(Y.shape[1])]
-    poles, A = (
-        np.array(each)
-        for each in zip(*((at.poles[0], at.A[0, 0]) for at in (refined(w, start) for w in windows)), strict=True)
-    )
-    sigma = np.exp(np.average(np.log(-poles.real), weights=np.abs(A) ** 2 + 1e-300))
-    return [
-        state(w, np.array([-sigma + 1j * pole.imag]), w.polynomials) for w, pole in zip(windows, poles, strict=True)
-    ]
+    omega, decay, size = np.zeros((3, len(windows)))
+    for k in np.argsort(-np.sum(np.abs(inside) ** 2, axis=0)).tolist():
+        at = refined(windows[k], start)
+        total += at.squares
+        if total >= most:
+            return []
+        omega[k], decay[k], size[k] = at.poles[0].imag, np.log(-at.poles[0].real), np.abs(at.A[0, 0]) ** 2
+    sigma = np.exp(np.average(decay, weights=size + 1e-300))
+    own = [state(w, np.array([-sigma + 1j * at]), w.polynomials) for w, at in zip(windows, omega, strict=True)]
+    return own if sum(each.squares for each in own) < most else []
 
 
 def _response(fit: PoleFit, group: IntArray) -> Array:
     return fit.window.resonances(fit.poles[group])[0] @ fit.A[group]
-
-
-def _is_one(fit: PoleFit, group: IntArray, own: list[State], rules: Thresholds) -> bool:
-    """Whether the poles of each channel have the smaller information criterion."""
-    count, channels = 2.0 * fit.window.Y.size, fit.window.Y.shape[1]
-    noise = max(1.0, rules.misfit**2 * float(np.sum(np.abs(_response(fit, group)) ** 2)) / count)
-
-    def criterion(squares: float, parameters: int) -> float:
-        return float(count * np.log(max(squares / count / noise, 1.0)) + parameters * np.log(count))
-
-    several = criterion(fit.squares, len(group) * (2 * channels + 2))
-    return criterion(sum(each.squares for each in own), 3 * channels + 1) < several
 
 
 def _as_one(fit: PoleFit, group: IntArray, own: list[State]) -> tuple[PoleFit, str]:
