@@ -37,7 +37,7 @@ from casingfem.experiment.identify.labels import circle_notes, labelled, oriente
 from casingfem.experiment.identify.lscf import Candidates, recurring_poles
 from casingfem.experiment.identify.mode import Mode, Sensors, found_in, mode_of, reasons
 from casingfem.experiment.identify.one_peak import one_a_peak
-from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled
+from casingfem.experiment.identify.pairs import merged, pair_notes, paired, settled, without_twins
 from casingfem.experiment.identify.responses import Responses, over_noise, usable
 from casingfem.experiment.identify.setups import setups_of
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
@@ -132,6 +132,7 @@ def identify(
     modes, sensors, suspects = labelled(found, Sensors.of(grid, used.power, circle))
     doublets = paired(modes)
     modes = oriented(settled(modes, doublets), doublets, sensors)
+    modes = without_twins(modes) if circle is None and picked is None else modes
     notes = (
         *used.notes, *_empty(modes, rules), *_test_notes(parts[0].data, rules),
         *(several.notes if several else ()), *apart, *circle_notes(modes, grid, circle), *suspects,
