@@ -7,9 +7,10 @@ frequency of its own in each channel, and one damping ratio, has 3 C + 1. The mo
 
     N ln max(R/N, 1) + m ln N,
 
-R the sum of squares of N real numbers over the noise, m the parameters. No model of a measured peak is exact: the noise
-is at least `misfit` of the peak. Two modes that a person sees leave more. On a circle of sensors modes come in pairs of
-nearly one frequency, so this step is left out there.
+R the sum of squares of N real numbers over the noise, m the parameters. Few models of a measured peak are exact: if
+the fit of k poles leaves more than `inexact` times the noise, the noise is at least `misfit` of the peak. Two modes
+that a person sees leave more. On a circle of sensors modes come in pairs of nearly one frequency, so this step is left
+out there.
 """
 
 from __future__ import annotations
@@ -54,7 +55,9 @@ def _group(fit: PoleFit, tried: list[complex], rules: Thresholds) -> IntArray | 
 def _most(fit: PoleFit, group: IntArray, rules: Thresholds) -> float:
     """Sum of squares below which one mode in place of a group has the smaller information criterion."""
     count, channels = 2.0 * fit.window.Y.size, fit.window.Y.shape[1]
-    noise = max(count, rules.misfit**2 * float(np.sum(np.abs(_response(fit, group)) ** 2)))
+    noise = count
+    if fit.squares > rules.inexact * count:
+        noise = max(count, rules.misfit**2 * float(np.sum(np.abs(_response(fit, group)) ** 2)))
     fewer = len(group) * (2 * channels + 2) - (3 * channels + 1)
     return float(max(fit.squares, noise) * count ** (fewer / count))
 

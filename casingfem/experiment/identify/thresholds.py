@@ -48,6 +48,8 @@ class Thresholds:
         Bandwidths within which two poles must differ in shape.
     misfit
         Part of a peak that no model explains: measured resonances leave 1 to 5 % of their peak.
+    inexact
+        Sum of squares, over that of the noise, above which a fit shows an error of its model; noise alone stays below.
     sure_freq
         Largest standard deviation of the frequency of a sure mode, in bandwidths; that of ln zeta is `known_zeta`, for
         damping ratios of repeated tests scatter by as much.
@@ -90,6 +92,7 @@ class Thresholds:
     same_shape: float = 0.9
     near: float = 1.0
     misfit: float = 0.03
+    inexact: float = 2.0
     sure_freq: float = 0.1
     above_zero: float = 2.0
     sure_peak: float = 3.0

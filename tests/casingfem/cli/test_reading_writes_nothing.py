@@ -22,7 +22,7 @@ READ = {  # arguments of each command; the exit code is 0, or 2 where the files 
     "correlate": ("study.toml", "frfs.npz"),
     "mistune": ("study.toml", "--draws", "1"), "rig": ("study.toml",), "locate": ("study.toml", "table.csv"),
     "import": ("part.npz", "--contact", "7", "--modes", "2"), "export": ("study.toml",), "contact": ("scene.toml",),
-    "rub": ("rim.toml",), "stability": ("rim.toml",), "interactions": ("rim.toml", "--runs", "1"),
+    "rub": ("rim.toml",), "stability": ("rim.toml",), "interactions": ("rim.toml", "--runs", "2"),
     "cycles": ("scene.toml",), "sweep": ("sweep.toml", "--jobs", "1"), "chance": ("rim.toml",), "schema": (),
     "response": ("study.toml",), "explain": ("shell-thickness",), "doctor": (),
 }  # fmt: skip

@@ -245,13 +245,13 @@ def test_data_without_a_mode_have_no_sure_one(kind):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("alike", "modes"), [(0.8, 1), (0.0, 2)])
-def test_modes_within_half_a_bandwidth_are_two_where_one_pole_of_each_channel_does_not_explain_them(alike, modes):
-    """Of like shapes, each channel shows one peak within 3 %, of a frequency of its own."""
+@pytest.mark.parametrize(("alike", "sure"), [(0.8, [True, False]), (0.0, [True, True])])
+def test_of_two_modes_within_half_a_bandwidth_whose_shapes_are_alike_the_weaker_one_is_doubtful(alike, sure):
+    """A peak that moves from hit to hit leaves two poles of similar shape; normal modes differ in shape."""
     along = np.pi * np.linspace(0.05, 0.95, 10)
     one, other = np.sin(2.0 * along), np.sin(3.0 * along)
     weaker = 0.7 * (alike * one + np.sqrt(1.0 - alike**2) * other)
     x = np.arange(98.0, 102.0, 0.02)
     found = cf.identify(receptances(x, [(99.95, 2e-3, one), (100.07, 2e-3, weaker)], noise=0.1))
-    assert found.freq == pytest.approx([99.95, 100.07] if modes == 2 else [99.99], abs=0.01)
-    assert found.sure.all()
+    assert found.freq == pytest.approx([99.95, 100.07], abs=0.01)
+    assert found.sure.tolist() == sure
