@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
+from contact.loop.phase import number_of
 from contact.loop.tally import due, note_event, state_due, store, store_state
 from contact.record.record import Samples, Tally
 
@@ -353,20 +354,6 @@ def pressed(p: Phases, w: EventWork, phase: int) -> None:
 
 
 @jit
-def number_of(p: Phases, closed: Indices) -> int:
-    """Number of the phase of these closed contacts, -1 if it is not known."""
-    for phase in range(p.known[0]):
-        same = True
-        for i in range(closed.size):
-            if p.closed[phase, i] != closed[i]:
-                same = False
-                break
-        if same:
-            return phase
-    return -1
-
-
-@jit
 def note_changes(w: EventWork, sums: Tally, out: Samples) -> None:
     """Store the openings and closings of a step: at most the first and the last of each contact."""
     for k in range(w.changes.size):
@@ -409,7 +396,7 @@ def advance_events(p: Phases, w: EventWork, sums: Tally, out: Samples, h: float,
     while w.where[STEP] < end:
         step, phase = w.where[STEP], w.where[PHASE]
         if phase < 0:
-            phase = number_of(p, w.closed)
+            phase = number_of(p.known, p.closed, w.closed)
             if phase < 0:
                 return UNKNOWN
             w.where[PHASE] = phase

@@ -12,7 +12,7 @@ import math
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
 from contact.loop.period_arrays import Period
-from contact.loop.phase import flow, move_to, pass_phase
+from contact.loop.phase import flow, move_to, number_of, pass_phase
 
 DONE, UNKNOWN, IMPACT, CHATTER, NOT_A_NUMBER, SLIP, RESONANCE, INSIDE, TOGETHER = range(9)
 START, CLOSED, ON = range(3)
@@ -33,21 +33,6 @@ def copy_rows(into: Array, of: Array) -> None:
     for i in range(into.shape[0]):
         for j in range(into.shape[1]):
             into[i, j] = of[i, j]
-
-
-@jit
-def number_of(s: Period) -> int:
-    """Number of the phase of the contacts that are closed, -1 if it is not known."""
-    table, closed = s.phases, s.work.closed
-    for phase in range(table.known[0]):
-        same = True
-        for i in range(closed.size):
-            if table.closed[phase, i] != closed[i]:
-                same = False
-                break
-        if same:
-            return phase
-    return -1
 
 
 @jit
@@ -318,7 +303,7 @@ def pass_period(s: Period, stage: int, t_end: float, longest: float, extremes: b
             work.first[i] = work.closed[i]
         begin(s, extremes, tangent)
     while True:
-        phase = number_of(s)
+        phase = number_of(s.phases.known, s.phases.closed, s.work.closed)
         if phase < 0:
             return UNKNOWN
         work.where[0] = phase

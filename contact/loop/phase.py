@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array
+from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
 
 TINY = 1e-12  # of the terms of a watched value: below, it is zero
@@ -61,6 +61,20 @@ def phase_work(p: PhaseArrays) -> PhaseWork:
         y=room[0], new=room[1], circle=np.zeros((2, p.harmonic.size)), step=room[2], drift=room[3], now=values[0],
         last=values[1], before=values[2], size=values[3], most=values[4], least=values[5], at=np.zeros(1),
     )  # fmt: skip
+
+
+@jit
+def number_of(known: Indices, table: Indices, closed: Indices) -> int:
+    """Number of the phase of these closed contacts in a table (phases, contacts), -1 if it is none of the known[0]."""
+    for phase in range(known[0]):
+        same = True
+        for i in range(closed.size):
+            if table[phase, i] != closed[i]:
+                same = False
+                break
+        if same:
+            return phase
+    return -1
 
 
 @jit

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from casingfem.plot.cycles import LABELS, figure_cycles, figure_multipliers, figure_orbits
-from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, capital, origin, raised, render_page
 from casingfem.plot.pages.speeds import with_rpm
 
 Rows = Sequence[Mapping[str, Any]]
@@ -116,7 +116,7 @@ def valued(name: str, value: float) -> str:
 def jump_words(name: str, jumps: Sequence[Any]) -> str:
     """Kinds of the special points with their values."""
     words = "; ".join(f"{one.kind} at {valued(name, one.orbit.value)}" for one in jumps[:NAMED])
-    return words[0].upper() + words[1:] + (f"; and {len(jumps) - NAMED} more" if len(jumps) > NAMED else "") + "."
+    return capital(words) + (f"; and {len(jumps) - NAMED} more" if len(jumps) > NAMED else "") + "."
 
 
 def stretch_words(name: str, parts: Sequence[tuple[float, float, int]], branches: int) -> str:

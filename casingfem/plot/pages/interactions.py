@@ -85,12 +85,17 @@ def speeds_verdict(found: Any) -> Verdict:
 
 
 def slow_words(rows: Sequence[Any]) -> str:
-    """Ranges in which closed contact grows more slowly than the runs can show."""
+    """Ranges in which closed contact grows more slowly than the runs can show.
+
+    >>> from types import SimpleNamespace as Row
+    >>> slow_words([Row(from_hz=2.0, to_hz=50.0, at=Row(closed=0.264, seconds=0.5))]).split(": ")[1][:60]
+    'the contact stays closed and the motion grows by at most 0.2'
+    """
     ranges = listed(sorted((row.from_hz, row.to_hz) for row in rows))
     rate, length = max(row.at.closed for row in rows), max(row.at.seconds for row in rows)
     return (
-        f"{ranges}: the contact stays closed and the motion grows by at most {rate:.2g} 1/s. "
-        f"A machine that dwells there reaches large motions; the runs of {length:.3g} s are too short to show them."
+        f"{ranges}: the contact stays closed and the motion grows by at most {rate:.2g} 1/s. In a machine that dwells "
+        f"there it grows until a contact opens; the runs of {length:.3g} s are too short to show what follows."
     )
 
 
