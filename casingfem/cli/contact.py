@@ -13,6 +13,7 @@ from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact import NumericsError, Result, Scene
+    from contact.cycles.balance_check import Agreement
     from contact.cycles.basins import Basins
     from contact.cycles.result import Cycles
     from contact.cycles.traced import Trace
@@ -144,8 +145,14 @@ def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None
 
 @click.command()
 @SCENE
+@click.option(
+    "--check",
+    type=click.IntRange(1, 1000),
+    metavar="N",
+    help="Compare every orbit with harmonic balance of N harmonics, such as 30; for contacts that give way.",
+)
 @options
-def cycles(file: Path, as_json: bool, out: Path | None) -> None:
+def cycles(file: Path, check: int | None, as_json: bool, out: Path | None) -> None:
     """Periodic motions of SCENE over frequency, force or speed: amplitude, stability, and where they jump.
 
     SCENE is a patch with [drive] instead of [scheme], or a rim, a rub or a disk with a range of speed, clearance or
@@ -156,6 +163,8 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
     from contact.scene.cycles import load_cycles
 
     scene = load_cycles(file)
+    if check is not None:
+        scene.require_check(check)
     part = None if out is None else out / STORES["cycles"]
     with ProgressMessage(f"cycles {file.name}") as working:
 
@@ -169,21 +178,26 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
         reached = scene.reached(
             found, lambda k: working.say(f"cycles {file.name}: {k} of {starts} random starts", k / starts)
         )
+        agreement = None if check is None else scene.checked(found, check)
     document, words = found.to_dict(), repr(found)
     if found.name == "speed_hz":
         words += f"\n{ORBITS}"
     if reached is not None:
         document["basins"] = {"at": reached.value, "starts": len(reached.reached), "motions": reached.records()}
         words += f"\n{reached!r}"
-    files = {} if out is None else cycles_files(scene, found, reached, document, file)
+    if agreement is not None:
+        document["harmonic_balance"] = agreement.to_dict()
+        words += f"\n{agreement.words}"
+    files = {} if out is None else cycles_files(scene, found, reached, agreement, document, file)
     deliver(document, words, as_json=as_json, out=out, files=files)
     if part is not None:
         part.unlink(missing_ok=True)
 
 
 def cycles_files(
-    scene: "CyclesScene", found: "Cycles", reached: "Basins | None", document: dict[str, object], file: Path
-) -> dict[str, Content]:
+    scene: "CyclesScene", found: "Cycles", reached: "Basins | None", agreement: "Agreement | None",
+    document: dict[str, object], file: Path,
+) -> dict[str, Content]:  # fmt: skip
     """The table, the states, the document, the picture and the page."""
     from casingfem.plot.cycles import figure_cycles
     from casingfem.plot.pages.cycles import cycles_page
@@ -191,8 +205,9 @@ def cycles_files(
 
     rows, marks = found.records(), found.marks()
     motions = [] if reached is None else [{found.name: reached.value, **one} for one in reached.records()]
+    checked = "" if agreement is None else agreement.words
     return {
-        "cycles.html": cycles_page(file.stem, found, source_of(file), traces_of(scene, found), motions),
+        "cycles.html": cycles_page(file.stem, found, source_of(file), traces_of(scene, found), motions, checked),
         "cycles.csv": csv_text(rows), "cycles.npz": found.save, "cycles.json": json_text(document, indent=1),
         "cycles.png": png(figure_cycles(rows, marks, motions)),
     }  # fmt: skip

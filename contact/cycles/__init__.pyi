@@ -1,3 +1,6 @@
+from .balance import Balanced, balance
+from .balance_branch import balance_branch
+from .balance_check import Agreement, balance_check
 from .basins import Attractor, Basins, basins
 from .driven import DrivenBody
 from .follow import follow
@@ -7,7 +10,9 @@ from .shooting import Orbit, orbit
 from .traced import Trace, traced
 
 __all__ = [
+    "Agreement",
     "Attractor",
+    "Balanced",
     "Basins",
     "Branch",
     "Cycles",
@@ -17,6 +22,9 @@ __all__ = [
     "Special",
     "Trace",
     "as_worn",
+    "balance",
+    "balance_branch",
+    "balance_check",
     "basins",
     "follow",
     "orbit",

@@ -16,6 +16,7 @@ import numpy as np
 from contact.base.arrays import require_count, require_finite, require_positive
 from contact.base.checkpoint import Checkpoint
 from contact.base.errors import InputError, NumericsError
+from contact.cycles.balance import balance
 from contact.cycles.branch import Course, Tangent, Way, begun, followed
 from contact.cycles.driven import Family
 from contact.cycles.result import Branch, Cycles, Special
@@ -61,7 +62,8 @@ def follow(
 ) -> Cycles:  # fmt: skip
     """Follow the orbits of a family over a range of its parameter, past folds, until they leave the range.
 
-    `first` is an orbit at the first value, by default the one on which a run settles. `longest` is the longest step; 1
+    `first` is an orbit at the first value, by default the one on which a run settles, else the one that `balance` leads
+    to. `longest` is the longest step; 1
     is a change of the state by its own size, or of the parameter by the range. `most` is the largest number of orbits
     of a branch. If a branch ends inside the range (a rigid contact grazes), runs from its last stable orbit change the
     parameter by a hundredth of the range each, until one settles on an orbit, which starts another branch. Each flip
@@ -133,7 +135,7 @@ def _main(
     """
     begin, sense = first, float(np.sign(between[1] - between[0]))
     if begin is None:
-        begin = known() or orbit(family, between[0])
+        begin = known() or _first(family, between[0])
     while begin is not None:
         course = _course(family, between, begin)
         found = go(course, begin, Tangent(np.zeros_like(begin.x), sense))
@@ -145,6 +147,17 @@ def _main(
             begin = known()
             if begin is None or begin.periods > 1:  # of a branch of doubled period
                 begin = _beyond(family, between, last, reached.value, looking)
+
+
+def _first(family: Family, value: float) -> Orbit:
+    """The orbit on which a run settles; the one near harmonic balance if Newton's method finds none there."""
+    try:
+        return orbit(family, value)
+    except NumericsError as error:
+        try:
+            return orbit(family, value, guess=np.array(balance(family, value).x))
+        except (NumericsError, InputError):
+            raise error from None
 
 
 def _beyond(

@@ -53,6 +53,11 @@ class Known:
                 self._add(phase, found)
         return found
 
+    @property
+    def open_phase(self) -> Phase:
+        """The phase without closed contacts."""
+        return self.phases[self.number(())]
+
     def under(self, drive: Drive) -> Any:
         """The bundle of the compiled passage under a drive."""
         from contact.jit.bundle import bundled

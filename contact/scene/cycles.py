@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from contact.base.errors import InputError
+from contact.cycles.balance_check import Agreement, balance_check, require_series
 from contact.cycles.basins import Basins, basins
 from contact.cycles.driven import DrivenBody, ForcedFamily, Parameter
 from contact.cycles.follow import Progress, follow
@@ -147,6 +148,14 @@ class CyclesScene:
             self.family, self.between, longest=how.longest_step, most=how.most_points, doublings=how.doublings,
             checkpoint=checkpoint, progress=progress,
         )  # fmt: skip
+
+    def require_check(self, harmonics: int) -> None:
+        """Raise InputError if harmonic balance does not apply: at rigid contacts, or with too few harmonics."""
+        require_series(self.family, self.between[0], harmonics)
+
+    def checked(self, found: Cycles, harmonics: int) -> Agreement:
+        """How far harmonic balance agrees with the orbits; raises as `require_check`."""
+        return balance_check(self.family, found, harmonics=harmonics)
 
     def reached(self, found: Cycles, progress: Callable[[int], None] | None = None) -> Basins | None:
         """Motions reached from random starts, if requested; the starts have the size of the states of nearby orbits."""

@@ -29,12 +29,12 @@ NAMED = 4
 
 
 def cycles_page(
-    name: str, found: Any, source: Mapping[str, Any], traces: Sequence[Any] = (), reached: Rows = ()
+    name: str, found: Any, source: Mapping[str, Any], traces: Sequence[Any] = (), reached: Rows = (), checked: str = ""
 ) -> str:
     """HTML of the page on branches, `found` of class `contact.cycles.Cycles`.
 
     `traces` are orbits over their period, `contact.cycles.Trace`; `reached` are the motions on which random starts
-    settle, with their share.
+    settle, with their share. `checked` is the sentence of a comparison with harmonic balance.
     """
     rows, marks = found.records(), found.marks()
     strokes = any(mark["kind"] == ORDINARY for mark in marks)
@@ -49,10 +49,10 @@ def cycles_page(
         Section("Branches", figures=tuple(pictures), tables=tuple(table for table in tables if table.rows)),
         Section("Orbits", tables=(orbits,)),
     ]
-    return render_page(f"Cycles of {name}", sections, verdict=cycles_verdict(found), source=origin(source))
+    return render_page(f"Cycles of {name}", sections, verdict=cycles_verdict(found, checked), source=origin(source))
 
 
-def cycles_verdict(found: Any) -> Verdict:
+def cycles_verdict(found: Any, checked: str = "") -> Verdict:
     """Summary of a continuation: jumps, stable and unstable ranges, amplitude, force, confidence, next steps."""
     points = [point for branch in found.branches for point in branch.points]
     jumps = [one for branch in found.branches for one in branch.specials if one.kind != ORDINARY]
@@ -67,6 +67,7 @@ def cycles_verdict(found: Any) -> Verdict:
     size = float(force.force.max(initial=0.0))
     if size > 0.0:
         facts.append(("Force", f"At most {raised(f'{size:.4g}')} N, at {valued(found.name, force.value)}."))
+    facts += [("Second opinion", f"{capital(checked)}.")] if checked else []
     sure = (
         f"{counted(len(points), 'periodic motion')} were computed. Floquet multipliers decide whether each is stable. "
         "Branches that are not connected with these are not found."

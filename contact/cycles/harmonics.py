@@ -1,0 +1,213 @@
+"""Response of a plant at the harmonics of its drive, and forces of contacts that give way.
+
+A periodic vector is a series Re sum_h z_h e^{i h w t}, h = 0 to H, with z_0 real: complex numbers (..., H + 1).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices
+from contact.base.errors import InputError
+from contact.cycles.known import resonance
+from contact.cycles.passage import Motion
+from contact.cycles.switched import Complex, Forcing
+
+NEAR = 1e-12  # of the drive's frequency: a pole that is nearer to a harmonic has no forced vibration
+TIMES = 16  # samples of a period for each harmonic, at least
+FEWEST = 512  # samples of a period: shorter touches may be missed
+ZERO = 3  # Newton steps to the zero of a gap between two samples
+
+
+class Response(NamedTuple):
+    """Response of a plant at one drive: gaps without the contacts' forces, and their change by forces.
+
+    y = still + receptance lam for each harmonic, y the gap less the spring of its own contact: gap = y + own lam.
+    """
+
+    still: Complex  # (k, H + 1)
+    receptance: Complex  # (H + 1, k, k)
+    own: Array  # compliance of each contact, (k,)
+    w: float  # base frequency [rad/s]
+
+
+def response(motion: Motion, harmonics: int, periods: int) -> Response:
+    """Response to the drive and to the contacts, at multiples of the drive's frequency over `periods`.
+
+    Raises InputError for rigid contacts and for a drive above the last harmonic, NumericsError at a resonance.
+    """
+    plant, w, phase = motion.plant, motion.drive.w / periods, motion.known.open_phase
+    require_compliant(motion)
+    seen, pushed, own = plant.C @ phase.V, phase.U @ plant.B, np.diag(plant.S)
+    forward, backward = (part[:, None] for part in _poles(motion, w, harmonics))
+    swung = 0.5 * ((seen * forward) @ pushed + (seen.conj() * backward) @ pushed.conj())
+    free = excited(motion, w, harmonics, periods)
+    still = free.seen(seen) + series(motion.drive.c, motion, harmonics, periods)
+    return Response(still, swung + (plant.S - np.diag(own)), own, w)
+
+
+class Excited(NamedTuple):
+    """Harmonics of the modal amplitudes of the open phase, (half, H + 1), and of their conjugates."""
+
+    forward: Complex
+    backward: Complex
+
+    def seen(self, rows: Complex) -> Complex:
+        """Harmonics of what the rows (o, half) see of the eigenvectors, (o, H + 1)."""
+        return np.asarray(0.5 * (rows @ self.forward + rows.conj() @ self.backward))
+
+
+def excited(motion: Motion, w: float, harmonics: int, periods: int, lam: Complex | None = None) -> Excited:
+    """Modal amplitudes under the drive and the contacts' forces (k, H + 1)."""
+    forward, backward = _poles(motion, w, harmonics)
+    push = series(motion.drive.b, motion, harmonics, periods)
+    if lam is not None:
+        push += motion.plant.B @ lam
+    U = motion.known.open_phase.U
+    return Excited(forward.T * (U @ push), backward.T * (U.conj() @ push))
+
+
+def outputs(motion: Motion, w: float, harmonics: int, periods: int, lam: Complex) -> tuple[Array, Complex]:
+    """The state at phase 0, and the harmonics of the plant's outputs (o, H + 1), under the contacts' forces."""
+    z, plant, V = excited(motion, w, harmonics, periods, lam), motion.plant, motion.known.open_phase.V
+    at = Excited(z.forward.sum(axis=1, keepdims=True), z.backward.sum(axis=1, keepdims=True))
+    shown = z.seen(plant.D @ V) + plant.E @ lam + series(motion.drive.d, motion, harmonics, periods)
+    return at.seen(V)[:, 0].real, shown
+
+
+def require_compliant(motion: Motion) -> None:
+    """Raise InputError for the first rigid contact."""
+    rigid = np.flatnonzero(motion.plant.rigid)
+    if rigid.size:
+        raise InputError(
+            f"contact {rigid[0] + 1}: found a rigid contact, expected one with a compliance for harmonic balance, "
+            "because the force of an impact has no Fourier series: give it a stiffness, or leave harmonic balance out"
+        )
+
+
+def series(forcing: Forcing, motion: Motion, harmonics: int, periods: int) -> Complex:
+    """The forcing as harmonics of the drive's frequency over `periods`, (n, H + 1); raises InputError for too few."""
+    at = np.rint(motion.drive.harmonics).astype(int) * periods
+    if at.max() > harmonics:
+        raise InputError(f"harmonics: found {harmonics}, expected {at.max()} or more, the highest of the forcing")
+    found = np.zeros((forcing.rest.size, harmonics + 1), dtype=complex)
+    found[:, at] = forcing.wave
+    found[:, 0] += forcing.rest
+    return found
+
+
+def _poles(motion: Motion, w: float, harmonics: int) -> tuple[Complex, Complex]:
+    """1/(i h w - lam) of each pole of the open phase, and of their conjugates, (H + 1, half)."""
+    s, lam = 1j * w * np.arange(harmonics + 1)[:, None], motion.known.open_phase.lam
+    below = s - lam
+    if np.abs(below).min() < NEAR * w:
+        raise resonance()
+    return 1.0 / below, 1.0 / (s - lam.conj())
+
+
+def samples_of(harmonics: int) -> int:
+    """Number of samples of a period: a power of two."""
+    return 1 << (max(TIMES * harmonics, FEWEST) - 1).bit_length()
+
+
+def in_time(z: Complex, samples: int) -> Array:
+    """A series at equal steps of its period, (..., samples)."""
+    half = 0.5 * samples * z
+    half[..., 0] *= 2.0
+    return np.asarray(np.fft.irfft(half, samples))
+
+
+def in_harmonics(values: Array, harmonics: int) -> Complex:
+    """The series of samples over a period, (..., H + 1)."""
+    found = np.fft.rfft(values)[..., : harmonics + 1] * (2.0 / values.shape[-1])
+    found[..., 0] *= 0.5
+    return np.asarray(found)
+
+
+class Pressed(NamedTuple):
+    """Forces of the contacts as a series (k, H + 1), and their derivative by the real unknowns (k, H + 1, 2 H + 1)."""
+
+    lam: Complex
+    by: Complex
+
+
+def pressed(y: Complex, own: Array) -> Pressed:
+    """Forces max(0, -y/own) of the contacts, integrated exactly between the zeros of y.
+
+    The force is linear in y where the contact is closed: its series is the product of y and of a function kappa that is
+    -1/own there and 0 elsewhere. The force is zero at the ends of these parts, so that a shift of them changes nothing
+    to first order (Petrov and Ewins, J. Turbomach. 125, 2003, 364).
+    """
+    kappa, H = _closed(y) / -own[:, None], y.shape[1] - 1
+    kappa[:, 1:] *= 0.5
+    h, j = np.arange(H + 1)[:, None], np.arange(H + 1)
+    after, before = kappa[:, h + j], kappa[:, np.abs(h - j)]
+    before = np.where(h >= j, before, before.conj())
+    by = np.concatenate([before + after, 1j * (before - after)[..., 1:]], axis=-1)
+    by[..., 0] = 2.0 * kappa[:, : H + 1]
+    by[:, 0] = 0.5 * by[:, 0].real
+    unknowns = np.concatenate([y.real, y.imag[:, 1:]], axis=1)
+    return Pressed(np.asarray((by @ unknowns[..., None])[..., 0]), by)
+
+
+def _closed(y: Complex) -> Complex:
+    """The series of the function that is 1 where y < 0, to twice the harmonics: (k, 2 H + 1)."""
+    h, m = np.arange(y.shape[1]), np.arange(1, 2 * y.shape[1] - 1)
+    free = in_time(y, samples_of(y.shape[1] - 1))
+    found = np.zeros((len(y), m.size + 1), dtype=complex)
+    found[:, 0] = free[:, 0] < 0.0
+    contact, opens, low, angle, high = _brackets(free)
+    if not contact.size:
+        return found
+    waves, slopes = y[contact], y[contact] * (1j * h)
+    for _ in range(ZERO):
+        turned = np.exp(1j * angle[:, None] * h)
+        slope = (slopes * turned).real.sum(axis=1)
+        move = (waves * turned).real.sum(axis=1) / np.where(slope == 0.0, np.inf, slope)
+        angle = np.clip(angle - move, low, high)
+    sense = np.where(opens, -1.0, 1.0)
+    np.add.at(found[:, 0], contact, -sense * angle / (2.0 * np.pi))
+    np.add.at(found[:, 1:], contact, sense[:, None] * np.exp(-1j * angle[:, None] * m) / (1j * np.pi * m))
+    return found
+
+
+def _brackets(free: Array) -> tuple[Indices, Indices, Array, Array, Array]:
+    """Zeros of samples (k, N): contact, whether it opens, lower bound, guess and upper bound of the angle [rad].
+
+    A parabola through three samples of one sign may have two zeros between them.
+    """
+    before, after, step = np.roll(free, 1, axis=1), np.roll(free, -1, axis=1), 2.0 * np.pi / free.shape[1]
+    shut = free < 0.0
+    contact, at = np.nonzero(shut != (after < 0.0))
+    part = free[contact, at] / (free[contact, at] - after[contact, at])
+    found = [(contact, shut[contact, at], 1.0 * at, at + part, at + 1.0)]
+    bend, tilt = before - 2.0 * free + after, before - after
+    alone = (shut == (before < 0.0)) & (shut == (after < 0.0)) & (free * bend > 0.0)
+    contact, at = np.nonzero(alone & (np.abs(tilt) <= np.abs(bend)) & (8.0 * free * bend < tilt**2))
+    if contact.size:
+        curve = bend[contact, at]
+        middle = at + 0.5 * tilt[contact, at] / curve
+        half = np.sqrt(np.maximum((middle - at) ** 2 - 2.0 * free[contact, at] / curve, 0.0))
+        inside = shut[contact, at]
+        found += [
+            (contact, inside, at - 1.0, middle - half, middle),
+            (contact, ~inside, middle, middle + half, at + 1.0),
+        ]
+    contact, opens, low, guess, high = (np.concatenate(column) for column in zip(*found, strict=True))
+    return contact, opens, step * low, step * guess, step * high
+
+
+def reals(y: Complex) -> Array:
+    """Real unknowns of a series: real parts of all harmonics, then imaginary parts of all but the constant."""
+    return np.concatenate([y.real, y.imag[:, 1:]], axis=1).T.ravel()
+
+
+def complexes(v: Array, contacts: int) -> Complex:
+    """The series of real unknowns."""
+    parts = v.reshape(-1, contacts).T
+    last = parts.shape[1] // 2
+    y = parts[:, : last + 1].astype(complex)
+    y[:, 1:] += 1j * parts[:, last + 1 :]
+    return y
