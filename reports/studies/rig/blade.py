@@ -11,6 +11,7 @@ from casingfem.plot.page import Section, Table
 from casingfem.plot.pages.fit import update_section
 from casingfem.study import Study
 from casingfem.study.tasks import run_update
+from casingfem.updating.uncertainty.prediction import LeftOut, leave_one_out
 from reports.tables import DATA
 
 
@@ -18,13 +19,13 @@ from reports.tables import DATA
 class BladeFit:
     """Update of the measured blade and its leave-one-out check.
 
-    `nominal` are the modes of the published, clamped model; `left_out` the relative error with which an update on
-    the other rows predicts each row; `thin` the thin-shell reference of each row [Hz].
+    `nominal` are the modes of the published, clamped model; `left_out` the predictions of each row by an update on
+    the other rows; `thin` the thin-shell reference of each row [Hz].
     """
 
     nominal: cf.Modes
     fit: cf.updating.UpdateResult
-    left_out: FloatArray
+    left_out: LeftOut
     thin: FloatArray
 
     @property
@@ -38,30 +39,21 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def run(study: Study, *, quick: bool = False) -> BladeFit:
-    """Update the blade, then once without each row in turn (without the first only, if `quick`)."""
+def run(study: Study) -> BladeFit:
+    """Update the blade, then once without each row in turn."""
     table = study.table
     if table is None:
         raise ValueError(f"{study.path}: the measured blade needs [update]")
     fit = run_update(study)
-    rows = range(1) if quick else range(len(table))
-    left_out = [prediction(replace(study, table=table.without(int(table.mode[row]))), table, row) for row in rows]
     nominal = cf.modes(replace(study.shell, supports={"root": cf.Clamped()}), study.file.modes.count)
     reference = read(DATA / "reference" / "olson_lindberg_fan_blade.csv")
     thin = np.asarray(reference.numbers("computed_love_ritz_hz"))[: len(table)]
-    return BladeFit(nominal=nominal, fit=fit, left_out=np.array(left_out), thin=thin)
-
-
-def prediction(study: Study, table: cf.FrequencyTable, row: int) -> float:
-    """Relative error at one row of the whole table, of the model updated without it."""
-    after = run_update(study).after
-    mode = next(match.modes[0] for match in cf.correlation.pair(after, table).matches if row in match.rows)
-    return float(after.freq[mode] / table.freq_hz[row] - 1.0)
+    return BladeFit(nominal=nominal, fit=fit, left_out=leave_one_out(fit), thin=thin)
 
 
 def verdict(blade: BladeFit) -> str:
     """Whether the update predicts frequencies that it has not seen better than the nominal model."""
-    if rms(blade.left_out) < rms(blade.errors_nominal):
+    if blade.left_out.rms < rms(blade.errors_nominal):
         return "better than the nominal model"
     return (
         "no better than the nominal model. Seven frequencies cannot determine three parameters: only mode 6 constrains "
@@ -80,11 +72,13 @@ def section(blade: BladeFit) -> Section:
         f"left is not discretisation: the RMS error against the measurement is {100 * rms(blade.errors_nominal):.2f} % "
         f"for it, {100 * fit.rms_before:.2f} % for the elastic root where the update starts, and "
         f"{100 * fit.rms_after:.2f} % after the update. An update that has not seen a frequency predicts it "
-        f"to {100 * rms(blade.left_out):.2f} % RMS (leave one out): {verdict(blade)}.",
+        f"to {100 * blade.left_out.rms:.2f} % RMS (leave one out): {verdict(blade)}.",
         "Three uniform parameters cannot do more: mode 2 is measured below and mode 3 well above every model of a "
         "uniform blade, published ones included. A wall or a curvature that varies over the blade would be needed, "
         "and nothing measured says how.",
     )
+    row_of = {int(mode): k for k, mode in enumerate(table.mode)}
+    left_out = {row_of[found.mode]: found.error for found in blade.left_out.rows}
     rows = tuple(
         (
             int(table.mode[k]),
@@ -93,7 +87,7 @@ def section(blade: BladeFit) -> Section:
             float(blade.nominal.freq[k]),
             f"{100.0 * blade.errors_nominal[k]:+.2f}",
             f"{100.0 * (fit.after.freq[k] / table.freq_hz[k] - 1.0):+.2f}",
-            f"{100.0 * blade.left_out[k]:+.2f}" if k < len(blade.left_out) else None,
+            f"{100.0 * left_out[k]:+.2f}" if k in left_out else None,
         )
         for k in range(len(table))
     )

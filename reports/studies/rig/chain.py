@@ -47,9 +47,7 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
             for name, one in studies.items() if "blade" in name
         }  # fmt: skip
 
-    blade_fit = clock(
-        "measured blade: update and leave-one-out", lambda: rig_blade.run(studies["measured_blade"], quick=quick)
-    )
+    blade_fit = clock("measured blade: update and leave-one-out", lambda: rig_blade.run(studies["measured_blade"]))
     print(blade_fit.fit)
     fit = clock(
         "casing: update",
@@ -89,7 +87,7 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         verdict=rig_page.verdict(blade_fit, fit, rubs, plan.speed_hz), source=origin(casing.source),
     )  # fmt: skip
     write_atomic(out / "report.html", page)
-    left = rig_blade.rms(blade_fit.left_out)
+    left = blade_fit.left_out.rms
     summary: list[Row] = [
         {"case": "fan blade", "RMS before": rig_blade.rms(blade_fit.errors_nominal),
          "RMS after": blade_fit.fit.rms_after, "left out": left},

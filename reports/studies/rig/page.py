@@ -45,7 +45,7 @@ def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], pl
             f"{100 * rms(blade.errors_nominal):.2f} %",
         ),
         ("measured blade, after updating three parameters", f"{100 * blade.fit.rms_after:.2f} %"),
-        ("measured blade, predicted by updates that left the mode out", f"{100 * rms(blade.left_out):.2f} %"),
+        ("measured blade, predicted by updates that left the mode out", f"{100 * blade.left_out.rms:.2f} %"),
         ("casing (SYNTHETIC), RMS frequency error before updating", f"{100 * fit.rms_before:.3f} %"),
         ("casing (SYNTHETIC), after updating", f"{100 * fit.rms_after:.3f} %"),
         *(row for rub in rubs for row in of_rub(rub, plan)),
@@ -81,7 +81,7 @@ def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], spe
         sure=f"The casing's frequencies (SYNTHETIC) are met to {100 * fit.rms_after:.2g} % RMS, with a misfit of "
         f"{fit.misfit:.2g} sigma. The measured blade's are met to {100 * blade.fit.rms_after:.2g} %, with a misfit of "
         f"{blade.fit.misfit:.2g} sigma; an update predicts a frequency that it has not seen to "
-        f"{100 * rms(blade.left_out):.2g} %.",
+        f"{100 * blade.left_out.rms:.2g} %.",
         further="Measure the casing's mode shapes and the wall of the blade. Add an abradable coating to the model: "
         "without wear the forces are too high.",
         state="bad" if any(state == "bad" for state, _ in states) else states[-1][0],

@@ -128,8 +128,11 @@ def planned(rim: ct.RotatingRim, plan: RubPlan) -> ct.Scene:
 
 
 def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
-    """The dangerous speeds up to twice the plan's, by runs at every tenth of that range and at peaks, LONGER_STEP."""
-    scene, highest = replace(scene, dt=LONGER_STEP * plan.dt), 2.0 * plan.speed_hz
+    """The dangerous speeds up to twice the plan's, by runs at every tenth of that range and at peaks, LONGER_STEP.
+
+    A run ends where the rim passes half of its wall.
+    """
+    scene, highest = replace(scene, dt=LONGER_STEP * plan.dt, on_limit="stop"), 2.0 * plan.speed_hz
     return ct.interactions(scene, np.linspace(0.1 * highest, highest, 91), runs=10)
 
 

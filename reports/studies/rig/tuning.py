@@ -16,7 +16,7 @@ from casingfem.io.arrays import BoolArray, FloatArray
 from contact.stability.closed_contact import first_order
 from contact.stability.split_casing import perfect_mean
 
-REACH, STEPS, HALVINGS = 0.06, 49, 20  # of the free coincidence to both sides; frequencies; halvings of a step
+REACH, STEPS, HALVINGS = 0.06, 49, 12  # of the free coincidence to both sides; frequencies; halvings of a step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
