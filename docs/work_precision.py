@@ -38,6 +38,8 @@ TAIL = """
 - A rub: take the rigid contact with exact modal steps. A spring of 1e9 N/m costs more.
 - An error of the impulse may change its sign between two meshes or steps. A small error is then a coincidence.
 
+Periodic motions have a comparison of their own: [shooting and harmonic balance](cycles.md).
+
 ## Pictures
 
 A mark is a method. Solid lines go over meshes, dotted lines over steps. The grey line is the least error within a run

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from reports.benchmarks import physics, work_precision
+from reports.benchmarks import physics, work_precision, work_precision_cycles
 from reports.verification import contact as verify_contact
 from reports.verification.schemes import cycles, random_orbits, rod_wall, rods, sparse_body, stability
 from reports.verification.schemes.targets import rods as contact_targets_rods
@@ -28,6 +28,21 @@ def test_newmark_pairs_on_a_wall(tmp_path, capsys):
     assert rows["Newmark (0.5, 0.55)"]["rate"] > 0.7
     assert rows["forward Lagrange"]["rate"] > 0.7
     assert len(pd.read_csv(tmp_path / "rod_wall.csv")) == len(rows)
+
+
+@pytest.mark.campaign
+def test_work_precision_of_orbits_has_references_that_an_integration_confirms(tmp_path, capsys):
+    rows = work_precision_cycles.main(tmp_path, quick=True)
+    printed = capsys.readouterr().out
+    assert "by integration" in printed
+    for modes in (2, 20):
+        assert work_precision_cycles.reference(modes)[1]["returns"] < 1e-10
+        by = {name: [abs(row["error"]) for row in rows if (row["modes"], row["method"]) == (modes, name)]
+              for name in ("shooting", "harmonic balance")}  # fmt: skip
+        assert by["shooting"][-1] < 1e-12 < 1e-6 < by["shooting"][0]
+        assert by["harmonic balance"][-1] < 1e-3 < by["harmonic balance"][0]
+    assert (tmp_path / "work_precision_cycles.png").stat().st_size > 10_000
+    assert len(pd.read_csv(tmp_path / "work_precision_cycles.csv")) == len(rows)
 
 
 @pytest.mark.campaign
