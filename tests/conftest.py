@@ -6,6 +6,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import IO
@@ -116,6 +117,25 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Groups:
     """Groups of tests in the order of the tests, not by their number."""
     config.option.loadscopereorder = False
     return Groups(config, log)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """Each worker imports its share of all test files before it collects them all.
+
+    Otherwise every worker would compile every file: where no bytecode is on disk that takes longer than the imports.
+    A file that cannot be imported here fails when it is collected.
+    """
+    given = getattr(session.config, "workerinput", None)
+    if given is None or [Path(each).name for each in session.config.args] != session.config.getini("testpaths"):
+        return
+    own, count = int(given["workerid"].removeprefix("gw")), int(given["workercount"])
+    for file in sorted(Path(__file__).parent.rglob("test_*.py"))[own::count]:
+        if str(file.parent) != sys.path[0]:
+            sys.path.insert(0, str(file.parent))
+        with suppress(Exception), warnings.catch_warnings():
+            warnings.simplefilter("error")
+            importlib.import_module(file.stem)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
