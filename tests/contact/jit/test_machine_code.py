@@ -1,12 +1,15 @@
 """Machine code on disk is used where it was made from the same sources, whoever may write there, and never otherwise.
 
-Each test runs a copy of the package in processes of its own. As root, file modes count once capabilities are dropped.
+Each run of a copy of the package has a process of its own, a fork of one that has loaded numba and nothing of contact.
+As root, file modes count once capabilities are dropped.
 """
 
+import json
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -54,7 +57,6 @@ def outer(a, b, c, n):
     return inner(a, b, c, n) + inner(b, a, c, n - 1) + inner(c, a, b, n - 2)
 """
 RUN = """
-import numpy as np
 from contact.loop.caller import outer
 rng = np.random.default_rng(7)
 found = [outer(*rng.normal(size=(3, 64)), n).hex() for n in range(3, 40)]
@@ -62,11 +64,41 @@ print("compiled" if sum(outer.stats.cache_misses.values()) else "read", *found)
 """
 
 
+# runs RUN in a fork for each line of folders: the root of a copy, a home and a cache, or none
+FORKS = f"""
+import json, os, sys
+import numpy as np
+import numba
+for line in sys.stdin:
+    root, home, cache = json.loads(line)
+    child = os.fork()
+    if child == 0:
+        os.environ.update(PYTHONPATH=root, HOME=home, **({{"NUMBA_CACHE_DIR": cache}} if cache else {{}}))
+        numba.config.reload_config()
+        os.chdir(root)
+        sys.path.insert(0, root)
+        exec({RUN!r})
+        sys.stdout.flush()
+        os._exit(0)
+    os.waitpid(child, 0)
+    print("end", flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def forks() -> Iterator[subprocess.Popen[str]]:
+    """The process that has loaded numba."""
+    without = {key: value for key, value in os.environ.items() if key not in DECIDE}
+    command = [*AS_USER, sys.executable, "-P", "-c", FORKS]
+    with subprocess.Popen(command, env=without, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        yield process
+
+
 class Copy:
     """A copy of the package with one loop of its own, whose callee is in another file."""
 
-    def __init__(self, root: Path) -> None:
-        self.root, self.home = root, root / "home"
+    def __init__(self, root: Path, forks: subprocess.Popen[str]) -> None:
+        self.root, self.home, self.forks = root, root / "home", forks
         self.home.mkdir()
         shutil.copytree(PACKAGE, root / "contact", ignore=shutil.ignore_patterns("*-????????????????"))  # machine code
         (root / "contact/loop/caller.py").write_text(CALLER, encoding="utf-8")
@@ -79,12 +111,12 @@ class Copy:
 
     def run(self, cache: Path | None) -> tuple[str, list[float]]:
         """Whether the loop was compiled or read, and what it returned."""
-        set_here = {"PYTHONPATH": str(self.root), "HOME": str(self.home)}
-        without = {key: value for key, value in os.environ.items() if key not in DECIDE}
-        there = {**without, **set_here, **({"NUMBA_CACHE_DIR": str(cache)} if cache else {})}
-        command = [*AS_USER, sys.executable, "-c", RUN]
-        made = subprocess.run(command, env=there, cwd=self.root, capture_output=True, text=True, check=True)
-        words = made.stdout.split()
+        assert self.forks.stdin
+        assert self.forks.stdout
+        folders = [str(self.root), str(self.home), str(cache) if cache else ""]
+        self.forks.stdin.write(json.dumps(folders) + "\n")
+        self.forks.stdin.flush()
+        words = list(map(str.strip, iter(self.forks.stdout.readline, "end\n")))[-1].split()
         return words[0], [float.fromhex(word) for word in words[1:]]
 
     def files(self) -> list[Path]:
@@ -92,8 +124,8 @@ class Copy:
 
 
 @pytest.fixture
-def copy(tmp_path: Path) -> Copy:
-    return Copy(tmp_path)
+def copy(tmp_path: Path, forks: subprocess.Popen[str]) -> Copy:
+    return Copy(tmp_path, forks)
 
 
 @pytest.mark.slow
