@@ -129,8 +129,15 @@ threadpoolctl.threadpool_limits(2)
 seen = []
 table = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 2).freq * 1.01, sigma_hz=0.01)
 vary = [cf.Parameter(name="material.E", lower=150e9, upper=250e9)]
-cf.update(plate, table, vary, progress=lambda *_: seen.append(threads()))
-print(threads(), seen[0])
+
+def first(*_):
+    seen.append(threads())
+    raise KeyboardInterrupt
+
+try:
+    cf.update(plate, table, vary, progress=first)
+except KeyboardInterrupt:
+    print(threads(), *seen)
 """
 
 

@@ -66,9 +66,9 @@ def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
     omega = 2.0 * np.pi * 5.0
     body = ct.ModalBody.of(cf.reduce(frustum, cf.Rim("top", n_max=16), modes=20))
     found, vectors = poles(body, omega)
-    exact = cf.whirl_modes(replace(frustum, rotation=cf.Rotation(omega=omega)), 16)
-    np.testing.assert_allclose(found[:16] / (2.0 * np.pi), exact.freq, rtol=2e-9)
-    n, sense = senses(body, vectors[:, :16], omega)
+    exact = cf.whirl_modes(replace(frustum, rotation=cf.Rotation(omega=omega)), 8)
+    np.testing.assert_allclose(found[:8] / (2.0 * np.pi), exact.freq, rtol=2e-9)
+    n, sense = senses(body, vectors[:, :8], omega)
     assert n.tolist() == exact.nodal_diameters.tolist()
     assert sense.tolist() == exact.sense.tolist()
     upper = body.poles(omega).imag[len(found) :]

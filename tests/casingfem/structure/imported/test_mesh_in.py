@@ -1,8 +1,6 @@
 """Meshes from files: five formats of the same part, hand-written files, and what readers drop or mistake."""
 
 import struct
-import subprocess
-import sys
 import warnings
 
 import meshio
@@ -430,12 +428,6 @@ def test_negative_physical_numbers_are_not_lost(tmp_path):
     """Gmsh 2.2 marks a reversed surface by a negative number."""
     mesh = cf.read_mesh(write(tmp_path / "a.msh", GMSH_TWICE.replace("3 2 2 5 1", "3 2 2 -5 1")))
     assert mesh.groups["floor"].nodes.tolist() == [0, 1, 2]
-
-
-@pytest.mark.slow
-def test_a_shell_without_meshes_does_not_load_meshio():
-    code = "import sys; from casingfem import *; assert 'meshio' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_gmsh_41_bits_are_as_the_manual_has_them(tmp_path):
