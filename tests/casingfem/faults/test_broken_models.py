@@ -198,7 +198,7 @@ def test_refusals_show_their_code_on_the_command_line(tmp_path):
     assert result.stderr.endswith("[shell-thickness-size]\n")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_report_lists_them(tmp_path, capsys):
     rows = broken_models.main(tmp_path, quick=True)
     assert {row["verdict"] for row in rows} == {"as expected"}

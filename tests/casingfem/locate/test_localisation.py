@@ -176,10 +176,10 @@ def test_a_baseline_takes_manufacture_out(casing, model):
     """A radius harmonic splits n = 8 by far more than half a loose bolt splits anything."""
     made = replace(casing, radius_defect=cf.FourierField.of({16: 1e-4, 5: 2e-4}))
     before, now = (measured(cf.modes(loosened(made, loose), 20), 470.0) for loose in ({}, {3: 0.5}))
-    known = cf.locate(casing, now, baseline=before, model_error=1e-4, model=model)
+    known = cf.locate(casing, now, baseline=before, model_error=1e-4, model=model, most=1)
     assert {e.places for e in (known.best, *known.others)} == {frozenset({3}), frozenset({9})}
     assert known.found[0].value == pytest.approx(0.5, abs=0.05)
-    assert known.scale < cf.locate(casing, now, model_error=1e-4, model=model).scale
+    assert known.scale < cf.locate(casing, now, model_error=1e-4, model=model, most=1).scale
 
 
 @pytest.mark.slow

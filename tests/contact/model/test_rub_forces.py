@@ -100,7 +100,7 @@ def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning)
     speed = ct.Speed(time=[0.0, 0.05, 0.2], hz=[20.0, 20.0, 45.0])
     whirl = ct.gaps.Whirl(amplitude=2e-3, per_rev=0.7, hz=-3.0, phase_deg=50.0)
     scene = rub([ct.gaps.BodyForce.of_whirl(whirl, on, turning=turning)], zeta=0.05, speed=speed)
-    result = ran(scene, 0.2, h=2e-5, every=25)
+    result = ran(scene, 0.12, h=2e-5, every=25)
     body, other = (casing(0.05), "blade") if on == "casing" else (blade(0.05), "casing")
 
     def origin(t):  # in space, as a complex number; the blades are on the other side

@@ -298,7 +298,7 @@ def test_what_a_set_has_no_room_for_is_not_written(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_report_counts_every_file(tmp_path, capsys):
     rows = uff_mutations.main(tmp_path, quick=True)
     assert {row["files"] for row in rows} == {uff_mutations.QUICK}
