@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.slopes import assert_slopes
 
 COUNT = 10
 NAMES = [
@@ -74,18 +75,14 @@ def central_difference(shell, p, quantity, part=2e-4):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_derivatives_equal_central_differences(casing, solved, name):
+def test_derivatives_equal_central_differences(casing, solved):
     """Of the means of all pairs, and of each member where a pair is apart."""
-    p = parameter(name)
-    exact = np.diag(cf.updating.eigen_derivatives(solved, [p])[0])
-    plus, minus, distance = beside(casing, p)
-    for quantity, own in [
-        (lambda found: pair_means(found, found.omega**2), pair_means(solved, exact)),
-        (lambda found: found.omega[apart(solved)] ** 2, exact[apart(solved)]),
-    ]:
-        numeric = (quantity(plus) - quantity(minus)) / distance
-        assert np.abs(numeric - own).max() < 2e-5 * np.abs(numeric).max()
+
+    def means_and_members(values):
+        return np.concatenate([pair_means(solved, values), values[apart(solved)]])
+
+    vary = [parameter(name) for name in NAMES]
+    assert_slopes(casing, solved, vary, part=5e-5, within=1e-7, of=means_and_members)
 
 
 def apart(found):
