@@ -118,6 +118,7 @@ CAMPAIGNS = (
     Campaign("verification.schemes.rods", "two rods by every scheme", ("contact",)),
     Campaign("verification.schemes.rod_wall", "a rod on a wall by every scheme", ("contact",)),
     Campaign("benchmarks.work_precision", "error against time of every scheme", ("contact",)),
+    Campaign("benchmarks.work_precision_cycles", "error against time of shooting and harmonic balance", CYCLES),
     Campaign(
         "verification.schemes.stability", "stiffness and mass ratios to 1e10, a million steps at rest", ("contact",)
     ),
