@@ -78,12 +78,14 @@ MANY = 30  # stretches between the ends of strips: more of them are too short fo
 def default_mesh(shell: ShellParts) -> ShellMesh:
     """The mesh used when none is given; `python -m reports.verification.modes.frustum` measures the choice.
 
-    Around a casing there are 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as
-    .46 R/sqrt(t h). If something varies around, there are 17. Its rotation then changes no frequency by more than about
-    1e-10, and symmetric pairs are not split (`reports.verification.splitting`). Fields get 14 nodes a wave, without
-    harmonics below 2 % of their largest. The number of elements is odd, since even ones are less accurate for rotated
-    fields. If springs vary, it is a multiple of the common period if that exceeds twice those nodal diameters. With
-    bolts it is a multiple of theirs, which preserves symmetric pairs, at 8 nodes a wave if nothing else varies.
+    Around a casing there are 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t
+    h). If something varies around, there are 17. For a variation of up to 0.2 % of the radius its rotation then changes
+    no frequency by more than about 1e-10 (`reports.verification.splitting`). Fields get 14 nodes a wave, without
+    harmonics below 2 % of their largest. A mesh splits pairs that a field of common period p leaves double, unless its
+    number of elements is a multiple of p: for waves of 0.4 % by 1e-6 (`reports.verification.modes.around`). The number
+    of elements is odd, since even ones are less accurate for rotated fields. If springs vary, it is a multiple of the
+    common period if that exceeds twice those nodal diameters. With bolts it is a multiple of theirs, which preserves
+    symmetric pairs, at 8 nodes a wave if nothing else varies.
 
     Along the meridian the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide,
     gets a separate row, as on both sides of a stiffener. The rest is divided by the bending length sqrt(R t). Strips,

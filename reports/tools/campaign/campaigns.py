@@ -33,6 +33,7 @@ CAMPAIGNS = (
     Campaign("verification.cylinder", "650 frequencies of cylinders against 3-D elasticity", STRUCTURE),
     Campaign("verification.cylinder_exact", "those 650 computed anew, and what the shell's gap is made of", STRUCTURE),
     Campaign("verification.wall", "imperfect casings against themselves as three-dimensional solids", STRUCTURE),
+    Campaign("verification.modes.around", "elements around an imperfect frustum: error, forbidden splits", STRUCTURE),
     Campaign("verification.modes.locking", "thin walls do not lock", STRUCTURE),
     Campaign("verification.static", "MacNeal and Harder's static set", STRUCTURE),
     Campaign("verification.rotation", "rotating beams, rings, drums", STRUCTURE),
