@@ -44,10 +44,9 @@ def test_the_two_dimensional_shell_converges_to_the_coupled_harmonics(base, arou
     assert fine < 0.3 * coarse
 
 
-@pytest.mark.parametrize("angle", [0.1234, 2.0])
-def test_turning_the_bolts_by_any_angle_changes_no_frequency(angle):
+def test_turning_the_bolts_by_any_angle_changes_no_frequency():
     np.testing.assert_allclose(
-        by_harmonics(replace(LOOSE, first_angle=angle)).freq, by_harmonics(LOOSE).freq, rtol=1e-8
+        by_harmonics(replace(LOOSE, first_angle=2.1234)).freq, by_harmonics(LOOSE).freq, rtol=1e-8
     )
 
 

@@ -340,11 +340,10 @@ def turned_basis(axis, origin):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("axis", [(1.0, 2.0, -1.5), (0.0, -3.0, 1.0), (-2.0, 0.1, 0.2)])
-def test_a_rim_about_any_axis_is_the_one_about_z(axis):
+def test_a_rim_about_any_axis_is_the_one_about_z():
     """Frequencies, and compliance of each wave whatever the angle from which it is counted."""
     straight, flexible = turned_basis((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
-    basis, turned = turned_basis(axis, (0.4, -0.2, 0.7))
+    basis, turned = turned_basis((-2.0, 0.1, -1.5), (0.4, -0.2, 0.7))
     np.testing.assert_allclose(basis.freq, straight.freq, rtol=1e-8)
     names = [name.split(".") for name in basis.channels]
     for direction in ("radial", "tangential", "axial"):

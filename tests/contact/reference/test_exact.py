@@ -29,7 +29,7 @@ def test_characteristics_give_the_closed_forms():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("length", "x"), [(10.0, 20.0), (0.01, 300.0)])
+@pytest.mark.parametrize(("length", "x"), [(10.0, 20.0), (0.01, 100.0)])
 def test_a_bar_touches_its_wall_within_a_thousand_millionth_of_the_lengths(length, x):
     """So that round-off of the gap, after any number of steps, neither delays a contact nor makes one."""
     bar = {"length": length, "area": 1.0, "E": 900.0, "rho": 1.0}

@@ -45,7 +45,7 @@ def coupled(body, seed, *, cross=False):
 @pytest.mark.parametrize("name", CASES)
 def test_tips_press_as_steps_of_whole_matrices_state(name):
     count, axial, mu, law, couples = CASES[name]
-    steps = {1: 300, 2: 50, 6: 12, 9: 10}[count]  # one tip is thrown off, and comes back
+    steps = {1: 300, 2: 50, 6: 12, 9: 6}[count]  # one tip is thrown off, and comes back
     other = count if count > 2 else 1
     casing, blades = round_rim() if couples == "round" else rim3(), [nodes(max(count, 2)), nodes(other, seed=6)]
     if couples == "blades":

@@ -93,11 +93,10 @@ def test_a_bend_that_is_nearly_straight_is_meshed_as_the_tube_it_is():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("uneven", [{"swing": 0.4}, {"lag": 0.5}, {"swing": 0.3, "lag": -0.3}])
-def test_modes_of_a_tube_do_not_depend_on_its_parameters(uneven):
+def test_modes_of_a_tube_do_not_depend_on_its_parameters():
     """Frequencies and labels are those of the cylinder's own harmonics."""
     mesh = cf.ShellMesh(order=7, rows=4, around=11)
-    found = cf.modes(clamped(Tube(height=0.1, **uneven), mesh=mesh), count=4)
+    found = cf.modes(clamped(Tube(height=0.1, swing=0.3, lag=-0.3), mesh=mesh), count=4)
     exact = cf.modes(clamped(cf.Cylinder(radius=0.1, height=0.1), mesh=mesh), count=4)
     np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-4)
     assert found.nodal_diameters.tolist() == exact.nodal_diameters.tolist()
