@@ -64,10 +64,14 @@ class ElementSum:
         return tuple(group.dofs for group in self.groups)
 
     @property
+    def numbers(self) -> tuple[FloatArray, ...]:
+        """The data that determine the entries: R, d and the matrices of the elements."""
+        return self.scale, self.diagonal, *(group.matrices for group in self.groups)
+
+    @property
     def finite(self) -> bool:
         """Whether all numbers are finite."""
-        parts = (self.scale, self.diagonal, *(group.matrices for group in self.groups))
-        return all(bool(np.isfinite(part.sum()) or np.isfinite(part).all()) for part in parts)  # a sum takes no memory
+        return all(bool(np.isfinite(part.sum()) or np.isfinite(part).all()) for part in self.numbers)  # without a copy
 
     def scaled(self, root: FloatArray) -> "ElementSum":
         """R A R for a diagonal R given by its entries; the elements' matrices are shared."""
