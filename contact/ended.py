@@ -20,7 +20,7 @@ from contact.on_rotor import rotor_orbit
 from contact.prepared import Prepared, allow_far
 from contact.record.energy import EnergyBudget
 from contact.record.record import Samples
-from contact.result import Result
+from contact.result import Result, coordinates_and_forces
 
 LONGER = 4  # times its steps, at most: length to which a run that passed a limit continues to fit its growth
 ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
@@ -129,7 +129,8 @@ def with_growth(
             again = ready.scheme.prepare(ready.problem, ready.law, dt=result.dt, courant=None)
             allow_far(again)
             time, state = states(again, 0, min(LONGER * result.steps, ready.count))
-            more = replace(result, state_time=time, state=state, channels=result.channels[:0])
+            stored = coordinates_and_forces(state, again.blocks, whole=True)
+            more = replace(result, state_time=time, channels=result.channels[:0], **stored)
             growth, far = of_run(ready.problem, more) or growth, passed(again.limits) is not None
     if growth is None:
         return result

@@ -41,17 +41,18 @@ OTHER_RATE = {
 class SpeedRun:
     """The scene at one constant speed: `speed_hz` [turns/s], its verdict, and the motion.
 
-    `force_n`: largest contact force of a step [N]; `mode` the number of the blades' mode if the motion is mostly theirs
-    and has no nodal diameters. `closed`: growth of closed contact [1/s]; `growth` of the run with its 95 % interval,
-    nan without one; `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half
-    the wall; `n` is None if nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why`
-    the reason if it does not decide. `check` is the result with half the step: "converged", "numerical", "irregular",
-    "depends on the step", or "" for motions that do not grow. `state` is the end state of the motion, `steady` the
-    relative variation of the largest deflection between windows of the last part; `contact` the fraction of the time in
-    which the contact that touches most was closed. `limit_m` is the largest rim deflection that the linear model
-    allows, for a run that passed it and was stopped; nan for others. `allowed_m` is that deflection for every run.
-    `may_change` is that of the run's result. `opens`: whether some contact is open for a part of the time; `slow`:
-    whether the growth is that of closed contact, too slow for the run to show it.
+    `force_n`: largest contact force of a step [N]; `mode` the number of the blades' mode if the motion is mostly
+    theirs and has no nodal diameters. `closed`: growth of closed contact [1/s]; `growth` of the run with its 95 %
+    interval, nan without one; `amplitude_m` the largest deflection of the rim at the end of the run, `half_wall_s`
+    the time at which it reaches half the wall; `n` is None if nothing moves or blades have no nodal diameters.
+    `seconds` is the length of the run, `why` the reason if it does not decide. `check` is the result with half the
+    step: "converged", "numerical", "irregular", "depends on the step", or "" for motions that do not grow. `state` is
+    the end state of the motion, `steady` the relative variation of the largest deflection between windows of the last
+    part; `contact` the fraction of the time in which the contact that touches most was closed. `limit_m` is the
+    largest rim deflection that the linear model allows, for a run that passed it and was stopped; nan for others.
+    `allowed_m` is that deflection for every run. `may_change` is that of the run's result. `opens`: whether some
+    contact is open for a part of the time; `slow`: whether the growth is that of closed contact, too slow for the run
+    to show it.
     """
 
     speed_hz: float

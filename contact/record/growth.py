@@ -194,7 +194,7 @@ class RunGrowth:
 
         >>> RunGrowth(rate=0.0, low=-0.1, high=0.1, state="bounded", amplitude=4e-5, steady=0.05, since=0.1,
         ...           time_to_half_wall=math.inf, cause=None).verdict
-        'The motion is bounded: the rim deflects by 0.04 mm, steady within 5 %.'
+        'The motion is bounded: at the end of the run the rim deflects by 0.04 mm, steady within 5 %.'
         >>> RunGrowth(rate=42.0, low=-21.0, high=106.0, state="grows", amplitude=2e-3, steady=1.0, since=0.1,
         ...           time_to_half_wall=0.2, cause=None).verdict
         'The motion grows beyond its limit. Its rate is uncertain: 42 1/s (95 %: -21 to 106).'
@@ -209,7 +209,7 @@ class RunGrowth:
             return f"The motion decays by {-self.rate:.3g} 1/s (95 %: {-self.high:.3g} to {-self.low:.3g})."
         if self.state == "bounded":
             size = f"{1e3 * self.amplitude:.3g} mm, steady within {100.0 * self.steady:.2g} %"
-            return f"The motion is bounded: the rim deflects by {size}.{mostly}"
+            return f"The motion is bounded: at the end of the run the rim deflects by {size}.{mostly}"
         if self.state == "at rest":
             return "Nothing vibrates."
         if self.passes is not None:

@@ -42,7 +42,12 @@ class Ran(Protocol):
 
     @property
     def state(self) -> Array:
-        """Modal coordinates, then forces, (ns, N)."""
+        """Modal coordinates, (ns, m)."""
+        ...
+
+    @property
+    def tip_force(self) -> Array:
+        """Forces on the tips [N], (ns, K d)."""
         ...
 
     @property
@@ -114,7 +119,7 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
     found = envelope(result.state_time, q, parts.omega, parts.groups.of, turn)
     if found is None:
         return None
-    moved = deflection(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.state[:, q.shape[1] :])
+    moved = deflection(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.tip_force)
     return _verdict(seen, result, q, found, moved)
 
 

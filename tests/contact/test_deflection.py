@@ -83,6 +83,16 @@ def test_loop_states_growth_flag_and_page_have_one_largest_deflection(kind):
     assert rim_motion(scene.what, below).largest == motion.deflection.max()
 
 
+@pytest.mark.slow
+def test_the_growth_of_a_run_within_its_limits_counts_the_residual_compliance():
+    scene = replace(rubbing("rim", wall=1.0), t_end=0.1)
+    result = ct.run(scene)
+    late = result.state_time >= result.growth.since
+    assert result.growth.amplitude == pytest.approx(rim_motion(scene.what, result).deflection[late].max(), rel=1e-12)
+    modes = deflection(rub_of(scene.what), result.state_time, result.state_of("casing"), 0.0 * result.tip_force)
+    assert abs(result.growth.amplitude / modes[late].max() - 1.0) > 0.004  # which is less than the modes alone, here
+
+
 @pytest.mark.parametrize("kind", ["rim", "rub"])
 @pytest.mark.slow
 def test_the_loop_notes_the_static_deflection_of_the_first_step(kind):

@@ -125,7 +125,8 @@ def deflection_words(runs: Sequence[Any]) -> str:
         largest = max(whole, key=lambda run: float(run.amplitude_m))
         others = " in the others" if stopped else ""
         what = "disk" if largest.body == "rotor" else "rim"
-        words.append(f"The {what} moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}.")
+        moved = f"the {what} moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}"
+        words.append(f"After the start, {moved}.")
         if not stopped and math.isfinite(largest.allowed_m):
             most = largest.allowed_m
             limit = f"{1e3 * most:.3g} mm" if most < 1.0 else f"{most:.3g} m"
