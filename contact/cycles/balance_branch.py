@@ -6,6 +6,7 @@ points are no folds: folds are those of `follow`, where a Floquet multiplier pas
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,12 +14,22 @@ import numpy as np
 
 from contact.base.arrays import Array, require_count, require_finite, require_positive
 from contact.base.errors import InputError, NumericsError
-from contact.cycles.balance import CLOSE, HARMONICS, Balanced, balance, balanced, jacobian, linear, scales
+from contact.cycles.balance import (
+    CLOSE,
+    HALVINGS,
+    HARMONICS,
+    NEWTON,
+    Balanced,
+    balance,
+    balanced,
+    jacobian,
+    linear,
+    scales,
+)
 from contact.cycles.driven import Family
 from contact.cycles.harmonics import complexes, reals, response
 
 DIFFERENCE = 1e-6  # of the parameter, for the derivative by it
-NEWTON = 12
 EASY = 4  # Newton steps
 LEAST = 1e-4  # of the longest step
 
@@ -57,26 +68,34 @@ class Equations:
         at, border = guess, np.append(along.v / max(float(guess.v @ guess.v), 1e-300), along.value / self.span**2)
         last = np.zeros(at.v.size + 1)
         last[-1] = 1.0
-        for step in range(1, NEWTON + 1):
-            try:
-                off, J = self.linear(at)
-                off = np.append(off, border @ np.append(at.v - guess.v, at.value - guess.value))
-                change, tangent = np.linalg.solve(np.vstack([J, border]), np.column_stack([-off, last])).T
-            except (InputError, NumericsError, np.linalg.LinAlgError):
-                return None
-            at = at.plus(Point(change[:-1], float(change[-1])))
-            if not np.all(np.isfinite(change)) or abs(at.value - guess.value) > self.span:
-                return None
-            close = CLOSE * float(np.linalg.norm(at.v))
-            if np.linalg.norm(change[:-1]) <= close and abs(change[-1]) <= CLOSE * self.span:
-                return at, self.unit(Point(tangent[:-1], float(tangent[-1])), at), step
+        try:
+            off, J = self.linear(at)
+            for step in range(1, NEWTON + 1):
+                ahead = border @ np.append(guess.v - at.v, guess.value - at.value)
+                sides = np.column_stack([np.append(-off, ahead), last])
+                change, tangent = np.linalg.solve(np.vstack([J, border]), sides).T
+                if not np.all(np.isfinite(change)) or abs(at.value + change[-1] - guess.value) > self.span:
+                    return None
+                move, before = Point(change[:-1], float(change[-1])), float(np.linalg.norm(off))
+                close = CLOSE * float(np.linalg.norm(at.v + move.v))
+                if np.linalg.norm(move.v) <= close and abs(move.value) <= CLOSE * self.span:
+                    at = at.plus(move)
+                    return at, self.unit(Point(tangent[:-1], float(tangent[-1])), at), step
+                for half in range(HALVINGS):
+                    trial = at.plus(move, 0.5**half)
+                    off, J = self.linear(trial)
+                    if np.linalg.norm(off) <= (1.0 - 1e-4 * 0.5**half) * before:
+                        break
+                at = trial
+        except (InputError, NumericsError, np.linalg.LinAlgError):
+            return None
         return None
 
     def linear(self, at: Point) -> tuple[Array, Array]:
         """Weighted residual and its derivative by unknowns and parameter, (m,) and (m, m + 1)."""
         motion, _ = self.family.at(at.value)
         here = response(motion, self.harmonics, self.periods)
-        delta = DIFFERENCE * (abs(at.value) or self.span)
+        delta = DIFFERENCE * max(abs(at.value), 1e-3 * self.span)
         near = response(self.family.at(at.value + delta)[0], self.harmonics, self.periods)
         y, weight = complexes(at.v, len(here.own)), scales(here)
         off, forces = linear(here, y)
@@ -133,8 +152,8 @@ def balance_branch(
             continue
         if not min(between) <= new[0].value <= max(between):
             edge = min(max(new[0].value, min(between)), max(between))
-            if edge != at.value:
-                found.append(balance(family, edge, harmonics=begin.harmonics, guess=found[-1], periods=begin.periods))
+            with suppress(NumericsError):  # else the branch ends before the edge
+                found.append(balance(family, edge, harmonics=begin.harmonics, guess=found[-1]))
             break
         at, along, steps = new
         found.append(equations.solution(at, steps))

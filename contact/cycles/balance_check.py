@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.base.arrays import Array, require_count
-from contact.base.errors import NumericsError
+from contact.base.errors import InputError, NumericsError
 from contact.cycles.balance import HARMONICS, Balanced
 from contact.cycles.balance_branch import Equations, Point
 from contact.cycles.driven import Family
@@ -24,9 +24,9 @@ NEAR = 0.1  # relative difference of a motion that still counts as the orbit's
 class Agreement:
     """Difference of harmonic balance from the orbits of branches: one value an orbit, in the order of the branches.
 
-    `amplitude` the largest relative difference of an amplitude, `parameter` the relative one of the parameter, both NaN
-    where harmonic balance finds no motion near the orbit; `value` the parameter, `harmonics` those of a period of the
-    forcing.
+    `amplitude` the largest relative difference of an amplitude, `parameter` that of the parameter, relative to its
+    largest value on the branch, both NaN where harmonic balance finds no motion near the orbit; `value` the parameter,
+    `harmonics` those of a period of the forcing.
 
     >>> one = Agreement(name="freq_hz", harmonics=30, value=np.array([0.1, 0.2]), amplitude=np.array([1e-5, 2e-4]),
     ...                 parameter=np.array([0.0, 1e-6]))
@@ -119,17 +119,23 @@ def _differences(family: Family, orbits: tuple[Orbit, ...], harmonics: int) -> l
     for k, (orbit, here) in enumerate(zip(orbits, at, strict=True)):
         along = at[min(k + 1, len(at) - 1)].plus(at[max(k - 1, 0)], -1.0) if len(at) > 1 else Point(here.v, 0.0)
         ways = (equations.unit(along, here), Point(0.0 * here.v, equations.span))
-        near = next((one for one in (equations.corrected(here, way) for way in ways) if one is not None), None)
-        try:
-            one = None if near is None else equations.solution(near[0], near[2])
-        except NumericsError:
-            one = None
-        rows.append((np.nan, np.nan) if one is None else _difference(one, orbit))
+        motions = (_motion(equations, here, way) for way in ways)
+        one = next((motion for motion in motions if motion is not None), None)
+        rows.append((np.nan, np.nan) if one is None else _difference(one, orbit, float(np.abs(values).max())))
     return rows
 
 
-def _difference(one: Balanced, orbit: Orbit) -> tuple[float, float]:
-    """Relative differences of amplitude and parameter; NaN for another motion."""
+def _motion(equations: Equations, here: Point, along: Point) -> Balanced | None:
+    """The motion on the plane through a point normal to a direction; None where there is none within the range."""
+    near = equations.corrected(here, along)
+    try:
+        return None if near is None else equations.solution(near[0], near[2])
+    except (InputError, NumericsError):
+        return None
+
+
+def _difference(one: Balanced, orbit: Orbit, most: float) -> tuple[float, float]:
+    """Differences of amplitude, and of the parameter relative to its largest value; NaN for another motion."""
     sizes = [abs(one.amplitude[name] - size) / size for name, size in orbit.amplitude.items() if size > 0.0]
-    away = max(sizes, default=0.0), abs(one.value - orbit.value) / abs(orbit.value)
+    away = max(sizes, default=0.0), abs(one.value - orbit.value) / most
     return away if max(away) <= NEAR else (np.nan, np.nan)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices
 from contact.base.errors import InputError
@@ -154,49 +155,62 @@ def pressed(y: Complex, own: Array) -> Pressed:
 
 def _closed(y: Complex) -> Complex:
     """The series of the function that is 1 where y < 0, to twice the harmonics: (k, 2 H + 1)."""
-    h, m = np.arange(y.shape[1]), np.arange(1, 2 * y.shape[1] - 1)
+    m = np.arange(1, 2 * y.shape[1] - 1)
     free = in_time(y, samples_of(y.shape[1] - 1))
     found = np.zeros((len(y), m.size + 1), dtype=complex)
     found[:, 0] = free[:, 0] < 0.0
-    contact, opens, low, angle, high = _brackets(free)
+    contact, opens, low, angle, high = (np.concatenate(column) for column in zip(*_brackets(y, free), strict=True))
     if not contact.size:
         return found
-    waves, slopes = y[contact], y[contact] * (1j * h)
     for _ in range(ZERO):
-        turned = np.exp(1j * angle[:, None] * h)
-        slope = (slopes * turned).real.sum(axis=1)
-        move = (waves * turned).real.sum(axis=1) / np.where(slope == 0.0, np.inf, slope)
-        angle = np.clip(angle - move, low, high)
+        value, slope, _ = _at(y[contact], angle)
+        angle = np.clip(angle - value / np.where(slope == 0.0, np.inf, slope), low, high)
     sense = np.where(opens, -1.0, 1.0)
     np.add.at(found[:, 0], contact, -sense * angle / (2.0 * np.pi))
     np.add.at(found[:, 1:], contact, sense[:, None] * np.exp(-1j * angle[:, None] * m) / (1j * np.pi * m))
     return found
 
 
-def _brackets(free: Array) -> tuple[Indices, Indices, Array, Array, Array]:
-    """Zeros of samples (k, N): contact, whether it opens, lower bound, guess and upper bound of the angle [rad].
+class Bracket(NamedTuple):
+    """Zeros of gaps: contact, whether it opens, bounds of the angle and a guess between them [rad]."""
 
-    A parabola through three samples of one sign may have two zeros between them.
-    """
-    before, after, step = np.roll(free, 1, axis=1), np.roll(free, -1, axis=1), 2.0 * np.pi / free.shape[1]
+    contact: Indices
+    opens: NDArray[np.bool_]
+    low: Array
+    guess: Array
+    high: Array
+
+
+def _at(z: Complex, angle: Array) -> tuple[Array, Array, Array]:
+    """Value, slope and curvature of series (m, H + 1) at one angle each."""
+    h = np.arange(z.shape[1])
+    turned = z * np.exp(1j * angle[:, None] * h)
+    return turned.real.sum(axis=1), -(turned.imag @ h), -(turned.real @ h**2)
+
+
+def _brackets(y: Complex, free: Array) -> list[Bracket]:
+    """Zeros of series: between samples of different sign, and two on both sides of an extremum between samples."""
+    after, before, step = np.roll(free, -1, axis=1), np.roll(free, 1, axis=1), 2.0 * np.pi / free.shape[1]
     shut = free < 0.0
     contact, at = np.nonzero(shut != (after < 0.0))
     part = free[contact, at] / (free[contact, at] - after[contact, at])
-    found = [(contact, shut[contact, at], 1.0 * at, at + part, at + 1.0)]
+    found = [Bracket(contact, shut[contact, at], step * at, step * (at + part), step * (at + 1))]
     bend, tilt = before - 2.0 * free + after, before - after
-    alone = (shut == (before < 0.0)) & (shut == (after < 0.0)) & (free * bend > 0.0)
-    contact, at = np.nonzero(alone & (np.abs(tilt) <= np.abs(bend)) & (8.0 * free * bend < tilt**2))
-    if contact.size:
-        curve = bend[contact, at]
-        middle = at + 0.5 * tilt[contact, at] / curve
-        half = np.sqrt(np.maximum((middle - at) ** 2 - 2.0 * free[contact, at] / curve, 0.0))
-        inside = shut[contact, at]
-        found += [
-            (contact, inside, at - 1.0, middle - half, middle),
-            (contact, ~inside, middle, middle + half, at + 1.0),
-        ]
-    contact, opens, low, guess, high = (np.concatenate(column) for column in zip(*found, strict=True))
-    return contact, opens, step * low, step * guess, step * high
+    alone = (shut == (before < 0.0)) & (shut == (after < 0.0)) & (np.abs(tilt) <= np.abs(bend))
+    near = (free * bend > 0.0) & (8.0 * free * bend < tilt**2 + 8.0 * bend**2)  # nearer to zero than a step's bend
+    contact, at = np.nonzero(alone & near)
+    if not contact.size:
+        return found
+    inside, low, high = shut[contact, at], step * (at - 1), step * (at + 1)
+    middle = step * (at + 0.5 * tilt[contact, at] / bend[contact, at])
+    for _ in range(ZERO):
+        value, slope, curve = _at(y[contact], middle)
+        middle = np.clip(middle - slope / np.where(curve == 0.0, np.inf, curve), low, high)
+    value, _, curve = _at(y[contact], middle)
+    crosses = (value < 0.0) != inside
+    half = np.sqrt(np.abs(2.0 * value / np.where(curve == 0.0, np.inf, curve)))
+    pair = Bracket(contact, inside, low, middle - half, middle), Bracket(contact, ~inside, middle, middle + half, high)
+    return [*found, *(Bracket(*(part[crosses] for part in one)) for one in pair)]
 
 
 def reals(y: Complex) -> Array:

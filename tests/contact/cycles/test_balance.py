@@ -91,6 +91,16 @@ def test_two_masses_turn_back_at_the_folds_of_nlvib_and_agree_with_shooting():
     assert agreement.worst[1] < 1e-4
 
 
+def test_a_range_from_clearance_zero_is_compared_with_harmonic_balance():
+    family = mass_on_stop(9.0).over("clearance", freq_hz=0.2)
+    found = ct.cycles.follow(family, (0.0, 0.1), longest=0.5)
+    agreement = ct.cycles.balance_check(family, found)
+    assert agreement.value[0] == 0.0
+    assert agreement.found == agreement.value.size
+    assert agreement.worst[0] < 1e-3
+    assert agreement.worst[1] < 1e-3
+
+
 def test_a_false_turning_point_of_a_short_series_is_no_fold():
     """A mass before a stop of 1e5 times its stiffness has no fold in this range; three harmonics turn back in it."""
     family = mass_on_stop(1e5).over("freq_hz", freq_hz=0.2)
