@@ -170,8 +170,7 @@ def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str,
     largest = max(map(abs, ledger.values()), default=0.0)
     names = [name for name, value in ledger.items() if abs(value) > SMALL * largest] or list(ledger)
     values = np.array([ledger[name] for name in names])
-    colours = [AFTER if value > 0.0 else BEFORE for value in values]
-    rows[0].barh(names[::-1], values[::-1], color=colours[::-1])
+    rows[0].barh(names[::-1], values[::-1], color=PERFECT)  # the colours below are those of the bodies
     rows[0].axvline(0.0, color="#777777", linewidth=0.8)
     rows[0].set_xlabel("energy into the bodies [J]")
     rows[0].xaxis.set_major_formatter(Powers(-3, 4))
