@@ -151,13 +151,15 @@ def waves_of(pattern: object) -> str:
     return ", ".join(words) + (f" and {len(terms) - SHOWN} more harmonics" if len(terms) > SHOWN else "")
 
 
-def modes_section(found: ModeSet, reference: Modes | None) -> Section:
-    """Frequencies by n, shapes, rims, and the table."""
+def modes_section(found: ModeSet, reference: Modes | None, *, updated: bool = False) -> Section:
+    """Frequencies by n, shapes, rims, and the table; `updated`: an update follows, which changes the frequencies."""
     counted = "could not be computed" if found.sturm_count is None else f"is {found.sturm_count}"
     paragraphs = [
         f"{len(found)} modes of {found.dofs:,} unknowns. The Sturm count, the number of modes up to the last one by "
         f"inertia, {counted}."
     ]
+    if updated:
+        paragraphs.insert(0, "The structure has the values of the study here, before the update.")
     wide = [k for k in range(len(found.doublets)) if found.splits[k] > 1e-4]
     if wide:
         k = max(wide, key=lambda k: float(found.splits[k]))

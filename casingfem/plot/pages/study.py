@@ -46,7 +46,7 @@ def study_page(study: Study | MeshStudy, say: Callable[[str], None] = lambda wor
     reference = None
     if ideal is not None:
         reference = clock("modes of the perfect shell", lambda: modes(ideal, **study.file.modes.wanted))
-    sections = [inputs_section(study), modes_section(found, reference)]
+    sections = [inputs_section(study), modes_section(found, reference, updated=study.table is not None)]
     if turns(study.structure):
         sections.append(clock("Campbell diagram", lambda: campbell_section(study.structure, len(found))))
     structure: Shell | MeshStructure = study.structure
@@ -141,7 +141,7 @@ def study_verdict(
     """The first statement of the page: on the update if there is one, else on the modes."""
     if fit is not None:
         judged = update_verdict(fit, compared)
-        return replace(judged, facts=(("Modes", lead(found)), *judged.facts))
+        return replace(judged, facts=(("Modes", f"Before the update {lead(found)}"), *judged.facts))
     counted = (
         "The modes could not be counted by inertia: whether one is missing is not known."
         if found.sturm_count is None
