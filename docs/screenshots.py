@@ -68,8 +68,8 @@ def run(*words: str) -> None:
 
 def first_screen(tab: Tab, page: Path) -> bytes:
     """The first screen of a page as a PNG."""
+    tab.send("Emulation.setScrollbarsHidden", hidden=True)  # before the page is laid out
     tab.open(page, WIDTH, HEIGHT)
-    tab.send("Emulation.setScrollbarsHidden", hidden=True)
     frames = "for (let k = 0; k < 6; k++) await new Promise(requestAnimationFrame);"
     tab.run(f"(async () => {{ {frames} }})()")
     area = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT, "scale": 1}
