@@ -63,13 +63,13 @@ def follow(
     """Follow the orbits of a family over a range of its parameter, past folds, until they leave the range.
 
     `first` is an orbit at the first value, by default the one on which a run settles, else the one that `balance` leads
-    to. `longest` is the longest step; 1
-    is a change of the state by its own size, or of the parameter by the range. `most` is the largest number of orbits
-    of a branch. If a branch ends inside the range (a rigid contact grazes), runs from its last stable orbit change the
-    parameter by a hundredth of the range each, until one settles on an orbit, which starts another branch. Each flip
-    starts a branch of doubled period, up to `doublings` doublings. `checkpoint` names a file that keeps the orbits
-    found so far; if it exists, the search continues from it with bit-identical results. `progress` receives branch,
-    value and number of orbits. Raises InputError, and NumericsError if no orbit is found.
+    to. `longest` is the longest step; 1 is a change of the state by its own size, or of the parameter by the range.
+    `most` is the largest number of orbits of a branch. If a branch ends inside the range (a rigid contact grazes), runs
+    from its last stable orbit change the parameter by a hundredth of the range each, until one settles on an orbit,
+    which starts another branch. Each flip starts a branch of doubled period, up to `doublings` doublings. `checkpoint`
+    names a file that keeps the orbits found so far; if it exists, the search continues from it with bit-identical
+    results. `progress` receives branch, value and number of orbits. Raises InputError, and NumericsError if no orbit is
+    found.
 
     >>> import numpy as np
     >>> import contact as ct
