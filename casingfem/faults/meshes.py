@@ -205,6 +205,10 @@ MESHES = {
         "the numbers of cells of a blade of sections are invalid",
         "give whole numbers of cells along chord, span and thickness, such as [24, 20, 1]",
     ),
+    "sections-disk": (
+        "the disk under a blade of sections is invalid",
+        "give a bore below the root section, lengths above 0, and a root thinner than the pitch",
+    ),
     "mesh-support": (
         "this kind of support is not possible on an imported mesh",
         "use clamped, fixed (with directions) or elastic with k_face only",

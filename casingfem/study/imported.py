@@ -14,6 +14,7 @@ from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.sections import BladeSections
+from casingfem.structure.imported.sector_mesh import DiskRing
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
@@ -86,7 +87,8 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
     supports = build_supports(tables.support, problems)
     rotation = build_mesh_rotation(tables.rotation, problems)
     table, key = (tables.solid, "solid") if tables.solid is not None else (tables.shell, "shell")
-    mesh = None if table is None else build_mesh(table, key, problems)
+    sectors = None if tables.cyclic is None else tables.cyclic.sectors
+    mesh = None if table is None else build_mesh(table, key, sectors, problems)
     if mesh is None or material is None or problems:
         return None
     with problems.at(key):
@@ -140,13 +142,26 @@ def mesh_interface(
     return Tip(edge)
 
 
-def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | None:
-    """The mesh, or the mesh of the blade sections, that a table names, with paths relative to the study."""
+def build_mesh(table: ImportTable, key: str, sectors: int | None, problems: Problems) -> MeshData | None:
+    """The mesh, or the mesh of the blade sections, that a table names, with paths relative to the study.
+
+    A blade on a disk is one of the `sectors` of [cyclic].
+    """
     if isinstance(table, SolidTable) and table.sections is not None:
         with problems.at(f"{key}.sections"):
             sections = BladeSections.from_csv(problems.file.parent / table.sections)
-            with problems.at(f"{key}.cells"):
-                return sections.mesh(table.cells)
+            if table.disk is None:
+                with problems.at(f"{key}.cells"):
+                    return sections.mesh(table.cells)
+                return None
+            if sectors is None:
+                expected = "[cyclic] with sectors, the number of blades of the wheel"
+                if not problems:  # else [cyclic] may be there with a mistake
+                    problems.add(f"{key}.disk", "a disk without [cyclic]", expected, "study-missing")
+                return None
+            with problems.at(f"{key}.disk"):
+                return sections.sector(sectors, value_of(table.disk, DiskRing), table.cells)
+            return None
     if table.mesh is not None:
         with problems.at(f"{key}.mesh"):
             place = problems.file.parent / table.mesh

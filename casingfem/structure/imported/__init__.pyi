@@ -11,6 +11,7 @@ from .mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spr
 from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
 from .sections import BladeSections
+from .sector_mesh import DiskRing
 from .shell import MeshShell
 from .solid import Solid
 from .turning_structure import TurningStructure
@@ -19,6 +20,7 @@ __all__ = [
     "Attachments",
     "BladeSections",
     "CyclicSector",
+    "DiskRing",
     "Equation",
     "FacetPressure",
     "Fixed",

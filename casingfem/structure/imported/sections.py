@@ -26,6 +26,7 @@ from casingfem.io.columns import SECTIONS, named
 from casingfem.io.strict_csv import StrictCsv, read
 from casingfem.io.together import together
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.sector_mesh import DiskRing
 
 COLUMNS = {
     "z": {"z_m": 1.0, "z_mm": 1e-3},
@@ -146,6 +147,41 @@ class BladeSections:
         from casingfem.structure.imported.section_mesh import section_mesh
 
         return section_mesh(self, cells)
+
+    def sector(self, sectors: int, disk: DiskRing, cells: Sequence[int] = (24, 20, 1)) -> MeshData:
+        """One sector of a wheel: the blade on the ring of a disk, in bricks of 20 nodes; wedges at both edges.
+
+        The faces of the sector follow the camber of the root section, so the root may be wider around than the pitch.
+        The groups are low and high (the faces), front, rear, bore and tip, and blade, the cells outside the ring.
+
+        Parameters
+        ----------
+        sectors
+            Number of blades of the wheel.
+        disk
+            The ring: its bore, its length before and behind the blade, and its cells.
+        cells
+            Numbers of cells of the blade along chord, span and thickness, as in `mesh`.
+
+        Raises
+        ------
+        ModelError
+            `sections-cells` for numbers of cells that are out of range; `sections-disk` for a bore that does not lie
+            below the root, for a root thicker than the pitch, and for an open edge.
+
+        Examples
+        --------
+        >>> import casingfem as cf
+        >>> from casingfem.examples import DATA
+        >>> blade = cf.imported.BladeSections.from_csv(DATA / "scenes" / "rotor37" / "sections.csv")
+        >>> disk = cf.imported.DiskRing(bore=0.12, front=0.004, rear=0.004)
+        >>> mesh = blade.sector(36, disk, cells=(8, 6, 1))
+        >>> mesh.groups["low"].nodes.size, mesh.groups["high"].nodes.size
+        (117, 117)
+        """
+        from casingfem.structure.imported.sector_mesh import sector_mesh
+
+        return sector_mesh(self, cells, sectors, disk)
 
 
 def numbers(table: StrictCsv) -> dict[str, FloatArray]:

@@ -11,6 +11,7 @@ from casingfem.structure.geometry.revolved import Arc
 from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.imported.attachments.glue import Gluing
+from casingfem.structure.imported.sector_mesh import DiskRing
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.plies import Lamina, Ply
@@ -172,6 +173,11 @@ class ImportTable(Table):
     tie: list[TieTable] = Field(default=[], description="faces to tie: tables with follower, master, tolerance")
 
 
+@table_of(DiskRing)
+class DiskTable(Table):
+    """[solid.disk]: a disk ring under a blade of sections, one sector of the wheel of [cyclic]."""
+
+
 class SolidTable(ImportTable):
     """[solid]: an imported mesh of tetrahedra or bricks, or a blade of sections, instead of [chart] and [shell]."""
 
@@ -182,13 +188,14 @@ class SolidTable(ImportTable):
     cells: Cells = Field(
         default=[24, 20, 1], description="numbers of cells along chord, span and thickness of a blade of sections"
     )
+    disk: DiskTable | None = Field(default=None, description="disk under the blade of sections; with [cyclic]")
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.mesh is None) == (self.sections is None):
             found = "neither mesh nor sections" if self.mesh is None else "both mesh and sections"
             raise ValueError(f"found {found}, expected one of them")
-        other = {"scale", "join", "units", "tie"} if self.sections is not None else {"cells"}
+        other = {"scale", "join", "units", "tie"} if self.sections is not None else {"cells", "disk"}
         if wrong := sorted(other & self.model_fields_set):
             beside = "sections, whose columns name their units" if self.sections is not None else "mesh"
             raise ValueError(f"found {', '.join(wrong)} with {beside}, expected no such key")
