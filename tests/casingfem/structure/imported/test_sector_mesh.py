@@ -76,7 +76,7 @@ def test_blade_on_a_stiff_disk_has_the_frequencies_of_the_clamped_blade(rotor):
         ({"bore": 0.19}, 36, "disk.bore: found 0.19 m, expected less than the hub's 0.1779 m"),
         ({"front": 0.0}, 36, "disk.front: found 0.0 m, expected a length above 0"),
         ({"cells_around": 1}, 36, "disk.cells_around: found 1, expected a whole number of 2"),
-        ({}, 300, "a root that is .* degrees thick around, expected less than the pitch, 1.2"),
+        ({}, 400, "a root that is .* degrees thick around, expected less than the pitch, 0.9"),
     ],
 )
 def test_disk_that_does_not_fit_is_refused(change, sectors, words):
