@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
@@ -67,6 +66,8 @@ def checked(cells: Sequence[int]) -> tuple[int, int, int]:
 
 def lattice_of(sections: Sections, chord: int, span: int) -> FloatArray:
     """Nodes on both surfaces at half steps along span and chord, (2 span + 1, 2 chord + 1, 2, 3)."""
+    from scipy.interpolate import make_interp_spline
+
     ends = (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, chord + 1))) / 2.0
     at = np.empty(2 * chord + 1)
     at[::2], at[1::2] = ends, (ends[1:] + ends[:-1]) / 2.0
@@ -84,6 +85,8 @@ def curves_of(surfaces: FloatArray, closed: tuple[bool, bool], at: FloatArray) -
 
 def along(curve: FloatArray, at: FloatArray) -> FloatArray:
     """Points of a curve (stations, 3) at fractions of its arc length, by a cubic spline over it."""
+    from scipy.interpolate import make_interp_spline
+
     step = np.linalg.norm(np.diff(curve, axis=0), axis=1)
     kept = np.concatenate([[True], step > 1e-9 * step.sum()])
     length = np.concatenate([[0.0], np.cumsum(step)])[kept]

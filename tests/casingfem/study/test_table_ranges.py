@@ -195,6 +195,7 @@ LEFT_OUT = {
     TaperTable: {"along": 1.0, "across": 1.0},
     SolidTable: {
         "scale": 1.0, "join": 0.0, "units": None, "tie": [], "material": {}, "sections": None, "cells": [24, 20, 1],
+        "disk": None,
     },
     PlyTable: {"angle_deg": 0.0, "lamina": None},
     RotationTable: {"hub_radius": None, "stagger_deg": 0.0, "axis": None, "centre": None, "point": None},
