@@ -10,7 +10,6 @@ Times are the least of several.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -26,7 +25,7 @@ from contact.cycles.driven import ForcedFamily
 from contact.cycles.shooting import map_of
 from contact.io.outfiles import write_atomic
 from reports.tables import Row, command_line, show, write
-from reports.verification.schemes.cycles import rod
+from reports.verification.schemes.cycles import best, rod
 
 MODES = (2, 20, 200)
 FREQ_HZ = 10.1e3
@@ -89,7 +88,7 @@ def measured(modes: int, quick: bool) -> tuple[list[Row], Row]:
     def add(method: str, parameter: int, amplitude: float, work: Callable[[], object]) -> None:
         rows.append({
             "modes": modes, "method": method, "steps or harmonics": parameter,
-            "error": amplitude / exact.amplitude - 1.0, "ms": least(work, 3 if quick else 15),
+            "error": amplitude / exact.amplitude - 1.0, "ms": best(work, 3 if quick else 15),
         })  # fmt: skip
 
     for steps in STEPS:
@@ -103,16 +102,6 @@ def measured(modes: int, quick: bool) -> tuple[list[Row], Row]:
 
         add(BALANCE, harmonics, solve().amplitude["x"], solve)
     return rows, check
-
-
-def least(work: Callable[[], object], rounds: int) -> float:
-    """Processor time, the least of several [ms]."""
-    found = []
-    for _ in range(rounds):
-        begun = time.process_time()
-        work()
-        found.append(time.process_time() - begun)
-    return 1e3 * min(found)
 
 
 def picture(rows: list[Row], path: Path) -> None:

@@ -16,7 +16,9 @@ from casingfem.io.arrays import BoolArray, FloatArray
 from contact.stability.closed_contact import first_order
 from contact.stability.split_casing import perfect_mean
 
-REACH, STEPS, HALVINGS = 0.06, 49, 12  # of the free coincidence to both sides; frequencies; halvings of a step
+REACH = 0.06  # of the free coincidence, to both sides
+STEPS = 49  # frequencies in that range
+HALVINGS = 12  # of a step at an end of the band
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
