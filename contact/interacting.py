@@ -22,6 +22,7 @@ from contact.io.columns import WIDE, Column, table_lines
 from contact.io.outfiles import finite
 from contact.io.progress import tell
 from contact.io.reported import Reported
+from contact.io.threads import with_one_thread
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
 from contact.model.gaps.rub import Rub, rub_of
@@ -196,6 +197,7 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     return np.linspace(low, high, STEPS)
 
 
+@with_one_thread
 def interactions(
     scene: Scene | HandPair, speed_hz: ArrayLike | None = None, *, runs: int = RUNS,
     closed: RotatingRim | Rub | None = None,
