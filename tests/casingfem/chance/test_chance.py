@@ -129,8 +129,8 @@ def test_answers_have_every_part(made, first):
 def test_a_run_that_goes_on_gives_the_same_numbers_to_the_last_bit(made, first, tmp_path):
     again = tmp_path / "out"
     shutil.copytree(made / "out" / "draws", again / "draws")
-    for lot in (again / "draws").glob("draws_*.npz"):
-        lot.write_bytes(lot.read_bytes()[:-40])  # torn
+    lot = min((again / "draws").glob("draws_*.npz"))
+    lot.write_bytes(lot.read_bytes()[:-40])  # torn
     result = run(made, "--out", str(again), "--json")
     assert result.exit_code == 0, result.output
     assert (again / "chance.csv").read_bytes() == (made / "out" / "chance.csv").read_bytes()

@@ -60,7 +60,7 @@ def whirl(part, omega, count):
     return 2.0 * np.pi * cf.whirl_modes(replace(part, rotation=cf.Rotation(omega=omega)), count).freq
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
     """20 modes; n = 10 at 422.03 Hz parts into 423.89 and 425.77 Hz."""
     omega = 2.0 * np.pi * 5.0
