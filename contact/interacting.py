@@ -200,7 +200,7 @@ def speeds_of(scene: Scene | HandPair) -> Array:
 @with_one_thread
 def interactions(
     scene: Scene | HandPair, speed_hz: ArrayLike | None = None, *, runs: int = RUNS,
-    closed: RotatingRim | Rub | None = None,
+    closed: RotatingRim | Rub | None = None, processes: int = 1,
 ) -> Interactions:  # fmt: skip
     """Find the dangerous speeds of a scene within a range.
 
@@ -216,6 +216,9 @@ def interactions(
         Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds.
     closed
         The same bodies with the springs of a law at the tips (`ct.stability.on_springs`); the scene's if left out.
+    processes
+        Number of processes that share long runs; the table is the same. A script that asks for more than one needs
+        ``if __name__ == "__main__":``, as for `multiprocessing`.
 
     Raises
     ------
@@ -237,7 +240,8 @@ def interactions(
     rotor = rotor_of(scene.what)
     if rotor is not None:
         _require_runs(scene, runs)
-        return _of_rotor(scene, rotor, np.asarray(speeds_of(scene) if speed_hz is None else speed_hz), runs)
+        speeds = np.asarray(speeds_of(scene) if speed_hz is None else speed_hz)
+        return _of_rotor(scene, rotor, speeds, runs, processes)
     what = _turning(scene, runs)
     mu = (scene.law or Unilateral()).mu
     tell("growth of closed contact")
@@ -246,11 +250,11 @@ def interactions(
     own = [hz for hz in np.unique(rub_of(what).speed.hz).tolist() if low <= hz <= high]
     at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows), *own])
     poles = _above_floor(growth_at(closed or what, at, mu=mu), at, proposed)
-    taken = speed_runs(scene, at, poles, exact=_decide(scene, proposed))
+    taken = speed_runs(scene, at, poles, exact=_decide(scene, proposed), processes=processes)
     return Interactions(rows=ranked(ranges(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
-def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interactions:
+def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int, processes: int) -> Interactions:
     """Runs of a rotor: evenly over the speeds, at the peaks of its growth without contact, and at critical speeds."""
     tell("growth of the rotor")
     proposed = rotor_peaks(rotor, speed_hz)
@@ -262,7 +266,8 @@ def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interac
     at = np.unique(np.concatenate([at, [hz for hz in own if low <= hz <= high]]))
     at = at[np.concatenate([[True], np.diff(at) > 1e-9 * high])]
     poles = _above_floor(growth(rotor, at), at, proposed)
-    taken = speed_runs(scene, at, poles, exact=True if isinstance(scene.what, Rotor) else None)
+    exact = True if isinstance(scene.what, Rotor) else None
+    taken = speed_runs(scene, at, poles, exact=exact, processes=processes)
     return Interactions(rows=ranked(ranges(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 

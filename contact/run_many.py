@@ -102,6 +102,14 @@ def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
         _alone(ready)
 
 
+def runs_alone(scene: Scene, record: Callable[[int], Record]) -> bool:
+    """Whether a scene runs by itself, and not with others in one loop; False if it is invalid."""
+    try:
+        return _fits(_prepared(scene, record)) is None
+    except InputError:
+        return False
+
+
 def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
     if ended is not None:
         ended(i, outcome)
