@@ -15,7 +15,6 @@ from contact.ended import budget_of, finished, runs_away
 from contact.half_step import MARKS, mark
 from contact.io.notebook import notebook_progress
 from contact.io.progress import tell
-from contact.io.threads import with_one_thread
 from contact.model.law import Law
 from contact.prepared import OnLimit, Prepared, Scene, prepared
 from contact.problem import What
@@ -73,7 +72,6 @@ def steps(
             return
 
 
-@with_one_thread
 def run(
     what: What | Scene,
     *,

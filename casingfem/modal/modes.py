@@ -111,7 +111,7 @@ def modes(
     ...                material=Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": Clamped()})
     >>> low = modes(casing, 4)
     >>> low.freq.round(1).tolist(), low.nodal_diameters.tolist()
-    ([367.9, 367.9, 382.8, 382.8], [8, 8, 7, 7])
+    ([367.8, 367.8, 382.8, 382.8], [8, 8, 7, 7])
     >>> modes(casing, band=(380.0, 420.0)).nodal_diameters.tolist()
     [7, 7, 9, 9]
     """

@@ -41,14 +41,16 @@ MESHES = {
     "6, graded, 17": ShellMesh(order=6, rows=GRADED, around=17),
     "7, graded, 15": ShellMesh(order=7, rows=GRADED, around=15),
     "7, graded, 21": ShellMesh(order=7, rows=GRADED, around=21),
+    "8, graded, 17": ShellMesh(order=8, rows=GRADED, around=17),  # the default
 }
-FINE = ShellMesh(order=8, rows=GRADED, around=27)
+FINE = ShellMesh(order=10, rows=GRADED, around=23)
 STRONG_MESHES = {
     "8, one row, 25": ShellMesh(order=8, rows=1, around=25),
     "9, one row, 19": ShellMesh(order=9, rows=1, around=19),
-    "7, graded, 41": ShellMesh(order=7, rows=GRADED, around=41),  # the default
+    "7, graded, 41": ShellMesh(order=7, rows=GRADED, around=41),
+    "8, graded, 29": ShellMesh(order=8, rows=GRADED, around=29),  # the default
 }
-STRONG_FINE = ShellMesh(order=8, rows=GRADED, around=49)  # 4e-5 from three rows of 45
+STRONG_FINE = ShellMesh(order=10, rows=GRADED, around=41)
 HARMONICS, EACH = range(4, 17), 3
 
 

@@ -67,10 +67,12 @@ def finest_harmonic(shell: ShellParts, defect: Field) -> int:
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
 
-# longest rows in bending lengths sqrt(R t), at most so many in an interval (`reports.verification.modes.locking`);
-# corners, steps and stiffeners bend the wall more than the ends of a plain casing do: between their lines, rows of 5.8
-# leave errors of 3e-4, rows of 4.5 of 2e-5 (`tests/casingfem/modal/test_bolted.py`)
+# Longest rows in bending lengths sqrt(R t), at most so many in an interval, and their order. A row of order 8 resolves
+# 7 lengths of a plain casing to 1e-4, of order 7 to 4e-4. Corners, steps and stiffeners bend the wall more: between
+# their lines, rows of 5 lengths need order 7 (7e-5); rows of 5.5 lengths leave 4.5e-4 even with order 8.
 PLAIN, LINED, ROWS = 7.0, 5.0, 4
+SMOOTH, KINKED = 8, 7  # order of a plain casing, and of one with lines between its ends
+LEAST, LARGEST = 136, 525  # nodes around
 LAYER = 2.5  # width of the row for a shear layer, in thicknesses
 MANY = 30  # stretches between the ends of strips: more of them are too short for polynomials of high order
 
@@ -78,14 +80,15 @@ MANY = 30  # stretches between the ends of strips: more of them are too short fo
 def default_mesh(shell: ShellParts) -> ShellMesh:
     """The mesh used when none is given; `python -m reports.verification.modes.frustum` measures the choice.
 
-    Around a casing there are 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t
-    h). If something varies around, there are 17. For a variation of up to 0.2 % of the radius its rotation then changes
-    no frequency by more than about 1e-10 (`reports.verification.splitting`). Fields get 14 nodes a wave, without
-    harmonics below 2 % of their largest. A mesh splits pairs that a field of common period p leaves double, unless its
-    number of elements is a multiple of p: for waves of 0.4 % by 1e-6 (`reports.verification.modes.around`). The number
-    of elements is odd, since even ones are less accurate for rotated fields. If springs vary, it is a multiple of the
-    common period if that exceeds twice those nodal diameters. With bolts it is a multiple of theirs, which preserves
-    symmetric pairs, at 8 nodes a wave if nothing else varies.
+    The error target is 2e-4 of 40 frequencies, against a finer mesh. Around a casing there are 8 nodes a wave at twice
+    the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h). If something varies around, there are 12.5.
+    Fields get 11.5 nodes a wave, without harmonics below 2 % of their largest. A mesh splits pairs that a field of
+    common period p leaves double, unless its number of elements is a multiple of p: for waves of 0.4 % by 1e-6
+    (`reports.verification.modes.around`). The number of elements is odd, since even ones are less accurate for rotated
+    fields. If springs vary, it is the next multiple of the common period above twice those nodal diameters, unless that
+    is 1.5 times as many. With bolts it is a multiple of theirs, which preserves symmetric pairs, at 8 nodes a wave if
+    nothing else varies. An element around that is wider than a bolt's patch leaves errors up to 1e-3; `modes` takes
+    bolts by harmonics where it can.
 
     Along the meridian the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide,
     gets a separate row, as on both sides of a stiffener. The rest is divided by the bending length sqrt(R t). Strips,
@@ -104,7 +107,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         plain = lengths.even and not shell.strips
         return ShellMesh(order=8, rows=rows if plain else divided(shell, lengths, 1.0 / rows), around=around)
     stretches = len(lines_of(shell)) - 1
-    order = 7 if stretches <= MANY else max(2, 7 * MANY // stretches)
+    order = SMOOTH if stretches == 1 else KINKED if stretches <= MANY else max(2, KINKED * MANY // stretches)
     radius = lengths.across / (2.0 * np.pi)
     lowest = 0.46 * radius / np.sqrt(t * length)
     finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
@@ -112,13 +115,13 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in outer_supports(shell).values())
     free_of_fields = is_axisymmetric(shell.chart) and not (shell.defects or shell.masses or patterned)
     only_bolts = bool(bolted) and free_of_fields  # which the mesh follows
-    elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
-    around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
+    nodes = max((16.0 if shell.axisymmetric or only_bolts else 25.0) * lowest, 11.5 * finest)
+    around = 2 * int(np.ceil(0.5 * (np.clip(nodes, LEAST, LARGEST) / order - 1.0))) + 1
     around = 2 * int(np.ceil(0.5 * (lengths.unevenness * around - 1.0) - 1e-6)) + 1  # the longest as long as all
     springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
     period = around_period(shell) if springy else 1
-    whole = period * -(-around // period) if period > 1 else 0
-    if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
+    whole = period * int(np.ceil(max(around, 4.0 * lowest) / period)) if period > 1 else 0
+    if 0 < whole <= 1.5 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
     if bolted:
         around = following(around, int(np.lcm.reduce(list(bolted.values()))))

@@ -60,9 +60,9 @@ def whirl(part, omega, count):
     return 2.0 * np.pi * cf.whirl_modes(replace(part, rotation=cf.Rotation(omega=omega)), count).freq
 
 
-@pytest.mark.campaign
+@pytest.mark.slow
 def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
-    """20 modes; n = 10 at 422.03 Hz parts into 423.89 and 425.77 Hz."""
+    """20 modes; n = 10 at 422.01 Hz parts into 423.87 and 425.76 Hz."""
     omega = 2.0 * np.pi * 5.0
     body = ct.ModalBody.of(cf.reduce(frustum, cf.Rim("top", n_max=16), modes=20))
     found, vectors = poles(body, omega)
@@ -74,12 +74,12 @@ def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
     upper = body.poles(omega).imag[len(found) :]
     np.testing.assert_allclose(upper, found, rtol=1e-9)
     pair = [found[k] / (2.0 * np.pi) for s in (1, -1) for k in np.flatnonzero((n == 10) & (sense == s))]
-    np.testing.assert_allclose(pair, [423.89, 425.77], atol=0.01)
-    assert body.omega[np.abs(body.omega - found[6]).argmin()] / (2.0 * np.pi) == pytest.approx(422.03, abs=0.01)
+    np.testing.assert_allclose(pair, [423.87, 425.76], atol=0.01)
+    assert body.omega[np.abs(body.omega - found[6]).argmin()] / (2.0 * np.pi) == pytest.approx(422.01, abs=0.01)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("spin", "speeds"), [(0.0, (900.0,)), (-900.0, (-1200.0,))])
+@pytest.mark.parametrize(("spin", "speeds"), [(0.0, (900.0,)), (-900.0, (-620.0, -1200.0))])
 def test_frequencies_err_by_less_than_a_millionth_where_the_speed_changes_none_by_two_fifths(casing, spin, speeds):
     """By its projections alone the basis at rest errs by 7e-5 and 2e-4, that at speed by 1e-4 beside its speed."""
     part = replace(casing, rotation=cf.Rotation(omega=spin)) if spin else casing

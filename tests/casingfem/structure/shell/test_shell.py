@@ -116,7 +116,7 @@ def test_an_even_field_scales_the_material(frustum, coarse, name, power):
 def test_default_mesh_is_odd_around_and_finer_for_finer_fields(frustum):
     plain, wavy = frustum().mesh, frustum(radius_defect=cf.FourierField.of({24: 0.001})).mesh
     assert plain.around % 2 == wavy.around % 2 == 1
-    assert wavy.around * wavy.order >= 14 * 24
+    assert wavy.around * wavy.order >= 11.5 * 24
     assert wavy.around > plain.around
 
 
@@ -138,7 +138,7 @@ def test_default_mesh_of_a_plate_follows_its_shape(steel):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("stretches", "order"), [(1, 7), (30, 7), (31, 6), (60, 3), (300, 2)])
+@pytest.mark.parametrize(("stretches", "order"), [(1, 8), (2, 7), (30, 7), (31, 6), (60, 3), (300, 2)])
 def test_the_order_falls_beyond_thirty_stretches(steel, stretches, order):
     places = np.linspace(0.0, 1.0, stretches + 1).tolist()
     strips = [cf.Strip(start=low, end=high, thickness=2e-3) for low, high in pairwise(places)]
