@@ -199,7 +199,7 @@ class RunGrowth:
         ...           time_to_half_wall=0.2, cause=None).verdict
         'The motion grows beyond its limit. Its rate is uncertain: 42 1/s (95 %: -21 to 106).'
         """
-        between = f"{self.rate:.3g} 1/s (95 %: {self.low:.3g} to {self.high:.3g})"
+        between = f"{self.rate:,.4g} 1/s (95 %: {self.low:,.4g} to {self.high:,.4g})"
         mostly = "" if self.cause is None else f" It is mostly {self.cause.words}."
         if self.state == "grows" and self.low <= 0.0:
             return f"The motion grows beyond its limit. Its rate is uncertain: {between}.{mostly}"

@@ -148,8 +148,10 @@ def row_words(row: Any) -> str:
     if at.slow:
         words += f", slow growth of closed contact, {at.closed:.3g} 1/s"
     elif math.isfinite(at.growth):
-        interval = f" (95 %: {at.low:.3g} to {at.high:.3g})" if math.isfinite(at.low) and math.isfinite(at.high) else ""
-        words += f", growth {at.growth:.3g} 1/s{interval}"
+        interval = (
+            f" (95 %: {at.low:,.4g} to {at.high:,.4g})" if math.isfinite(at.low) and math.isfinite(at.high) else ""
+        )
+        words += f", growth {at.growth:,.4g} 1/s{interval}"
     elif math.isfinite(at.closed):
         words += f", growth of closed contact {at.closed:.3g} 1/s"
     reached = (

@@ -141,7 +141,7 @@ def growth_words(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> str:
     row = max(growing, key=lambda one: float(one["growth_1_s"]))
     words = f"At most {float(row['growth_1_s']):.4g} 1/s"
     if row.get("growth_low_1_s") is not None:
-        words += f" (95 %: {row['growth_low_1_s']:.3g} to {row['growth_high_1_s']:.3g})"
+        words += f" (95 %: {row['growth_low_1_s']:,.4g} to {row['growth_high_1_s']:,.4g})"
     words += f", at {at_words(labels, keys, row)}"
     if row.get("body"):
         words += f": {'the ' if row.get('n') is None else 'n = {n} of the '.format(n=row['n'])}{row['body']}"
