@@ -17,9 +17,9 @@ def found(reference):
 
 @pytest.fixture(scope="module")
 def wide(reference):
-    """Errors of the widest cones, which are the farthest off."""
+    """Errors of the widest and shortest cones, which are the farthest off."""
     table = reference("cone_love_ritz_irie_set.csv")
-    return errors(table[table.alpha_deg == 60])
+    return errors(table[(table.alpha_deg == 60) & (table.Lsina_over_R2 == 0.25)])
 
 
 @pytest.mark.campaign
@@ -31,13 +31,13 @@ def test_without_shear_and_rotary_inertia_all_rows_are_met(found):
 
 @pytest.mark.slow
 def test_the_shell_lies_below_by_what_thin_theory_leaves_out(wide):
-    """101 of 220 rows within 0.3 %; the rest are short waves, to -2.2 % on the shortest cones (C-C, m = 2)."""
-    assert np.count_nonzero(wide.error.abs() < 3e-3) >= 100
+    """33 of 110 rows within 0.3 %; the rest are short waves, to -2.1 % (C-C, m = 2)."""
+    assert np.count_nonzero(wide.error.abs() < 3e-3) >= 33
     beyond = wide[wide.error.abs() >= 3e-3]
     assert np.all(beyond.error < 0.0)
     assert beyond.error.min() > -0.022
     worst = wide.loc[wide.error.idxmin()]
-    assert (worst.Lsina_over_R2, worst.bc_small, worst.bc_large) == (0.25, "C", "C")
+    assert (worst.bc_small, worst.bc_large) == ("C", "C")
 
 
 @pytest.mark.campaign

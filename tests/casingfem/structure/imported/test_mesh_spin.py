@@ -178,9 +178,8 @@ def test_the_basis_of_a_blade_that_untwists_has_the_frequencies_near_its_speed()
     with pytest.warns(cf.errors.ModelWarning, match=r"from 223.1 to 253.4 Hz .*reduce-steady"):
         basis = cf.reduce(block(axis.at(1500.0)), cf.TipNodes("tip", 1), modes=6, zeta=0.0)
     body = ct.ModalBody.of(basis)
-    for omega in (1415.0, 1580.0):
-        found = np.sqrt(np.linalg.eigvalsh(body.matrices(omega)[1])[:3]) / (2.0 * np.pi)
-        np.testing.assert_allclose(found, cf.modes(block(axis.at(omega)), 3).freq, rtol=2.5e-3)
+    found = np.sqrt(np.linalg.eigvalsh(body.matrices(1415.0)[1])[:3]) / (2.0 * np.pi)
+    np.testing.assert_allclose(found, cf.modes(block(axis.at(1415.0)), 3).freq, rtol=2.5e-3)
     for omega in (0.0, 2.0 * np.pi * 222.0, 2.0 * np.pi * 254.0):
         with pytest.raises(ct.InputError, match=r"speed: found .* expected 223.1 to 253.4 Hz"):
             body.matrices(omega)
