@@ -48,6 +48,21 @@ def test_a_tip_load_strains_the_root_as_a_beam(strip, method):
     assert abs(along) < 1e-12
 
 
+@pytest.mark.filterwarnings("ignore:.*support-soft")
+def test_hoop_strains_of_a_thick_ring_that_widens_are_inverse_to_the_radius():
+    """Its strain is w/(R + z): on the faces of the wall, whose radii are R - t/2 and R + t/2."""
+    R, t, height = 0.1, 0.015, 0.01
+    ring = cf.Shell(
+        chart=cf.Cylinder(radius=R, height=height), thickness=t, mesh=cf.ShellMesh(order=5, rows=1, around=5),
+        material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.ElasticEdge(k_theta=1e3, k_z=1e3)},
+    )  # fmt: skip
+    faces = [cf.modal.Strain(name=f"{z:+d}", at=(0.5 * height, 0.3), component="22", side=z) for z in (1, -1)]
+    basis = cf.reduce(ring, cf.Rim("top", n_max=2), modes=10, outputs=tuple(faces))
+    k = basis.channels.index("radial.cos0")
+    inner, outer = basis.output_rows @ (basis.rows[k] / basis.omega**2) + basis.output_S[:, k]
+    assert inner / outer == pytest.approx((R + 0.5 * t) / (R - 0.5 * t), rel=1e-2)
+
+
 def test_around_the_axis_there_is_no_direction_on_it(strip):
     """The z axis meets the plate in the middle of its root; beside it radial is along the plate, tangential across."""
     system = cf.shell.assemble(strip)
