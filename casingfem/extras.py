@@ -30,7 +30,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             "tests, checks and types of the project itself, with the first four",
             (
                 "h5py", "emcee", "distributed", "openpyxl", "pytest", "pytest-regressions", "pytest-xdist",
-                "hypothesis", "mypy", "ruff", "import-linter", "pandas-stubs", "pyuff", "daqp", "setuptools",
+                "mypy", "ruff", "import-linter", "pandas-stubs", "pyuff", "daqp", "setuptools",
             ),
         ),
     }

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import groupby, pairwise
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,6 +22,7 @@ from contact.io.columns import WIDE, Column, table_lines
 from contact.io.outfiles import finite
 from contact.io.progress import tell
 from contact.io.reported import Reported
+from contact.io.threads import with_one_thread
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
 from contact.model.gaps.rub import Rub, rub_of
@@ -31,58 +31,15 @@ from contact.model.rotor.rotor import Rotor
 from contact.model.rotor.rotor_rub import rotor_of
 from contact.model.rotor.whirl import critical_speeds, growth
 from contact.prepared import Scene
+from contact.speed_ranges import VERDICTS, DangerousSpeed, by_poles, ranges, ranked
 from contact.speed_runs import speed_runs
 from contact.speed_verdict import SpeedRun, Verdict
-from contact.stability.peaks import Peak, Peaks, growth_at, peaks
+from contact.stability.peaks import Peaks, growth_at, peaks
 from contact.stability.rotor import rotor_peaks
 from contact.stability.split_casing import AVERAGED
 
-VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
 AROUND, STEPS = 2.0, 200  # without a stated range: its end in the scene's highest speeds; its number of steps
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DangerousSpeed:
-    """One row of the table: a range of speeds [turns/s], the motion that grows there, and the run at speed `at` in it.
-
-    `peak` is the peak of the growth of closed contact that proposed the speed, None where the runs alone show it.
-    """
-
-    from_hz: float
-    to_hz: float
-    at: SpeedRun
-    peak: Peak | None
-
-    @property
-    def n(self) -> int | None:
-        """Nodal diameters of the motion: from the run that decided, else from the pole of closed contact."""
-        return self.at.n if self.peak is None or self.at.verdict != "safe" else self.peak.n
-
-    @property
-    def mode(self) -> int | None:
-        """Number of the blade's mode that moves, for a motion mostly of blades without nodal diameters of their own."""
-        return self.at.mode if self.peak is None or self.at.verdict != "safe" else self.peak.mode
-
-    @property
-    def mover(self) -> str:
-        """The body, with the mode of a blade."""
-        return f"blade mode {self.mode}" if self.body == "blades" and self.mode is not None else self.body
-
-    @property
-    def wave(self) -> str:
-        """Travel of the wave around the casing; from the pole if the states of the run do not show it."""
-        peak, run = self.peak, self.at
-        if peak is None or (run.verdict != "safe" and (run.wave or run.n != peak.n)):
-            return run.wave
-        return peak.wave
-
-    @property
-    def body(self) -> str:
-        """The body with the largest share of the energy."""
-        if self.peak is None or self.at.verdict != "safe" or self.at.body == "rotor":
-            return self.at.body
-        return "casing" if self.peak.casing_share > 0.5 else "blades"
 
 
 def _rows(found: Any, value: str) -> list[Any]:
@@ -240,9 +197,10 @@ def speeds_of(scene: Scene | HandPair) -> Array:
     return np.linspace(low, high, STEPS)
 
 
+@with_one_thread
 def interactions(
     scene: Scene | HandPair, speed_hz: ArrayLike | None = None, *, runs: int = RUNS,
-    closed: RotatingRim | Rub | None = None,
+    closed: RotatingRim | Rub | None = None, processes: int = 1,
 ) -> Interactions:  # fmt: skip
     """Find the dangerous speeds of a scene within a range.
 
@@ -258,6 +216,9 @@ def interactions(
         Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds.
     closed
         The same bodies with the springs of a law at the tips (`ct.stability.on_springs`); the scene's if left out.
+    processes
+        Number of processes that share long runs; the table is the same. A script that asks for more than one needs
+        ``if __name__ == "__main__":``, as for `multiprocessing`.
 
     Raises
     ------
@@ -275,11 +236,12 @@ def interactions(
     """
     if isinstance(scene, HandPair):
         proposed = peaks(scene, speeds_of(scene) if speed_hz is None else speed_hz)
-        return Interactions(rows=_ranked([_by_poles(peak) for peak in proposed.rows]), runs=(), peaks=proposed)
+        return Interactions(rows=ranked([by_poles(peak) for peak in proposed.rows]), runs=(), peaks=proposed)
     rotor = rotor_of(scene.what)
     if rotor is not None:
         _require_runs(scene, runs)
-        return _of_rotor(scene, rotor, np.asarray(speeds_of(scene) if speed_hz is None else speed_hz), runs)
+        speeds = np.asarray(speeds_of(scene) if speed_hz is None else speed_hz)
+        return _of_rotor(scene, rotor, speeds, runs, processes)
     what = _turning(scene, runs)
     mu = (scene.law or Unilateral()).mu
     tell("growth of closed contact")
@@ -288,11 +250,11 @@ def interactions(
     own = [hz for hz in np.unique(rub_of(what).speed.hz).tolist() if low <= hz <= high]
     at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows), *own])
     poles = _above_floor(growth_at(closed or what, at, mu=mu), at, proposed)
-    taken = speed_runs(scene, at, poles, exact=_decide(scene, proposed))
-    return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
+    taken = speed_runs(scene, at, poles, exact=_decide(scene, proposed), processes=processes)
+    return Interactions(rows=ranked(ranges(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
-def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interactions:
+def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int, processes: int) -> Interactions:
     """Runs of a rotor: evenly over the speeds, at the peaks of its growth without contact, and at critical speeds."""
     tell("growth of the rotor")
     proposed = rotor_peaks(rotor, speed_hz)
@@ -304,8 +266,9 @@ def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int) -> Interac
     at = np.unique(np.concatenate([at, [hz for hz in own if low <= hz <= high]]))
     at = at[np.concatenate([[True], np.diff(at) > 1e-9 * high])]
     poles = _above_floor(growth(rotor, at), at, proposed)
-    taken = speed_runs(scene, at, poles, exact=True if isinstance(scene.what, Rotor) else None)
-    return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
+    exact = True if isinstance(scene.what, Rotor) else None
+    taken = speed_runs(scene, at, poles, exact=exact, processes=processes)
+    return Interactions(rows=ranked(ranges(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
 def _above_floor(poles: Array, speed_hz: Array, proposed: Peaks) -> Array:
@@ -334,97 +297,3 @@ def _require_runs(scene: Scene, runs: int) -> None:
         raise InputError("t_end: found none, expected the end of the runs in seconds")
     if runs < 2:
         raise InputError(f"runs: found {runs}, expected at least 2: one at each end of the range")
-
-
-def _by_poles(peak: Peak) -> DangerousSpeed:
-    """A row for contact that is always closed."""
-    none = math.nan
-    body = "casing" if peak.casing_share > 0.5 else "blades"
-    at = SpeedRun(
-        speed_hz=peak.speed_hz, verdict="unstable", closed=peak.growth, growth=none, low=none, high=none,
-        amplitude_m=none, half_wall_s=none, n=peak.n, wave=peak.wave, body=body,
-    )  # fmt: skip
-    return DangerousSpeed(from_hz=peak.from_hz, to_hz=peak.to_hz, at=at, peak=peak)
-
-
-def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[DangerousSpeed]:
-    """Rows of the intervals of one verdict: one for each peak; without peaks one row, unless it is safe.
-
-    A slow growth has its own interval.
-    """
-    by_speed = {peak.speed_hz: peak for peak in proposed}
-    speed = [run.speed_hz for run in runs]
-    found: list[DangerousSpeed] = []
-    first = 0
-    for (verdict, _), part in groupby(runs, key=lambda run: (run.verdict, run.slow)):
-        stretch = list(part)
-        last = first + len(stretch) - 1
-        low = speed[0] if first == 0 else 0.5 * (speed[first - 1] + speed[first])
-        high = speed[-1] if last == len(runs) - 1 else 0.5 * (speed[last] + speed[last + 1])
-        inside = [(run, by_speed[run.speed_hz]) for run in stretch if run.speed_hz in by_speed]
-        if inside:
-            found += _merged(_of_peaks(stretch, inside, low, high))
-        elif verdict != "safe":
-            found.append(DangerousSpeed(from_hz=low, to_hz=high, at=_worst(stretch), peak=None))
-        first = last + 1
-    return found
-
-
-def _of_peaks(
-    stretch: Sequence[SpeedRun], inside: Sequence[tuple[SpeedRun, Peak]], low: float, high: float
-) -> list[DangerousSpeed]:
-    """One row for each peak in the interval from `low` to `high`.
-
-    In a safe interval each row has the speeds at which closed contact grows. Elsewhere the rows divide the whole
-    interval. It ends where closed contact stops growing, if that is between two runs. Each row has the worst run of its
-    speeds.
-    """
-    found = [peak for _, peak in inside]
-    if stretch[0].verdict == "safe":
-        return [
-            DangerousSpeed(from_hz=max(peak.from_hz, low), to_hz=min(peak.to_hz, high), at=run, peak=peak)
-            for run, peak in inside
-        ]
-    begin = found[0].from_hz if low < found[0].from_hz <= stretch[0].speed_hz else low
-    end = found[-1].to_hz if stretch[-1].speed_hz <= found[-1].to_hz < high else high
-    rows = []
-    for peak, (start, stop) in zip(found, pairwise([begin, *(peak.to_hz for peak in found[:-1]), end]), strict=True):
-        own = [run for run in stretch if start <= run.speed_hz <= stop]
-        rows.append(DangerousSpeed(from_hz=start, to_hz=stop, at=_worst(own), peak=peak))
-    return rows
-
-
-def _merged(rows: Sequence[DangerousSpeed]) -> list[DangerousSpeed]:
-    """Join neighbouring rows with the same motion into one, with the worst run."""
-    found: list[DangerousSpeed] = []
-    for row in rows:
-        last = found[-1] if found else None
-        if last is not None and row.n is not None and (last.n, last.wave, last.body) == (row.n, row.wave, row.body):
-            worst = last if _worst([last.at, row.at]) is last.at else row
-            found[-1] = replace(worst, from_hz=last.from_hz, to_hz=row.to_hz)
-        else:
-            found.append(row)
-    return found
-
-
-def _worst(runs: Sequence[SpeedRun]) -> SpeedRun:
-    """The worst of some runs with the same verdict; a growth without a known rate only if there is no other."""
-    return max(runs, key=lambda run: (run.verdict != "unstable" or math.isfinite(run.growth), _badness(run)))
-
-
-def _badness(run: SpeedRun) -> float:
-    """Rank of a run among those with the same verdict, the worst highest."""
-    if run.slow:
-        return run.closed
-    if run.verdict == "unstable":
-        return run.growth if math.isfinite(run.growth) else math.inf
-    return run.amplitude_m if run.verdict == "resonance" else run.closed
-
-
-def _ranked(rows: Sequence[DangerousSpeed]) -> tuple[DangerousSpeed, ...]:
-    """Rows with the worst verdict first, and in it the worst run first, slow growth last."""
-
-    def rank(row: DangerousSpeed) -> tuple[int, bool, float, float]:
-        return VERDICTS.index(row.at.verdict), row.at.slow, -_badness(row.at), -row.at.closed
-
-    return tuple(sorted(rows, key=rank))

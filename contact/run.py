@@ -15,6 +15,7 @@ from contact.ended import budget_of, finished, runs_away
 from contact.half_step import MARKS, mark
 from contact.io.notebook import notebook_progress
 from contact.io.progress import tell
+from contact.io.threads import with_one_thread
 from contact.model.law import Law
 from contact.prepared import OnLimit, Prepared, Scene, prepared
 from contact.problem import What
@@ -72,6 +73,7 @@ def steps(
             return
 
 
+@with_one_thread
 def run(
     what: What | Scene,
     *,

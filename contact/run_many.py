@@ -11,6 +11,7 @@ from typing import cast
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.ended import budget_of, finished, runs_away
 from contact.half_step import MARKS, Mark, mark
+from contact.io.threads import with_one_thread
 from contact.prepared import Prepared, Scene, prepared
 from contact.record.energy import EnergyBudget
 from contact.record.record import Record, Samples
@@ -25,6 +26,7 @@ Longer = Callable[[int, Outcome], int]
 MOST_BYTES = 200_000_000  # what the slots of one group may store; longer records run singly
 
 
+@with_one_thread
 def run_many(
     scenes: Sequence[Scene], *, record: Callable[[int], Record] | None = None, ended: Ended | None = None,
     longer: Longer | None = None,
@@ -98,6 +100,14 @@ def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
         list(together([(0, ready)]))
     else:
         _alone(ready)
+
+
+def runs_alone(scene: Scene, record: Callable[[int], Record]) -> bool:
+    """Whether a scene runs by itself, and not with others in one loop; False if it is invalid."""
+    try:
+        return _fits(_prepared(scene, record)) is None
+    except InputError:
+        return False
 
 
 def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:

@@ -9,15 +9,18 @@ the step (`contact.half_step`).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import time
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.io.progress import as_part, tell
+from contact.io.progress import as_part, quietly, tell
+from contact.io.workers import KilledWorkersError, in_processes
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.rotor.rotor import Rotor
@@ -27,22 +30,35 @@ from contact.model.speed import Speed
 from contact.prepared import Scene
 from contact.record.record import STATES, Record, prime_stride
 from contact.result import Result
-from contact.run_many import Outcome, run_many
+from contact.run_many import Outcome, run_many, runs_alone
 from contact.speed_verdict import SpeedRun, decided, judged, times_longer
 
+WORTH = 4.0  # s: two processes start in about so long
+TOGETHER = 16  # scenes of a lot if several run in one loop
 LONGEST = 16  # times t_end: length to which runs are continued
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
 DENSE, PAIRS = 12.0, 3  # states in a period of the fastest whirl that is looked at, and pairs of modes that are
 
 
+class Lot(NamedTuple):
+    """Scenes at constant speeds [Hz] that are run and judged together: arguments of `_judged`."""
+
+    scenes: Sequence[Scene]
+    speed_hz: Array
+    poles: Array
+    longest: int
+    exact: bool | None
+
+
 def speed_runs(
-    scene: Scene, speed_hz: Array, poles: Array, *, exact: bool | None = None
+    scene: Scene, speed_hz: Array, poles: Array, *, exact: bool | None = None, processes: int = 1
 ) -> tuple[SpeedRun, ...]:  # fmt: skip
     """Run a scene at speeds [turns/s] above 0, and judge each run.
 
     `poles` (speeds,) are the growth rates of closed contact. They decide where all contacts stay closed: `exact` if
     they hold for the scene itself, not `exact` if for its average over time; such a growth must show in a long run.
-    None: they do not hold for this scene.
+    None: they do not hold for this scene. `processes` share the runs if these take longer than starting processes; the
+    result is the same.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -54,7 +70,7 @@ def speed_runs(
     ('safe', 0.0)
     """
     scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
-    return decided(_judged(scenes, speed_hz, poles, LONGEST, exact))
+    return decided(_shared(Lot(scenes, speed_hz, poles, LONGEST, exact), processes))
 
 
 def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
@@ -73,41 +89,74 @@ def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tu
     """
     own = [at_speed(scene, hz) for scene, hz in zip(scenes, speed_hz.tolist(), strict=True)]
     found = []
-    for run in _judged(own, speed_hz, poles):
+    for run in _shared(Lot(own, speed_hz, poles, 1, None), 1):
         small = run.verdict == "resonance" and not run.amplitude_m > run.allowed_m
         found.append(replace(run, verdict="safe") if small else run)
     return tuple(found)
 
 
-def _judged(
-    scenes: Sequence[Scene], speed_hz: Array, poles: Array, longest: int = 1, exact: bool | None = None
-) -> list[SpeedRun]:  # fmt: skip
-    """Scenes at constant speeds, with the verdict of each; runs that do not decide go on to `longest` times t_end.
-
-    Every motion that does not grow counts as a resonance until all runs are known.
-    """
-    found: list[list[SpeedRun]] = [[] for _ in scenes]  # verdicts of each scene, from its shortest run on
+def _shared(lot: Lot, processes: int) -> list[SpeedRun]:
+    """The verdict of each scene of a lot, computed by several processes if that takes less time."""
+    size = 1 if processes > 1 and runs_alone(lot.scenes[0], _record) else TOGETHER if processes > 1 else len(lot.scenes)
+    numbers = range(0, len(lot.scenes), size)
+    lots = [lot._replace(**{name: getattr(lot, name)[k : k + size] for name in Lot._fields[:3]}) for k in numbers]
+    found: dict[int, list[SpeedRun]] = {}
     ended = 0
 
     def whole(done: float) -> tuple[str, float]:
-        return f"{ended} of {len(scenes)} runs ended", min((ended + done) / len(scenes), 1.0)
+        return f"{ended} of {len(lot.scenes)} runs ended", min((ended + done) / len(lot.scenes), 1.0)
 
-    def note(_: int, __: Outcome) -> None:
+    def note() -> None:
         nonlocal ended
         ended += 1
         tell("", 0.0)
 
+    with as_part(whole):
+        tell("", 0.0)
+        while len(found) < len(lots):
+            k, began = len(found), time.perf_counter()
+            found[k] = _judged(lots[k], note)
+            seconds = (time.perf_counter() - began) * (len(lots) - k - 1)
+            if k > 0 and seconds > WORTH and processes > 1:  # the first lot loads the code of the loop
+                for j, runs in _by_processes(lots[k + 1 :], processes):
+                    found[k + 1 + j] = runs
+                    ended += len(runs)
+                    tell("", 0.0)
+    return [run for k in range(len(lots)) for run in found[k]]
+
+
+def _by_processes(lots: Sequence[Lot], processes: int) -> Iterator[tuple[int, list[SpeedRun]]]:
+    """Number and verdicts of each lot, as they end."""
+    try:
+        yield from in_processes(list(enumerate(lots)), _numbered, processes)
+    except KilledWorkersError as error:
+        raise InputError(str(error)) from error
+
+
+def _numbered(task: tuple[int, Lot]) -> tuple[int, list[SpeedRun]]:
+    """A lot's number and verdicts; warnings were shown with the first lot."""
+    with quietly(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return task[0], _judged(task[1], lambda: None)
+
+
+def _judged(lot: Lot, ended: Callable[[], None]) -> list[SpeedRun]:
+    """Scenes at constant speeds, with the verdict of each; runs that do not decide go on to `longest` times t_end.
+
+    Every motion that does not grow counts as a resonance until all runs are known.
+    """
+    scenes = lot.scenes
+    found: list[list[SpeedRun]] = [[] for _ in scenes]  # verdicts of each scene, from its shortest run on
+
     def longer(i: int, outcome: Outcome) -> int:
-        run = judged(scenes[i].what, outcome, float(speed_hz[i]), float(poles[i]), exact)
+        run = judged(scenes[i].what, outcome, float(lot.speed_hz[i]), float(lot.poles[i]), lot.exact)
         found[i].append(run)
         if not (run.may_change and isinstance(outcome, Result)):
             return 0
         times = times_longer(outcome)
-        return times * outcome.steps if times * run.seconds <= longest * found[i][0].seconds else 0
+        return times * outcome.steps if times * run.seconds <= lot.longest * found[i][0].seconds else 0
 
-    with as_part(whole):
-        tell("", 0.0)
-        run_many(scenes, record=_record, ended=note, longer=longer)
+    run_many(scenes, record=_record, ended=lambda _, __: ended(), longer=longer)
     return [_settled(runs) for runs in found]
 
 

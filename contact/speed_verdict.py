@@ -19,7 +19,7 @@ from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.rotor.rotor import Rotor
 from contact.model.rotor.rotor_rub import rotor_of
-from contact.record.growth import STANDS, Check, Ending, RunGrowth
+from contact.record.growth import STANDS, Check, Ending, RunGrowth, size_words
 from contact.result import Result
 from contact.run_many import Outcome
 from contact.stability.of_run import disk_path, of_rotor_run, whirl_sense
@@ -124,8 +124,7 @@ class SpeedRun:
         opens = f"The contact opens (closed {100.0 * self.contact:.2g} % of the time)."
         some = "One contact stays closed, others open." if self.opens else "The contact stays closed."
         closed = opens if self.contact < CLOSED else some
-        size = f"{1e3 * self.amplitude_m:.2g} mm, steady within {100.0 * self.steady:.2g} %"
-        bounded = f"The motion is bounded at {size}."
+        bounded = f"The motion is bounded at {size_words(self.amplitude_m, self.steady)}."
         ends = {"bounded": bounded, "decays": "The motion decays."}
         return " ".join(filter(None, [closed if self.closed > 0.0 else "", ends.get(self.state or "", "")]))
 

@@ -15,6 +15,11 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 GALLERY = sorted(DOCS.glob("gallery/*/*.py"))
 TUTORIAL = sorted(DOCS.glob("tutorial/*.py"))
+# those that take longer than a second are run by `make docs`, which stops at the first that fails, and by campaigns
+LONG = {
+    "a_wrong_row", "harmonic_balance", "how_firm_is_the_base", "interaction_table", "loose_bolt", "mesh",
+    "random_imperfections", "rub",
+}  # fmt: skip
 TOCTREE = re.compile(r"^```\{toctree\}\n((?:.*\n)*?)```", re.MULTILINE)
 COLUMNS = re.compile(r"^([A-Z_]+)(?:: \w+)? = (?:columns_of)?\(\n    Column\(", re.MULTILINE)
 MADE = {"built/tutorial/index", "built/gallery/index", "built/api/index"}
@@ -25,6 +30,10 @@ def named(page: Path) -> list[str]:
     blocks = TOCTREE.findall(page.read_text(encoding="utf-8"))
     lines = [line for block in blocks for line in block.splitlines() if line and not line.startswith(":")]
     return [(page.parent / line).relative_to(DOCS).as_posix() for line in lines]
+
+
+def test_examples_that_take_long_are_there():
+    assert {path.stem for path in GALLERY} >= LONG
 
 
 def test_every_page_is_in_one_toctree_and_every_toctree_s_page_is_there():
@@ -115,7 +124,11 @@ def test_an_example_has_a_title_one_picture_and_a_number_that_it_asserts(path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", [*TUTORIAL, *GALLERY], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, marks=[pytest.mark.campaign] * (path.stem in LONG)) for path in (*TUTORIAL, *GALLERY)],
+    ids=lambda path: path.stem,
+)
 def test_an_example_runs_and_draws(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = runpy.run_path(str(path))

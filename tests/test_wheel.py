@@ -14,8 +14,9 @@ IN_PLACE = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import casingfem.cli
-assert casingfem.__file__.startswith(sys.argv.pop(1)), casingfem.__file__
-casingfem.cli.main()
+assert casingfem.__file__.startswith(sys.argv[1]), casingfem.__file__
+for command in sys.argv[2:]:
+    casingfem.cli.main(command.split(), standalone_mode=False)
 """
 
 
@@ -51,10 +52,9 @@ def test_it_keeps_both_packages_and_the_examples_and_nothing_else(unpacked):
 
 @pytest.mark.slow
 def test_an_example_is_written_and_run_where_the_repository_is_not(unpacked, tmp_path):
-    def run(*words: str) -> str:
-        command = [sys.executable, "-P", "-c", IN_PLACE, str(unpacked), *words]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-
-    said = run("example", "pair").splitlines()
-    assert said == ["wrote data/scenes/pair.toml", "next:", "  casingfem stability data/scenes/pair.toml"]
-    assert "n = 8 grows by 3.788 1/s at 52.844 Hz" in " ".join(run(*said[-1].split()[1:]).split())
+    commands = ["example pair", "stability data/scenes/pair.toml"]
+    words = [sys.executable, "-P", "-c", IN_PLACE, str(unpacked), *commands]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
+    said = done.stdout.splitlines()
+    assert said[:3] == ["wrote data/scenes/pair.toml", "next:", f"  casingfem {commands[1]}"]
+    assert "n = 8 grows by 3.788 1/s at 52.844 Hz" in " ".join(" ".join(said[3:]).split())

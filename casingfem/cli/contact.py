@@ -9,6 +9,7 @@ import click
 from casingfem.cli.progress import ProgressMessage
 from casingfem.cli.running import NUMERICS_FAILED, STORES, deliver, fail, options, source_of
 from casingfem.cli.tables import csv_text
+from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None
 
     scene = load_interactions(file)
     with ProgressMessage(f"interactions {file.name}"):
-        found = scene.solve(runs)
+        found = scene.solve(runs, usable_cores())
     document = found.to_dict()
     files: dict[str, Content] = {"interactions.json": json_text(document)}
     if out is not None:

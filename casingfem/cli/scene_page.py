@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from casingfem.cli.pictures import figures, speed_figures, turn_of
 from casingfem.examples import first_sentence
+from casingfem.io.side_by_side import usable_cores
 from contact.io.infiles import read_bytes, text_of
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def table_of(file: Path) -> "tuple[Interactions | None, str]":
     from contact.scene.stability import load_interactions
 
     try:
-        return load_interactions(file).solve(), ""
+        return load_interactions(file).solve(processes=usable_cores()), ""
     except InputError as error:
         return None, str(error)
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 A = TypeVar("A")
 B = TypeVar("B")
 
@@ -51,6 +50,8 @@ def largest_first(
 @contextmanager
 def one_thread_for_children() -> Iterator[None]:
     """Within this context, new processes have one BLAS thread each."""
+    from contact.io.threads import ONE_THREAD
+
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:

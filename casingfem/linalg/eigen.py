@@ -21,7 +21,7 @@ from casingfem.linalg.pencil import (
     warn_of_count,
 )
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices
-from casingfem.linalg.threads import with_one_thread
+from contact.io.threads import with_one_thread
 
 Band: TypeAlias = tuple[float, float]
 

@@ -16,7 +16,7 @@ from casingfem.linalg.element_sum import ElementSum
 from casingfem.linalg.entries import Places, Symmetric
 from casingfem.linalg.fronts import Front, Fronts, Runs
 from casingfem.linalg.substitution import Block, Indefinite, OneFront, Stack, Step, kernels
-from casingfem.linalg.threads import with_one_thread
+from contact.io.threads import with_one_thread
 
 SINGULAR = "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
 FEWEST = 2  # fronts of one shape that are worth stacking

@@ -26,7 +26,6 @@ from casingfem.linalg.factor import Factor, factorise
 from casingfem.linalg.krylov import START_SEED
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import static_by_cycles
-from casingfem.linalg.threads import one_thread
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface.kinds import Interface, Rim
 from casingfem.modal.interface.output import Output, output_rows
@@ -42,6 +41,7 @@ from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.rigid import free_motions
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from contact.io.threads import one_thread
 
 METHODS = ("free", "craig-bampton")
 Solve = Callable[[FloatArray], FloatArray]

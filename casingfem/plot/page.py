@@ -245,11 +245,15 @@ def render_page(
 
 
 def render_pages(title: str, pages: Sequence[Page]) -> str:
-    """HTML of one page with the contents of several, independent of other files.
+    """HTML of one page with the contents of several, their verdicts first, independent of other files.
 
     >>> html = render_pages("Rotor", [Page(title=name, sections=(Section("Modes"),)) for name in ("Blade", "Casing")])
-    >>> html.count("<h1>"), html.count("<h2>"), html.count("<h3>")
+    >>> html.count("<h1>"), html.count("<h2"), html.count("<h3>")
     (1, 2, 2)
+    >>> runs = [Verdict(found=words, sure="One step.", further="Halve it.") for words in ("Safe.", "Grows.")]
+    >>> html = render_pages("Rubs", [Page(title=run.found, sections=(Section("Run"),), verdict=run) for run in runs])
+    >>> html.index("Grows.") < html.index("<nav") < html.index("Halve it.")
+    True
     """
     folder = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)

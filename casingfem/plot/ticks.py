@@ -3,11 +3,12 @@
 import re
 from typing import Any
 
-from matplotlib.ticker import FuncFormatter, LogLocator, ScalarFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, ScalarFormatter
 
 from casingfem.plot.page import raised
 
 NARROW = 100.0  # ratio of both ends of an axis under which its labels are plain numbers
+SHORT, FEW = 5.0, 3  # the same for which two of 1, 2, 5, 10 may not fit, and the most intervals of its labels then
 POWER = re.compile(r"1e-?\d+")
 
 
@@ -36,6 +37,8 @@ class Powers(ScalarFormatter):
 def label_decades(axis: Any) -> None:
     """Label the decades of a logarithmic axis; of an axis under two decades 1, 2 and 5 of each, as plain numbers.
 
+    An axis that is too short for two of these has a few equally spaced numbers.
+
     >>> from matplotlib.figure import Figure
     >>> axes = Figure().add_subplot(yscale="log", ylim=(1e-5, 1.0))
     >>> label_decades(axes.yaxis)
@@ -45,11 +48,16 @@ def label_decades(axis: Any) -> None:
     >>> label_decades(narrow.yaxis)
     >>> narrow.yaxis.get_major_formatter().format_ticks(narrow.get_yticks())[2:7]
     ['0.05', '0.1', '0.2', '0.5', '1']
+    >>> short = Figure().add_subplot(yscale="log", ylim=(1.05, 3.1))
+    >>> label_decades(short.yaxis)
+    >>> [float(at) for at in short.get_yticks() if 1.05 < at < 3.1]
+    [2.0, 3.0]
     """
     axis.minorticks_off()
     low, high = sorted(axis.get_view_interval())
     if high < NARROW * low:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        few = high < SHORT * low
+        axis.set_major_locator(MaxNLocator(FEW, steps=[1, 2, 5, 10]) if few else LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         return
     axis.set_major_formatter(FuncFormatter(lambda value, _: raised(f"{value:.0e}")))

@@ -16,7 +16,6 @@ from casingfem.errors import InputError, ModelError, warn
 from casingfem.experiment.correlation.matches import require_hz
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.threads import with_one_thread
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.imported.assembly import MeshStructure, require_structure
 from casingfem.structure.shell.assembly import assemble
@@ -31,6 +30,7 @@ from casingfem.updating.shapes import SensorShapes
 from casingfem.updating.solve import WAYS, covariance, require_enough, solve, solve_regularised, stepped
 from casingfem.updating.targets import with_model_error
 from contact.io.notebook import notebook_progress
+from contact.io.threads import with_one_thread
 
 FAR = 6  # modes below the highest row for each row: from this ratio on, the table's unit may be wrong
 MOST_MODES = 500  # more modes are computed only on request: each fit would take minutes

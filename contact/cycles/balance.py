@@ -30,6 +30,7 @@ from contact.cycles.orbit_series import gaps_of
 from contact.cycles.passage import Motion
 from contact.cycles.shooting import Orbit
 from contact.cycles.switched import Complex
+from contact.io.threads import with_one_thread
 
 HARMONICS = 30
 CLOSE = 1e-7  # of the gaps: Newton's last step; the error is of the order of its square
@@ -81,6 +82,7 @@ class Balanced:
         return f"harmonic balance at {self.name} {self.value:.8g}, {self.harmonics} harmonics: {size}"
 
 
+@with_one_thread
 def balance(
     family: Family, value: float, *, harmonics: int = HARMONICS, guess: Balanced | Orbit | None = None, periods: int = 1
 ) -> Balanced:

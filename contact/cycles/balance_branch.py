@@ -28,6 +28,7 @@ from contact.cycles.balance import (
 )
 from contact.cycles.driven import Family
 from contact.cycles.harmonics import complexes, reals, response
+from contact.io.threads import with_one_thread
 
 DIFFERENCE = 1e-6  # of the parameter, for the derivative by it
 EASY = 4  # Newton steps
@@ -111,6 +112,7 @@ class Equations:
         return balanced(self.family, at.value, motion, self.periods, here, y, steps)
 
 
+@with_one_thread
 def balance_branch(
     family: Family, between: tuple[float, float], *, harmonics: int = HARMONICS, first: Balanced | None = None,
     longest: float = 0.02, most: int = 1000,

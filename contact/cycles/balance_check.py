@@ -16,6 +16,7 @@ from contact.cycles.orbit_series import gaps_of
 from contact.cycles.result import Cycles
 from contact.cycles.shooting import Orbit
 from contact.io.brief import brief
+from contact.io.threads import with_one_thread
 
 NEAR = 0.1  # relative difference of a motion that still counts as the orbit's
 
@@ -81,6 +82,7 @@ def require_series(family: Family, value: float, harmonics: int) -> None:
     response(family.at(value)[0], harmonics, 1)
 
 
+@with_one_thread
 def balance_check(family: Family, found: Cycles, *, harmonics: int = HARMONICS) -> Agreement:
     """Compare every orbit of `follow` with harmonic balance: a second opinion by other equations.
 

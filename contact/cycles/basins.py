@@ -15,6 +15,7 @@ from contact.cycles.shooting import require_state
 from contact.io.brief import brief
 from contact.io.columns import Column, Columns, table_lines
 from contact.io.reported import Reported
+from contact.io.threads import with_one_thread
 
 SAME = 1e-4  # of the state: nearer motions are one
 CLOSES = 1e-6  # of the state: largest difference of a run from its state some periods before
@@ -93,6 +94,7 @@ class Basins(Reported):
         )
 
 
+@with_one_thread
 def basins(
     family: Family, value: float, size: Array, *, starts: int = 100, seed: int, settle: int = 300, longest: int = 4,
     progress: Callable[[int], None] | None = None,

@@ -22,6 +22,7 @@ from contact.cycles.driven import Family
 from contact.cycles.result import Branch, Cycles, Special
 from contact.cycles.shooting import Orbit, orbit, settled
 from contact.io import notebook
+from contact.io.threads import with_one_thread
 
 TRIES = 100  # values in the range at which a run searches for orbits beyond the end of a branch
 SETTLE = 200  # periods of such a run
@@ -56,6 +57,7 @@ def digest(family: Family, between: tuple[float, float], first: Orbit | None, *h
     return text.hexdigest()
 
 
+@with_one_thread
 def follow(
     family: Family, between: tuple[float, float], *, first: Orbit | None = None, longest: float = 0.02,
     most: int = 1000, doublings: int = 0, checkpoint: str | Path | None = None, progress: Progress | None = None,

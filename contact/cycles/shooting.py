@@ -13,6 +13,7 @@ from contact.base.arrays import Array, readonly, require_count, require_finite
 from contact.base.errors import InputError, NumericsError
 from contact.cycles.driven import Family
 from contact.cycles.passage import Motion, Passage, beside, passage
+from contact.io.threads import with_one_thread
 
 SETTLED = 1e-9  # of the state: change over a period of a run that has come to rest
 HUGE = 1e30  # change over a period of a run that diverges
@@ -120,6 +121,7 @@ def map_of(family: Family, value: float, start: float = 0.0, periods: int = 1) -
     return Map(motion, start * period, periods * period)
 
 
+@with_one_thread
 def orbit(
     family: Family, value: float, *, guess: Array | None = None, start: float | None = None, periods: int = 1,
     settle: int = 200,

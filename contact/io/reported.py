@@ -187,10 +187,11 @@ def cell(value: Any) -> str:
 def lines_of(rows: Iterable[Mapping[str, Any]]) -> list[str]:
     r"""Rows as lines of text under their names, in columns; words to the left, numbers to the right.
 
-    >>> print("\n".join(lines_of([{"mode": 1, "freq_hz": 371.25}, {"mode": 10, "freq_hz": 1207.5}])))
-    mode  freq_hz
-       1   371.25
-      10   1207.5
+    >>> rows = [{"mode": 1, "wave": "with", "freq_hz": 371.25}, {"mode": 10, "wave": "against", "freq_hz": 1207.5}]
+    >>> print("\n".join(lines_of(rows)))
+    mode  wave     freq_hz
+       1  with      371.25
+      10  against   1207.5
     """
     found = list(rows)
     names = names_in(found)

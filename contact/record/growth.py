@@ -15,7 +15,19 @@ Check = Literal["", "converged", "numerical", "irregular", "depends on the step"
 AGREED = 0.1  # of the growth: largest change by half the step
 NUMERICAL = 0.5  # of the growth: if half the step gives less, the step may cause it
 STEADY = 0.02  # of the largest deflection: windows of a motion that may be periodic differ by less
+VARIES = 0.25  # of it: of a motion whose windows differ by more, the smallest and the largest are stated
 STANDS = 0.3  # share of one travelling wave below which the motion is a standing wave
+
+
+def size_words(largest: float, steady: float) -> str:
+    """Size [mm] of a bounded motion from its largest deflection [m] and the relative scatter of windows of it.
+
+    >>> size_words(4e-5, 0.05), size_words(4e-5, 0.75)
+    ('0.04 mm, steady within 5 %', '0.01 to 0.04 mm')
+    """
+    if steady > VARIES:
+        return f"{1e3 * (1.0 - steady) * largest:.2g} to {1e3 * largest:.2g} mm"
+    return f"{1e3 * largest:.3g} mm, steady within {100.0 * steady:.2g} %"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,7 +220,7 @@ class RunGrowth:
         if self.state == "decays":
             return f"The motion decays by {-self.rate:.3g} 1/s (95 %: {-self.high:.3g} to {-self.low:.3g})."
         if self.state == "bounded":
-            size = f"{1e3 * self.amplitude:.3g} mm, steady within {100.0 * self.steady:.2g} %"
+            size = size_words(self.amplitude, self.steady)
             return f"The motion is bounded: at the end of the run the rim deflects by {size}.{mostly}"
         if self.state == "at rest":
             return "Nothing vibrates."

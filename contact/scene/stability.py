@@ -95,9 +95,9 @@ class InteractionScene:
     speed_hz: Array
     closed: RotatingRim | Rub | None = None
 
-    def solve(self, runs: int = RUNS) -> Interactions:
+    def solve(self, runs: int = RUNS, processes: int = 1) -> Interactions:
         """The table of dangerous speeds, from runs evenly over the speeds and one at each peak."""
-        return interactions(self.scene, self.speed_hz, runs=runs, closed=self.closed)
+        return interactions(self.scene, self.speed_hz, runs=runs, closed=self.closed, processes=processes)
 
 
 def load_interactions(path: str | Path) -> InteractionScene:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.progress import each
+from contact.io.threads import with_one_thread
 from contact.model.gaps.permanent import ClosedContact
 from contact.stability.waves import FreePoles, waves_of
 
@@ -90,6 +91,7 @@ def _roots(p: Complex, a: Complex, S: float) -> Complex | None:
     return x + 1j * y if settled else None
 
 
+@with_one_thread
 def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
     """Poles s [1/s, rad/s] of a closed contact in the blade's frame, (speeds, 2 m): eigenvalues of `first_order`.
 

@@ -20,7 +20,7 @@ from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.stability.waves import FreePoles, Waves, waves_of
 
 REACH = 4.0  # times the fastest speed: coincidences up to there, whose bands may extend into the range
-LOOKS = 65  # speeds at which frequencies are compared up to there
+LOOKS = 65  # speeds at which frequencies are compared
 AT_REST = 1e-12  # of a frequency: waves and modes that are nearer at rest are equal there
 SECANTS, MET = 40, 1e-13  # steps of a root, and the difference of the frequencies that ends them, relative
 SEEN = 1e-9  # of the largest residue: one contact does not see less
@@ -80,32 +80,35 @@ def loaded(pair: HandPair) -> Loaded:
 def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
     """All coincidences of casing waves with blade modes, ascending, for the senses of rotation of these speeds [Hz].
 
-    They are sought up to `REACH` times the fastest speed, with the frequencies of both at each speed. Contact moves a
-    coincidence, so those at speeds for which the matrices of a body are not known (`ClosedContact.known_speeds`) are
-    sought too, with the matrices of the nearest known speed. With several contacts, a wave and a mode coincide only if
+    The frequencies of both are those at each speed. One contact moves a coincidence and has a band around it, so that
+    coincidences are sought up to `REACH` times the fastest speed; where the matrices of a body are not known
+    (`ClosedContact.known_speeds`), those of the nearest known speed are used. With several contacts, coincidences are
+    those without contact, and are sought only between the speeds. Then a wave and a mode coincide only if
     their motions at the contacts are similar: |sum of products| above `ALIKE` of its largest possible value. So a wave
     of n diameters coincides only with a tuned disk's modes of n diameters. The poles decide whether the motion grows
     there.
     """
-    seen = waves_of(contact)
-    top, found = REACH * 2.0 * math.pi * float(np.abs(speed_hz).max()), []
+    seen, found, one = waves_of(contact), [], len(contact.Q) == 1
     for sense in (1.0, -1.0):
-        if not np.any(np.sign(speed_hz) == sense):
+        speeds = 2.0 * math.pi * np.abs(speed_hz[np.sign(speed_hz) == sense])
+        if not speeds.size:
             continue
-        crossings = _crossings(seen, sense, top)
+        between = (0.0, REACH * float(speeds.max())) if one else (float(speeds.min()), float(speeds.max()))
+        crossings = _crossings(seen, sense, between)
         speed = np.array([crossing[0] for crossing in crossings])
-        free, below, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0, 1.0 - STEP, 1.0 + STEP))
+        free = list(seen.poles_each(speed, sense))
+        below, above = (list(seen.poles_each(speed * by, sense)) if one else free for by in (1.0 - STEP, 1.0 + STEP))
         for k, (at, wave, mode) in enumerate(crossings):
             here = free[k]
             if here is not None and _met(here, wave, mode):
-                slope = _slope(below[k], above[k], at, wave, mode)
+                slope = _slope(below[k], above[k], at, wave, mode) if one else math.nan
                 found.append(_meeting(contact, here, wave, mode, at, slope))
     return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
-def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, int]]:
-    """(speed [rad/s], wave, mode) where a wave has a mode's frequency in the blade's frame, up to `top` [rad/s]."""
-    at = sense * np.linspace(0.0, top, LOOKS)
+def _crossings(seen: Waves, sense: float, between: tuple[float, float]) -> list[tuple[float, int, int]]:
+    """(speed [rad/s], wave, mode) where a wave has a mode's frequency in the blade's frame, between two [rad/s]."""
+    at = sense * np.linspace(*between, LOOKS)
     free = seen.poles(at, sense)
     if free is None:
         return []
@@ -123,20 +126,24 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
     k, i, j = np.nonzero((apart[:-1] * apart[1:] < 0.0) | ((apart[1:] == 0.0) & (apart[:-1] != 0.0)))
     if not k.size:
         return []
-    row, speed = np.arange(k.size), at[k]
-    low, high, below, above = at[k], at[k + 1], apart[k, i, j], apart[k + 1, i, j]
-    for _ in range(SECANTS):
-        speed = (low * above - high * below) / (above - below)
-        found = seen.poles(speed, sense)
+    speed, open_ = at[k].copy(), np.arange(k.size)
+    low, high, below, above = at[k].copy(), at[k + 1].copy(), apart[k, i, j], apart[k + 1, i, j]
+    for _ in range(SECANTS):  # the Illinois method (Dowell & Jarratt, BIT 11, 1971, 168), all roots at once
+        speed[open_] = (low * above - high * below)[open_] / (above - below)[open_]
+        found = seen.poles(speed[open_], sense)
         if found is None:
             return []
-        one, other = frequencies(found, speed)
-        middle = one[row, i] - other[row, j]
-        if np.all(np.abs(middle) <= MET * np.abs(free.s.imag).max()):
+        one, other = frequencies(found, speed[open_])
+        row = np.arange(open_.size)
+        middle = one[row, i[open_]] - other[row, j[open_]]
+        far = np.abs(middle) > MET * np.abs(free.s.imag).max()
+        open_, middle = open_[far], middle[far]
+        if not open_.size:
             break
-        before = middle * below > 0.0
-        low, below = np.where(before, speed, low), np.where(before, middle, below)
-        high, above = np.where(before, high, speed), np.where(before, above, middle)
+        inside = middle * above[open_] < 0.0  # the root is between the last two speeds
+        low[open_] = np.where(inside, high[open_], low[open_])
+        below[open_] = np.where(inside, above[open_], 0.5 * below[open_])
+        high[open_], above[open_] = speed[open_], middle
     return list(zip(speed.tolist(), waves[i].tolist(), modes[j].tolist(), strict=True))
 
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.base.arrays import Array
+from contact.io.threads import with_one_thread
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact
 from contact.stability.growth_map import StabilityMap, ascending
@@ -22,6 +23,7 @@ from contact.stability.waves import waves_of
 AT_REST = 1e-6  # of the frequency in the casing's frame: a slower motion is at rest in the blade's
 
 
+@with_one_thread
 def of_contact(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
     """Growth map of a perfect casing; its text describes the growing motion in each unstable band.
 
@@ -43,6 +45,7 @@ def of_contact(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
     return replace(found, words=" ".join(words))
 
 
+@with_one_thread
 def of_rim(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMap:
     """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
 

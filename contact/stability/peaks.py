@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import InputError
 from contact.io.reported import Reported
+from contact.io.threads import with_one_thread
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.model.gaps.rub import Rub, rub_of
@@ -97,6 +98,7 @@ class Peaks(Reported):
         return [{name: getattr(row, name) for name in Peak.__dataclass_fields__} for row in self.rows]
 
 
+@with_one_thread
 def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float = 0.0) -> Peaks:
     """Peaks of the growth of closed contact over speeds [turns/s] of one sense of rotation.
 
@@ -139,6 +141,7 @@ def peaks_of(contact: ClosedContact, found: StabilityMap, number: Indices | None
     return _merged(contact, *_refined(contact, found, floor_of(contact)), found, ordered if number is None else number)
 
 
+@with_one_thread
 def growth_at(what: RotatingRim | Rub, speed_hz: Array, *, mu: float = 0.0) -> Array:
     """Growth of closed contact [1/s] at speeds [turns/s] above 0, (speeds,); split pairs are replaced by their mean."""
     return growth(_closed(what, mu)[0], speed_hz)

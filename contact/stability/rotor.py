@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.base.arrays import Array
+from contact.io.threads import with_one_thread
 from contact.model.rotor.rotor import Rotor
 from contact.model.rotor.whirl import growth, modes_at, sense_of
 from contact.stability.closed_contact import FLOOR
@@ -17,6 +18,7 @@ from contact.stability.peaks import Peak, Peaks
 WHIRLS = 8  # whirl frequencies of a picture
 
 
+@with_one_thread
 def of_rotor(rotor: Rotor, speed_hz: Array) -> StabilityMap:
     """Largest growth of a rotor's free motion over speed, with the edges of the unstable bands as roots.
 

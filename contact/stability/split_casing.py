@@ -18,6 +18,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
 from contact.io.progress import as_part, tell
+from contact.io.threads import with_one_thread
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.modal_checks import HIGHER, SQUARES
 from contact.model.gaps.gap import RotatingRim
@@ -164,6 +165,7 @@ def _mean_compliance(S: Array, size: int, N: int) -> Array:
     return np.asarray(0.5 * (full + full.T))
 
 
+@with_one_thread
 def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase: float = PHASE) -> Array:
     """Growth rates [1/s] of a rim and blade in closed contact at speeds [Hz], (speeds,).
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.io.threads import with_one_thread
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, rub_contact
 from contact.model.gaps.rub import Rub, rub_of
@@ -55,6 +56,7 @@ class Cases:
         return f"Cases({len(self.mu)} of {self.casing.shape[1]} modes)"
 
 
+@with_one_thread
 def growth_of_cases(what: RotatingRim | Rub, speed_hz: Array, cases: Cases) -> Array:
     """Largest growth [1/s] of closed contact of each case at speeds [turns/s] above 0, (cases, speeds).
 

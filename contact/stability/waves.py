@@ -84,16 +84,18 @@ class Waves:
         order, sign, casing = np.empty(2 * m), np.empty(2 * m), np.empty(2 * m, dtype=bool)
         rows, pushes = contact.Q @ self.U, self.U.conj().T @ contact.pushes(sense).T
         C, K = self.parts
-        odd, even = powers(sense * np.clip(np.abs(speed), *contact.known_speeds), len(C), len(K))
+        known, shown = np.unique(np.clip(np.abs(speed), *contact.known_speeds), return_inverse=True)
+        odd, even = powers(sense * known, len(C), len(K))
         for size in sorted({group.size for group in self.groups}):
             same = [i for i, group in enumerate(self.groups) if group.size == size]
             at = np.array([self.groups[i] for i in same])  # (groups, size)
             block = at[:, :, None], at[:, None, :]
             damping, stiffness = (np.tensordot(by, part[:, *block], 1) for by, part in ((odd, C), (even, K)))
-            found = _blocks(damping, stiffness, self.order[at[:, 0]], speed, contact.rates[at])
+            found = _blocks(damping, stiffness, contact.rates[at])
             if found is None:
                 return None
-            values, vectors, left = found
+            values, vectors, left = (part[shown] for part in found)
+            values = values - 1j * np.multiply.outer(speed, self.order[at[:, 0]])[:, :, None]
             place = np.array([first[i] + np.arange(2 * size) for i in same])  # (groups, 2 size)
             s[:, place] = values
             seen[:, :, place] = np.einsum("rgi,wgij->wrgj", rows[:, at], vectors[:, :, :size])
@@ -143,13 +145,10 @@ def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:
     return tuple(np.flatnonzero(label == one) for one in range(int(label.max(initial=-1)) + 1))
 
 
-def _blocks(
-    C: Complex, K: Complex, order: Array, speed: Array, rate: Array
-) -> tuple[Complex, Complex, Complex] | None:  # fmt: skip
-    """Eigenvalues, eigenvectors and inverses of groups of waves, first order, by frequency in the body's frame.
+def _blocks(C: Complex, K: Complex, rate: Array) -> tuple[Complex, Complex, Complex] | None:
+    """Eigenvalues, eigenvectors and inverses of groups of waves in the body's frame, first order, by frequency.
 
-    C, K (speeds, groups, size, size), `rate` (groups, size) the scales of the velocities; eigenvalues are in the frame
-    of the contact.
+    C, K (speeds, groups, size, size), `rate` (groups, size) the scales of the velocities.
     """
     size = C.shape[-1]
     A = np.zeros((*C.shape[:2], 2 * size, 2 * size), dtype=complex)
@@ -157,11 +156,10 @@ def _blocks(
     A[:, :, lower, size + lower] = rate
     A[:, :, size:, :size] = -K / rate[:, :, None]
     A[:, :, size:, size:] = -C * rate[:, None, :] / rate[:, :, None]
-    values, vectors = np.linalg.eig(A)
+    values, vectors = np.linalg.eig(A if A.imag.any() else A.real)
     ascending = np.argsort(values.imag, axis=-1, kind="stable")
     values = np.take_along_axis(values, ascending, axis=-1)
     vectors = np.take_along_axis(vectors, ascending[:, :, None, :], axis=-1)
     if not np.all(np.linalg.cond(vectors) < DEFECT):
         return None
-    values = values - 1j * speed[:, None, None] * order[:, None]
     return values, vectors, np.linalg.inv(vectors)

@@ -33,6 +33,7 @@ from contact.io.columns import Column, table_lines
 from contact.io.outfiles import finite
 from contact.io.progress import each
 from contact.io.reported import Reported
+from contact.io.threads import with_one_thread
 from contact.model.gaps.rub import Rub
 from contact.model.rotor.rotor import Rotor
 from contact.model.rotor.rotor_rub import casing_of
@@ -161,6 +162,7 @@ class RotorStability(Reported):
         return "\n".join([*table_lines(tuple(kept), shown), self.words])
 
 
+@with_one_thread
 def rotor_stability(what: Rotor | Rub, speed_hz: ArrayLike, *, mu: float = 0.0) -> RotorStability:
     """Growth of a rotor over speeds [turns/s]; for a rub on a rotor also that of its contact with friction `mu`.
 

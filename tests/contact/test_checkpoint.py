@@ -27,7 +27,7 @@ LOBED = ct.RotatingRim(  # open half of the time, which it skips
 SKEW = np.triu(np.random.default_rng(3).standard_normal((10, 10)), 1)
 WHIRLING = replace(rim3(), gyroscopic=SKEW - SKEW.T, stiffness_by_speed=SKEW + SKEW.T + 4.0 * np.eye(10))
 RAMP = ct.Rub(
-    WHIRLING, (nodes(3),), tips(3), clearance=-3e-6, speed=ct.Speed(time=[0.0, 0.03], hz=[4.0, 30.0]), turning="casing"
+    WHIRLING, (nodes(2),), tips(2), clearance=-3e-6, speed=ct.Speed(time=[0.0, 0.03], hz=[4.0, 30.0]), turning="casing"
 )  # fmt: skip
 RUB = ct.Rub(rim3(), (nodes(3),), tips(3), clearance=-3e-6, speed=ct.Speed.constant(6.0))
 BODY = ct.ModalBody(

@@ -128,7 +128,7 @@ def test_thin_walls_do_not_lock(frustum):
     edges = (0.0, 0.05, 0.1, 0.5, 0.9, 0.95, 1.0)  # 12 rows change 4e-7
 
     def frequencies(mesh):
-        return cf.modes(frustum(thickness=5e-5, mesh=mesh), 6, method="fourier").freq
+        return cf.modes(frustum(thickness=5e-5, mesh=mesh), 2, method="fourier").freq
 
     fine = frequencies(cf.ShellMesh(order=12, rows=edges, around=1))
     high = np.abs(frequencies(cf.ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()

@@ -43,8 +43,8 @@ from casingfem.experiment.identify.setups import setups_of
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import tracked
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.linalg.threads import with_one_thread
 from contact.io.progress import tell
+from contact.io.threads import with_one_thread
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
 

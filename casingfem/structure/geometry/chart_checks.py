@@ -4,6 +4,10 @@ In a chart of your own, a wrong derivative gives plausible but wrong frequencies
 with differences of the surface itself.
 """
 
+from collections.abc import Hashable
+from functools import lru_cache
+from typing import Any, TypeGuard
+
 import numpy as np
 
 from casingfem.errors import ModelError
@@ -19,7 +23,34 @@ FLAT = 1e-9  # tangents that span less than this part of the largest area do not
 
 
 def check_chart(chart: Chart) -> None:
-    """Refuse a chart that is not finite, folded, open at its seam, or with wrong derivatives."""
+    """Refuse a chart that is not finite, folded, open at its seam, or with wrong derivatives.
+
+    A frozen dataclass of numbers is checked once: most shells are copies of another one with the same chart.
+    """
+    if _is_value(chart):
+        _check_once(chart)
+    else:
+        _check(chart)
+
+
+def _is_value(chart: Chart) -> TypeGuard[Hashable]:
+    """Whether a chart is a frozen dataclass that can be hashed; one that holds arrays cannot."""
+    dataclass: Any = getattr(chart, "__dataclass_params__", None)
+    if dataclass is None or not dataclass.frozen:
+        return False
+    try:
+        hash(chart)
+    except TypeError:
+        return False
+    return True
+
+
+@lru_cache(maxsize=32)
+def _check_once(chart: Any) -> None:
+    _check(chart)
+
+
+def _check(chart: Chart) -> None:
     (a0, a1), (b0, b1) = bounds = np.real(np.array(chart.bounds, dtype=complex))
     if not (np.all(np.isfinite(bounds)) and a0 < a1 and b0 < b1):
         raise ModelError("chart-bounds", f"chart.bounds: found {chart.bounds}")

@@ -14,11 +14,11 @@ from scipy.sparse import bsr_array, csc_array
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.element_sum import Elements, ElementSum
-from casingfem.linalg.threads import with_one_thread
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.mesh.shell_mesh import Grid
+from contact.io.threads import with_one_thread
 
 JET = 3 * DOFS
 CHUNK = 200_000  # entries of element matrices made together: what stays in a core's cache

@@ -5,6 +5,7 @@ has a code in `casingfem.faults`, and a threshold with its reason.
 """
 
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import chain
 from typing import NamedTuple
 
@@ -63,6 +64,7 @@ def sampled(shell: ShellParts, along: FloatArray, around: int = 361) -> Sampled:
     return Sampled(s.x.reshape(3, *a.shape), curvature, np.real(geometry.thickness))
 
 
+@lru_cache(maxsize=8)  # a shell is asked for it when it is made, and again when its modes are computed
 def extent(shell: ShellParts) -> Extent:
     """Sizes on a lattice of points; curvature and thickness at each, (points,)."""
     a0, a1 = np.real(np.array(shell.chart.bounds[0]))

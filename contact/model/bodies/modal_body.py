@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from contact.base.arrays import Array, keep_readonly, read_npz, require_not_nega
 from contact.base.errors import InputError
 from contact.io.names import hint
 from contact.io.npz import whole, write_npz
+from contact.model.bodies.matrices_over_speed import matrices_at, powers_of_speed, require_between
 from contact.model.bodies.modal_checks import HIGHER, OPTIONAL, SQUARES, check
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ FORMAT = "casingfem-modal-basis-1"
 MADE_BY = "`casingfem reduce STUDY --out DIR` or `casingfem import` writes a basis"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
-ROUND = 1e-9  # of a speed: round-off beyond a range
 
 
 class Basis(Protocol):
@@ -164,21 +163,7 @@ class ModalBody:
         [[[0.0, -1.0], [1.0, 0.0]], [[9.0, 0.0], [0.0, 9.0]]]
         """
         self.require_known(omega_rotation)
-        C, K = np.diag(2.0 * self.zeta * self.omega), np.diag(self.omega**2)
-        if self.damping is not None:
-            C += self.damping
-        if self.gyroscopic is not None:
-            C += omega_rotation * self.gyroscopic
-        if self.stiffness is not None:
-            K += self.stiffness
-        x = omega_rotation**2 - self.spin**2
-        if self.stiffness_by_speed is not None:
-            K += x * self.stiffness_by_speed
-        if self.gyroscopic_higher is not None:
-            C += omega_rotation * _powers(x, self.gyroscopic_higher)
-        if self.stiffness_higher is not None:
-            K += x * _powers(x, self.stiffness_higher)
-        return C, K
+        return matrices_at(self, omega_rotation)
 
     @property
     def varies(self) -> bool:
@@ -195,18 +180,8 @@ class ModalBody:
         Traceback (most recent call last):
         contact.base.errors.InputError: speed: found 0 to 4 Hz (0 to 240 rpm) at 2 of 3 speeds, expected 1 to 2 Hz ...
         """
-        if self.known_speeds is None:
-            return
-        low, high = np.asarray(self.known_speeds) / (2.0 * math.pi)
-        hz = np.abs(np.ravel(omega_rotation)) / (2.0 * math.pi)
-        out = hz[(hz < low * (1.0 - ROUND)) | (hz > high * (1.0 + ROUND))]
-        if not out.size:
-            return
-        share = f" at {out.size} of {hz.size} speeds" if hz.size > 1 else ""
-        raise InputError(
-            f"speed: found {_span(float(out.min()), float(out.max()))}{share}, expected {_span(low, high)}, the range "
-            "of this basis: set rotation.speed_hz of its study nearer to the speed and reduce it again"
-        )
+        if self.known_speeds is not None:
+            require_between(np.asarray(self.known_speeds), omega_rotation)
 
     def without_rotation(self) -> ModalBody:
         """The body with the same modal stiffness at every speed, and without Coriolis forces."""
@@ -220,16 +195,7 @@ class ModalBody:
 
         Shapes (k, m, m) and (k + 1, m, m); `damping` and `stiffness` are left out.
         """
-        parts: list[Array] = []
-        for name, higher, shift in (("gyroscopic", HIGHER[0], 0), ("stiffness_by_speed", HIGHER[1], 1)):
-            first, rest, m = getattr(self, name), getattr(self, higher), self.omega.size
-            own = [np.zeros((m, m)) if first is None else first, *(() if rest is None else rest)]
-            found = np.zeros((len(own) + shift, m, m))
-            for j, part in enumerate(own, shift):  # (Omega^2 - spin^2)^j
-                for i in range(j + 1):
-                    found[i] += math.comb(j, i) * (-(self.spin**2)) ** (j - i) * part
-            parts.append(found)
-        return parts[0], parts[1]
+        return powers_of_speed(self)
 
     def poles(self, omega_rotation: float = 0.0) -> NDArray[np.complex128]:
         """Poles [1/s, rad/s] of the rotating free body in its own frame, (2 m,), by ascending imaginary part.
@@ -404,15 +370,3 @@ def of_arrays(data: Mapping[str, Any]) -> ModalBody:
         spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
         provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
     )  # fmt: skip
-
-
-def _powers(x: float, parts: Array) -> Array:
-    """X A_1 + x^2 A_2 + ... of parts (k, m, m)."""
-    return np.asarray(np.tensordot(x ** np.arange(1.0, 1.0 + len(parts)), parts, 1))
-
-
-def _span(low: float, high: float) -> str:
-    """A range of speeds [Hz] in Hz and rpm; one number where both ends are equal."""
-    ends = (low,) if low == high else (low, high)
-    hz, rpm = (" to ".join(format(by * end, ".5g") for end in ends) for by in (1.0, 60.0))
-    return f"{hz} Hz ({rpm} rpm)"

@@ -1,4 +1,4 @@
-"""Exact modal motion between located events; see `contact.loop.events` for the search that misses none."""
+"""Exact modal motion between located events; see `contact.loop.certified` for the search that misses none."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from contact.scheme.protocol import Block, Motion, PlainStepper, Problem, Steppe
 from contact.solver.unilateral.pivoting import pressing
 
 if TYPE_CHECKING:
-    from contact.loop.events import EventWork
+    from contact.loop.certified import EventWork
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +114,8 @@ class EventStepper(PlainStepper):
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; returns -1, or the step that failed."""
         from contact.jit.bundle import bundled
-        from contact.loop.events import CHATTER, DONE, IMPACT, LOST, STEP, UNKNOWN, advance_events
+        from contact.loop.certified import STEP
+        from contact.loop.events import CHATTER, DONE, IMPACT, LOST, UNKNOWN, advance_events
 
         sums, samples = bundled(self.sums), bundled(out)
         phases, work, why = bundled(self.known.arrays), bundled(self.work[0]), IMPACT
@@ -135,7 +136,7 @@ class EventStepper(PlainStepper):
 
     def _hit(self, w: EventWork) -> None:
         """Impact of rigid contacts, written into the state."""
-        from contact.loop.events import HIT
+        from contact.loop.certified import HIT
 
         hit, closed = np.zeros(w.closed.size, dtype=bool), w.closed.astype(bool)
         hit[w.where[HIT]] = True
@@ -165,7 +166,8 @@ class EventStepper(PlainStepper):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        from contact.loop.events import EVENTS, MOST_EVENTS
+        from contact.loop.certified import EVENTS
+        from contact.loop.events import MOST_EVENTS
 
         w = self.work[0]
         if w.where[EVENTS] > MOST_EVENTS:
@@ -218,7 +220,7 @@ def event_stepper(system: EventSystem, h: float, restitution: float, words: str)
 
 def _work(known: Known, system: EventSystem) -> EventWork:
     """Arrays of the loop."""
-    from contact.loop.events import PHASE, EventWork
+    from contact.loop.certified import PHASE, EventWork
 
     (k, n), m, r = system.N.shape, known.arrays.lam.shape[2], known.arrays.R.shape[2]
     none: Any = {name: np.zeros(k, int) for name in ("closed", "changes")}

@@ -12,7 +12,7 @@ from contact.scheme.events.phase import Complex, Phase, phase_of
 from contact.scheme.events.system import EventSystem
 
 if TYPE_CHECKING:
-    from contact.loop.events import Phases
+    from contact.loop.certified import Phases
 
 ANGLE = 0.5  # of the fastest mode over the shortest step from table to table [rad]
 LEVELS = 24
@@ -53,7 +53,7 @@ class Known:
         return min(max(math.ceil(math.log2(max(self.h * fastest / ANGLE, 1.0))) + 1, 1), LEVELS)
 
     def _filled(self, room: int) -> Phases:
-        from contact.loop.events import Phases
+        from contact.loop.certified import Phases
 
         (k, n), m, r = self.system.N.shape, self.poles, self.phases[0].R.shape[1]
         d = m if self.phases[0].damping is not None or self.system.C.any() else 0

@@ -9,6 +9,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.cli.scene_page import run_numbers
 from casingfem.io.arrays import FloatArray
+from casingfem.io.side_by_side import usable_cores
 from casingfem.modal.interaction import wave_hz
 from casingfem.modal.modes import Modes
 from casingfem.plot.pages.scene import Ran
@@ -133,7 +134,8 @@ def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
     A run ends where the rim passes half of its wall.
     """
     scene, highest = replace(scene, dt=LONGER_STEP * plan.dt, on_limit="stop"), 2.0 * plan.speed_hz
-    return ct.interactions(scene, np.linspace(0.1 * highest, highest, 91), runs=10)
+    speeds = np.linspace(0.1 * highest, highest, 91)
+    return ct.interactions(scene, speeds, runs=10, processes=usable_cores())
 
 
 def controls(files: tuple[Path, Path], plan: RubPlan) -> dict[str, float]:

@@ -15,7 +15,7 @@ from reports.tools.mutants.inside_pytest import JOB, Job, Line
 RECORDED = "executed.json"
 PATIENCE = 3.0  # on a busy machine, whose cores and caches others use too, a processor second does a third of the work
 NOT_COPIED = shutil.ignore_patterns(
-    ".git", ".venv", "__pycache__", ".*_cache", ".hypothesis", "*.egg-info", "out", "build", "dist"
+    ".git", ".venv", "__pycache__", ".*_cache", "*.egg-info", "out", "build", "dist"
 )  # fmt: skip
 
 
@@ -84,7 +84,6 @@ class Tree:
         )  # fmt: skip
         Path(job.journal).unlink(missing_ok=True)
         job.write(self.beside("job.json"))
-        shutil.rmtree(self.copy / ".hypothesis", ignore_errors=True)
         settings = {
             JOB: str(self.beside("job.json")), "PYTHONPATH": os.pathsep.join([str(self.copy), str(ROOT)]),
             "NUMBA_CACHE_DIR": str(self.beside("compiled")), "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1",
@@ -93,7 +92,7 @@ class Tree:
         }  # fmt: skip
         options = [
             "-p", "reports.tools.mutants.inside_pytest", "-p", "no:cacheprovider", "-q", "--tb=short",
-            "--hypothesis-seed=0", "--doctest-modules", "-m", "not campaign",  # the tests of the gate
+            "--doctest-modules", "-m", "not campaign",  # the tests of the gate
         ]  # fmt: skip
         options += [f"--basetemp={self.beside('temporary')}", *(["-x"] if first_failure else [])]
         command = [sys.executable, "-m", "pytest", *options, *files]

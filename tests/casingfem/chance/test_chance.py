@@ -67,11 +67,11 @@ dt = 1e-5
 [chance]
 study = "casing.toml"
 seed = 11
-draws = 64
+draws = 52
 worst = 1
 runs = 2
 turns = 0.05
-importance = 8
+importance = 4
 [chance.blade]
 deviation = 0.02
 [chance.clearance]
@@ -110,7 +110,7 @@ def first(made):
 
 @pytest.mark.slow
 def test_answers_have_every_part(made, first):
-    assert first["casings"] == 64
+    assert first["casings"] == 52
     assert 0.0 < first["dangerous"]["low"] < first["dangerous"]["value"] < first["dangerous"]["high"] <= 1.0
     assert len(first["speeds"]) == 12
     assert first["in_full"] >= 2  # draws 0 and 50 are checks
@@ -129,8 +129,8 @@ def test_answers_have_every_part(made, first):
 def test_a_run_that_goes_on_gives_the_same_numbers_to_the_last_bit(made, first, tmp_path):
     again = tmp_path / "out"
     shutil.copytree(made / "out" / "draws", again / "draws")
-    for lot in (again / "draws").glob("draws_*.npz"):
-        lot.write_bytes(lot.read_bytes()[:-40])  # torn
+    lot = min((again / "draws").glob("draws_*.npz"))
+    lot.write_bytes(lot.read_bytes()[:-40])  # torn
     result = run(made, "--out", str(again), "--json")
     assert result.exit_code == 0, result.output
     assert (again / "chance.csv").read_bytes() == (made / "out" / "chance.csv").read_bytes()
@@ -143,10 +143,10 @@ def test_more_draws_are_added_and_another_scene_is_refused(made, first, tmp_path
     for name in ("casing.toml", "casing.npz", "blade.npz"):
         shutil.copy(made / name, tmp_path / name)
     shutil.copytree(made / "out" / "draws", tmp_path / "out" / "draws")
-    (tmp_path / "scene.toml").write_text(SCENE.replace("draws = 64", "draws = 80").replace("worst = 1", "worst = 0"))
+    (tmp_path / "scene.toml").write_text(SCENE.replace("draws = 52", "draws = 60").replace("worst = 1", "worst = 0"))
     result = run(tmp_path, "--out", str(tmp_path / "out"), "--json")
     assert result.exit_code == 0, result.output
-    assert json.loads(result.stdout)["casings"] == 80
+    assert json.loads(result.stdout)["casings"] == 60
     (tmp_path / "scene.toml").write_text(SCENE.replace("friction = 0.3", "friction = 0.25"))
     result = run(tmp_path, "--out", str(tmp_path / "out"))
     assert result.exit_code == 2
@@ -178,7 +178,7 @@ def test_the_worst_casing_is_a_scene_and_a_study_of_its_own(made, first):
         ("[chance.friction]", "[chance.frictoin]", "unknown key, expected one of study, draws"),
         ("[chance.friction]", "[chance.closing]", "chance.closing: found it, but the scene has no [closing]"),
         ('study = "casing.toml"', 'study = "none.toml"', "none.toml: found no such file"),
-        ("importance = 8", "importance = 9", "expected 0 or a power of 2"),
+        ("importance = 4", "importance = 9", "expected 0 or a power of 2"),
         ('law = "uniform"', 'law = "gamma"', "'normal', 'uniform' or 'lognormal'"),
     ],
 )

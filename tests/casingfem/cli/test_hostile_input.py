@@ -148,7 +148,7 @@ def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     """SIGINT to the whole group, as a terminal sends it, while two workers are busy."""
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nfrom = -2.0\nto = -1.0\nsteps = 6\n'
-    file.write_text(RODS.replace("1e-4\n[[rod", "6.0\n[[rod") + vary)  # seconds of work, else it may be through
+    file.write_text(RODS.replace("1e-4\n[[rod", "3.0\n[[rod") + vary)  # seconds of work, else it may be through
     line = [sys.executable, "-m", "casingfem", "sweep", str(file), "--jobs", "2", "--out", str(out)]
     # where the tests themselves run in the background of a shell, SIGINT is ignored, and children inherit that
     listening = signal.signal(signal.SIGINT, signal.default_int_handler)

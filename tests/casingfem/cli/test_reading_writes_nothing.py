@@ -52,19 +52,20 @@ def state(folder):
     return found
 
 
-def with_a_new_folder_and_odd_owners(folder, victim):
-    """An earlier way of writing sets had the new files in `.new`; files may only be read, one folder not opened."""
+def with_a_new_folder(folder, victim):
+    """An earlier way of writing sets had the new files in `.new`."""
     (folder / ".new" / "deep").mkdir(parents=True)
     for name in NAMES:
         (folder / ".new" / name).write_text("not yours")
+
+
+def with_odd_owners_and_odd_things(folder, victim):
+    """Files may only be read, one folder not opened; `.new` leads elsewhere; pipes, links, parts of killed writers."""
+    for name in NAMES:
         (folder / name).chmod(0o444)
         if os.geteuid() == 0:
             os.chown(folder / name, 12345, 12345)
     (folder / "closed").mkdir(mode=0o000)
-
-
-def with_a_new_link_and_odd_things(folder, victim):
-    """`.new` leads elsewhere; pipes, links to nothing and back, a manifest of nobody, parts of killed writers."""
     (folder / ".new").symlink_to(victim)
     os.mkfifo(folder / "pipe.csv")
     (folder / "nothing.toml").symlink_to("nowhere")
@@ -78,8 +79,10 @@ def with_a_new_link_and_odd_things(folder, victim):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes, links and modes are of POSIX systems")
-@pytest.mark.parametrize("surroundings", [with_a_new_folder_and_odd_owners, with_a_new_link_and_odd_things])
-@pytest.mark.parametrize("command", READ)
+@pytest.mark.parametrize(
+    ("command", "surroundings"),
+    [("modes", with_a_new_folder), *((command, with_odd_owners_and_odd_things) for command in READ)],
+)
 @pytest.mark.slow
 def test_a_command_that_reads_changes_nothing(inputs, tmp_path, monkeypatch, command, surroundings):
     folder, victim = tmp_path / "project", tmp_path / "victim"

@@ -70,7 +70,7 @@ def noisy(casing, model, table_with):
 @pytest.mark.slow
 @pytest.mark.parametrize("loose", [pytest.param({5: 0.3}, marks=pytest.mark.campaign), {2: 0.3, 6: 0.5}])
 def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path, table_with):
-    found = cf.locate(casing, table_with(loose), model=model)
+    found = cf.locate(casing, table_with(loose), model=model, most=2)
     turned = {(bolt + 5) % 12 + 1 for bolt in loose}
     explanations = (found.best, *found.others)
     assert {frozenset(loose), frozenset(turned)} == {e.places for e in explanations}
@@ -116,7 +116,7 @@ def without_angles(table):
 @pytest.mark.parametrize("loose", [{2: 0.3, 8: 0.7}, pytest.param({2: 0.5, 8: 0.5}, marks=pytest.mark.campaign)])
 def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose, table_with):
     """The turned explanation has the same bolts, and the other's factor for each; nothing new where both are alike."""
-    found = cf.locate(casing, table_with(loose), model=model)
+    found = cf.locate(casing, table_with(loose), model=model, most=2)
     explained = [{one.place: round(one.value, 2) for one in e.found} for e in (found.best, *found.others)]
     turned = {2: loose[8], 8: loose[2]}
     assert loose in explained
@@ -130,7 +130,7 @@ def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose, table
 )
 def test_without_orientations_all_turns_and_mirror_images_are_listed(casing, model, loose, places, table_with):
     table = replace(table_with(loose), angle_deg=np.full(len(table_with(loose)), np.nan))
-    found = cf.locate(casing, table, model=model)
+    found = cf.locate(casing, table, model=model, most=len(loose))
     explained = [{one.place: round(one.value, 2) for one in e.found} for e in (found.best, *found.others)]
     turned = [
         {(start + way * (bolt - 5)) % 12 + 1: value for bolt, value in loose.items()}
@@ -317,7 +317,7 @@ def test_pairs_that_bolts_split_as_designed_hide_no_loose_bolt(casing):
         for loose in ({}, {3: 0.6})
     )
     assert before.splits()[8] == pytest.approx(0.064, abs=0.002)
-    found = cf.locate(bolted({}), now, baseline=before)
+    found = cf.locate(bolted({}), now, baseline=before, most=1)
     assert {e.places for e in (found.best, *found.others)} == {frozenset({3}), frozenset({11})}
     assert found.found[0].value == pytest.approx(0.6, abs=0.02)
     assert found.smallest.max() < 0.1

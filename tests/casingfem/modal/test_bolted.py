@@ -29,7 +29,9 @@ def by_harmonics(base, count=8, **parts):
     return cf.modes(casing(base, **parts), count, method="bolts")
 
 
-@pytest.mark.parametrize(("base", "around", "orders"), [(LOOSE, 24, (4, 7)), (RING, 8, (6, 9))])
+@pytest.mark.parametrize(
+    ("base", "around", "orders"), [(LOOSE, 24, (4, 7)), pytest.param(RING, 8, (6, 9), marks=pytest.mark.campaign)]
+)
 def test_the_two_dimensional_shell_converges_to_the_coupled_harmonics(base, around, orders):
     def error(order):
         mesh = cf.ShellMesh(order=order, rows=ROWS, around=around)

@@ -60,7 +60,7 @@ def whirl(part, omega, count):
     return 2.0 * np.pi * cf.whirl_modes(replace(part, rotation=cf.Rotation(omega=omega)), count).freq
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
     """20 modes; n = 10 at 422.01 Hz parts into 423.87 and 425.76 Hz."""
     omega = 2.0 * np.pi * 5.0
@@ -79,7 +79,7 @@ def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("spin", "speeds"), [(0.0, (900.0,)), (-900.0, (-620.0, -1200.0))])
+@pytest.mark.parametrize(("spin", "speeds"), [(0.0, (900.0,)), (-900.0, (-1200.0,))])
 def test_frequencies_err_by_less_than_a_millionth_where_the_speed_changes_none_by_two_fifths(casing, spin, speeds):
     """By its projections alone the basis at rest errs by 7e-5 and 2e-4, that at speed by 1e-4 beside its speed."""
     part = replace(casing, rotation=cf.Rotation(omega=spin)) if spin else casing

@@ -15,7 +15,7 @@ STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 @pytest.fixture(scope="module")
 def casing():
     return cf.Shell(chart=cf.Frustum(r_base=0.20, r_top=0.18, height=0.1), thickness=3e-3, material=STEEL,
-                    supports={"base": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=2, around=9),
+                    supports={"base": cf.Clamped()}, mesh=cf.ShellMesh(order=7, rows=1, around=9),
                     rotation=cf.Rotation(omega=200.0))  # fmt: skip
 
 

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import casingfem as cf
 
@@ -16,8 +14,8 @@ def solid_stiffness(E, nu):
     return C
 
 
-@pytest.mark.slow
-@given(st.floats(1e6, 1e12), st.floats(-0.9, 0.45))
+@pytest.mark.parametrize("E", [1e6, 210e9, 1e12])
+@pytest.mark.parametrize("nu", [-0.9, -0.2, 0.0, 0.3, 0.45])
 def test_plane_stress_is_the_solid_with_the_normal_stress_condensed_out(E, nu):
     C = solid_stiffness(E, nu)
     kept, out = [0, 1, 5], [2]

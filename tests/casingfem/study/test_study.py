@@ -267,7 +267,7 @@ def test_whatever_is_at_a_key_the_study_loads_or_states_what_is_wrong(tmp_path):
     data = tomllib.loads(whole)
     refused = 0
     for k, place in enumerate(places(data)):
-        for odd in ODD[k % 6 :: 6]:  # `reports.verification.robustness.schema` puts all of them everywhere
+        for odd in ODD[k % 12 :: 12]:  # `reports.verification.robustness.schema` puts all of them everywhere
             changed = deepcopy(data)
             owner: Any = changed
             for key in place[:-1]:
@@ -281,7 +281,7 @@ def test_whatever_is_at_a_key_the_study_loads_or_states_what_is_wrong(tmp_path):
             key = str(place[0])
             assert all(line.startswith(str(tmp_path / "study.toml")) for line in found)
             assert not found or any(f": {key}" in line for line in found), (place, odd, found)
-    assert refused > 100
+    assert refused > 50
 
 
 STRIPS = (

@@ -76,9 +76,10 @@ def test_regularising_nothing_is_refused():
 
 
 @pytest.mark.slow
-def test_left_out_rows_are_predicted_as_well_as_their_sigma_states(fit):
+def test_left_out_rows_are_predicted_as_well_as_their_sigma_states():
+    fit = cf.update(blade(), table(1e-3, rows=6), vary("material.E", "material.nu"))
     left = cf.updating.leave_one_out(fit)
-    assert [row.mode for row in left.rows] == list(range(1, 9))
+    assert [row.mode for row in left.rows] == list(range(1, 7))
     assert 0.3 < left.rms_sigma < 2.0
     assert left.rms > fit.rms_after
     assert "each row predicted from the others" in repr(left)
@@ -87,13 +88,11 @@ def test_left_out_rows_are_predicted_as_well_as_their_sigma_states(fit):
 @pytest.mark.slow
 def test_a_left_out_row_is_not_used():
     """One frequency wrong by 3 %: the others, and the fit without it, know where it belongs."""
-    clean = table(rows=5)
-    f = clean.freq_hz.copy()
-    f[3] *= 1.03
-    wrong = cf.FrequencyTable.from_arrays(freq_hz=f, sigma_hz=clean.sigma_hz)
-    fit = cf.update(blade(), wrong, vary("material.E", "shell.thickness"), outliers="keep")
-    row = cf.updating.leave_one_out(fit).rows[3]
-    assert row.predicted_hz == pytest.approx(clean.freq_hz[3], rel=2e-3)
+    clean = cf.modes(blade(200e9), 4).freq
+    wrong = cf.FrequencyTable.from_arrays(freq_hz=clean * [1.0, 1.0, 1.03, 1.0], sigma_hz=1e-3 * clean)
+    fit = cf.update(blade(), wrong, vary("material.E"), outliers="keep")
+    row = cf.updating.leave_one_out(fit).rows[2]
+    assert row.predicted_hz == pytest.approx(clean[2], rel=1e-6)
     assert row.deviation < -10.0
 
 

@@ -56,7 +56,7 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
 @pytest.mark.slow
 def test_eight_sensors_at_each_place_give_the_fit_of_one(frustum):
     """A shape has unit norm and sigma is that of its values: eight of each value, an eighth of the square each."""
-    truth, start = casing(frustum, c8=0.0025), casing(frustum)
+    truth, start = casing(frustum, c8=0.0025), casing(frustum, c8=0.0024)
     table, once = measured(truth, turn=0.4)
     angles, shapes = np.repeat(THETA, 8), np.repeat(once.shapes, 8, axis=0)
     often = cf.updating.SensorShapes.on_edge(start, "top", angles, shapes, 0.01)

@@ -8,7 +8,7 @@ import pytest
 
 import casingfem as cf
 
-MESH = cf.ShellMesh(order=6, rows=1, around=13)
+MESH = cf.ShellMesh(order=4, rows=1, around=14)
 ROWS = 20
 VARY = [
     cf.Parameter(name="material.E", lower=150e9, upper=250e9),
@@ -132,8 +132,8 @@ def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
 
 @pytest.mark.slow
 def test_two_updates_agree_bit_by_bit(frustum, measured):
-    start = cf.updating.with_value(truth(frustum), "material.E", 207e9)
-    fits = [cf.update(start, table_of(measured, rows=6), [VARY[0], VARY[3]]) for _ in range(2)]
+    start = cf.updating.with_value(truth(frustum, mesh=cf.ShellMesh(order=3, rows=1, around=14)), "material.E", 207e9)
+    fits = [cf.update(start, table_of(measured, rows=6), [VARY[0], VARY[3]], outliers="keep") for _ in range(2)]
     assert fits[0].value == fits[1].value
     assert fits[0].covariance.tobytes() == fits[1].covariance.tobytes()
 

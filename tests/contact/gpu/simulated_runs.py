@@ -14,7 +14,7 @@ FEW = 8_000  # bytes that make two groups
 def scenes():
     """Open, sliding, sticking and leaning contacts of different bases, speeds and steps."""
     given = [*different(), scene(speed_hz=20.0, mu=0.3, clearance=-4e-4, imperfect=0.1)]
-    return [replace(one, t_end=steps * one.dt) for one, steps in zip(given, [120, 80] * 6, strict=True)]
+    return [replace(one, t_end=steps * one.dt) for one, steps in zip(given, [60, 40] * 6, strict=True)]
 
 
 def main(path):

@@ -331,7 +331,7 @@ def test_broken_coatings(write, old, new, words):
 
 @pytest.mark.slow
 def test_a_coated_disk_wears_one_track(tmp_path):
-    text = (SCENES.parent / "bladed_disk.toml").read_text().replace("t_end = 0.5", "t_end = 0.02")
+    text = (SCENES.parent / "bladed_disk.toml").read_text().replace("t_end = 0.5", "t_end = 0.005")
     (tmp_path / "disk.toml").write_text(text + COATING.replace("1e-3", "2e-3"))
     result = ct.run(ct.load_scene(tmp_path / "disk.toml"))
     assert [track.tips for track in result.tracks] == [tuple(range(12))]

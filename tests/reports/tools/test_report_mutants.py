@@ -59,9 +59,8 @@ def test_unseen():
 
 @pytest.fixture
 def campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Campaign:
-    # each process of tests would load every plugin that is installed; one option needs this one
+    # each process of tests would load every plugin that is installed
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
-    monkeypatch.setenv("PYTEST_PLUGINS", "_hypothesis_pytestplugin")
     root = tmp_path / "project"
     for name, text in {
         "tiny/__init__.py": "",

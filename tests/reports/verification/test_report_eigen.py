@@ -37,7 +37,7 @@ def test_a_mode_lost_among_random_structures_is_a_fault(monkeypatch, capsys):
     assert "structure 3" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_multigrid_serves_a_thick_block_and_states_that_it_fails_on_a_thin_plate(tmp_path):
     rows = solid_solvers.main(tmp_path, quick=True)
     direct, multigrid, _, thin = rows

@@ -87,7 +87,7 @@ def test_tied_blocks_come_near_one_mesh(tmp_path):
     assert (tmp_path / "ties.csv").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_branching_shells_settle_to_published_values_and_to_bricks(tmp_path):
     """Eight-noded cells lie within 0.5 % of the published box; one brick a cell is 4 % stiff on the T of 1 mm."""
     rows = branching.main(tmp_path, quick=True)

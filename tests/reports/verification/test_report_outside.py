@@ -43,14 +43,14 @@ def test_two_masses_have_the_folds_of_nlvib_and_the_bifurcations_of_shooting():
     assert [row["verdict"] for row in two_masses.rows()] == ["pass"] * 8
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_box_lies_within_half_a_per_cent_of_fan_and_luah_and_of_calculix_shells():
     rows = shells.box()
     assert [row["verdict"] for row in rows[:8]] == ["pass"] * 8
     assert [row["verdict"] == "pass" for row in rows[8:]] == [True, True, False, True]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_sweep_of_the_tip_lowers_the_third_bending_mode_as_measured():
     third = [row for row in swept_strip.rows() if str(row["case"]).endswith("750 rpm, mode 3B")]
     measured, ours = (np.array([row[name] for row in third]) for name in ("value", "ours"))

@@ -52,7 +52,7 @@ def test_a_split_that_the_rule_forbids_is_seen():
     assert row["verdict"] == "FAIL"
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_ring_as_strip_and_as_beam_agree(tmp_path):
     rows = steel_ring.main(tmp_path, quick=True)
     gaps = [abs(row["beam/strip - 1 %"]) for row in rows]

@@ -8,8 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import scipy.sparse as sp
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import casingfem as cf
 
@@ -68,10 +66,9 @@ def test_mac_of_known_vectors():
     np.testing.assert_allclose(cf.correlation.mac(np.eye(3)[:, :2], np.eye(3)), [[1, 0, 0], [0, 1, 0]])
 
 
-@settings(max_examples=20, deadline=None)
-@given(st.floats(-4, 4), st.integers(0, 1000))
-def test_subspace_mac_does_not_see_a_rotation_in_the_plane(angle, seed):
-    rng = np.random.default_rng(seed)
+@pytest.mark.parametrize("angle", [-4.0, 0.0, 0.3, 1.6])
+def test_subspace_mac_does_not_see_a_rotation_in_the_plane(angle):
+    rng = np.random.default_rng(5)
     plane, other = rng.normal(size=(2, 12, 2))
     M = np.diag(rng.uniform(0.5, 2, 12))
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

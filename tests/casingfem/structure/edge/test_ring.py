@@ -15,10 +15,10 @@ HELD = cf.Ring(section=BAR, support=cf.ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("values", [{}, {"offset": (0.02, -0.05), "foot": (-0.01, -0.03)}])
-def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
+def test_the_shell_with_a_ring_is_its_harmonics(frustum):
     """Eccentric ring on springs: the two-dimensional shell against one small problem for each n."""
-    casing = frustum(supports={"base": replace(HELD, **values)}, mesh=cf.ShellMesh(order=7, rows=1, around=19))
+    eccentric = replace(HELD, offset=(0.02, -0.05), foot=(-0.01, -0.03))
+    casing = frustum(supports={"base": eccentric}, mesh=cf.ShellMesh(order=7, rows=1, around=19))
     exact, found = cf.modes(casing, 12), cf.modes(casing, 12, method="shell")
     np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-6)
     assert found.splits.max() < 1e-9
@@ -71,8 +71,8 @@ def test_derivatives_with_a_ring_and_a_mass(heavy):
 @pytest.mark.slow
 def test_reduction_of_a_casing_on_a_ring(frustum):
     """Free modes with residual compliance answer a static push as the harmonics do."""
-    casing = frustum(supports={"base": HELD}, mesh=cf.ShellMesh(order=7, rows=1, around=13))
-    rim = cf.Rim("top", n_max=6)
+    casing = frustum(supports={"base": HELD}, mesh=cf.ShellMesh(order=7, rows=1, around=11))
+    rim = cf.Rim("top", n_max=4)
     whole, exact = cf.reduce(casing, rim, modes=10), harmonic_basis(casing, rim, orders=2)
     scale = np.abs(exact.compliance).max()
     np.testing.assert_allclose(whole.compliance, exact.compliance, atol=1e-6 * scale)

@@ -14,7 +14,7 @@ OUTSIDE = (0.0075, 0.0)
 
 def firsts(shell):
     """The lowest frequency of each number of nodal diameters [Hz]."""
-    found = cf.modes(shell, 60, method="fourier")
+    found = cf.modes(shell, 40, method="fourier")
     return {int(n): found.freq[found.nodal_diameters == n][0] for n in np.unique(found.nodal_diameters)}
 
 

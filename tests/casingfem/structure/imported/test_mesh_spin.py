@@ -13,7 +13,6 @@ ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
 CLAMPED = {"root": cf.Clamped()}
 LENGTH, WIDTH, THICK = 0.11, 0.04, 3e-3
 AXES = {
-    "flapping in the plane": cf.Rotation(omega=0.0, axis=(0.0, 1.0, 0.0), centre=(-0.2, 0.0, 0.0)),
     "flapping out of it": cf.Rotation(omega=0.0, axis=(0.0, 0.0, 1.0), centre=(-0.2, 0.0, 0.0)),
     "staggered, off the axis": cf.Rotation(omega=0.0, axis=(0.0, 1.0, 0.5), centre=(-0.2, 0.02, 0.01)),
 }
@@ -42,7 +41,7 @@ def block(rotation, counts=(10, 4, 1)):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("make", "digits", "axis"), [*((skin, 2e-3, axis) for axis in AXES), (block, 2e-2, "staggered, off the axis")]
+    ("make", "digits", "axis"), [(skin, 2e-3, "staggered, off the axis"), (block, 2e-2, "staggered, off the axis")]
 )
 def test_southwells_coefficients_are_those_of_the_chart(make, digits, axis):
     """d(omega^2)/d(Omega^2) of the first three modes: flap, torsion, second flap."""

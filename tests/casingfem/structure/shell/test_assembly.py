@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import casingfem as cf
 
@@ -117,10 +115,8 @@ def test_breathing_energy_of_a_linear_wall(steel):
     assert 0.5 * float(v @ (system.K @ v)) == pytest.approx(exact, rel=1e-9)
 
 
-@settings(max_examples=10, deadline=None)
-@given(st.integers(0, 2**31))
-def test_restrict_is_the_transpose_of_expand(seed):
-    rng = np.random.default_rng(seed)
+def test_restrict_is_the_transpose_of_expand():
+    rng = np.random.default_rng(3)
     shell = cf.Shell(
         chart=cf.Cylinder(radius=0.5, height=0.4),
         thickness=5e-3,

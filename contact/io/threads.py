@@ -1,26 +1,27 @@
-"""Threads of BLAS within the package's own calculations."""
+"""Threads of BLAS within the packages' own calculations."""
 
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, wraps
-from typing import ParamSpec, TypeVar
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
-import numpy as np  # noqa: F401  (loads one BLAS library; scipy.linalg loads another)
-import scipy.linalg  # noqa: F401
-from threadpoolctl import ThreadpoolController
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
-from casingfem.io.side_by_side import ONE_THREAD
-
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
 @cache
-def blas() -> ThreadpoolController:
-    """The BLAS libraries of this process."""
+def blas(*loaded: bool) -> ThreadpoolController:
+    """The BLAS libraries of this process, by whether numpy and scipy.linalg, which have one each, are loaded."""
+    from threadpoolctl import ThreadpoolController
+
     return ThreadpoolController().select(user_api="blas")
 
 
@@ -37,14 +38,15 @@ def wanted() -> int:
 def one_thread() -> Iterator[None]:
     """One BLAS thread within this context, or as many as a variable of the environment states.
 
-    The matrices of a shell are small, so several threads mostly wait for each other: on a busy machine modes take more
-    than ten times as long with them. Calculations outside the context keep their threads.
+    The matrices of a shell and of a modal body are small, so several threads mostly wait for each other: on a busy
+    machine modes take more than ten times, a table of dangerous speeds four times as long with them. Calculations
+    outside the context keep their threads.
     """
-    number = wanted()
-    if all(library.get_num_threads() == number for library in blas().lib_controllers):
+    number, libraries = wanted(), blas("numpy" in sys.modules, "scipy.linalg" in sys.modules)
+    if all(library.get_num_threads() == number for library in libraries.lib_controllers):
         yield
         return
-    with blas().limit(limits=number):
+    with libraries.limit(limits=number):
         yield
 
 
