@@ -77,7 +77,10 @@ def _stiffness(law: Law) -> float:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class EventStepper(PlainStepper):
-    """State of a run: `known` phases, arrays of the loop, fastest impact of each contact (k,), energy in S (k,)."""
+    """State of a run: `known` phases, arrays of the loop, fastest impact of each contact (k,), energy in S (k,).
+
+    `thrown` (n,): velocities after the impacts at t = 0, with which the first step begins.
+    """
 
     system: EventSystem
     dt: float
@@ -88,6 +91,7 @@ class EventStepper(PlainStepper):
     work: list[EventWork]  # one entry: replaced where a phase has more poles than all before it
     fastest: Array
     squeezed: Array
+    thrown: Array
 
     @property
     def window(self) -> float:
@@ -117,6 +121,8 @@ class EventStepper(PlainStepper):
         from contact.loop.certified import STEP
         from contact.loop.events import CHATTER, DONE, IMPACT, LOST, UNKNOWN, advance_events
 
+        if first == 0:
+            self.work[0].v[:] = self.thrown
         sums, samples = bundled(self.sums), bundled(out)
         phases, work, why = bundled(self.known.arrays), bundled(self.work[0]), IMPACT
         while why != DONE:
@@ -204,7 +210,7 @@ def event_stepper(system: EventSystem, h: float, restitution: float, words: str)
         v, impulse, closed = impact(system, system.q, v, closed, rigid & (gap <= 0.0), restitution, fastest)
     known = Known(system, h)
     work = _work(known, system)
-    work.q[:], work.v[:], work.closed[:], work.push[:] = system.q, v, closed, impulse
+    work.q[:], work.v[:], work.closed[:], work.push[:] = system.q, system.v, closed, impulse
     sums = tally(k)
     sums.work[:] = 0.5 * impulse * (system.N @ (system.v + v))
     work.changes[:] = closed
@@ -212,7 +218,7 @@ def event_stepper(system: EventSystem, h: float, restitution: float, words: str)
     of += [] if rigid.all() else ["compliant contacts"]
     stepper = EventStepper(
         system=system, dt=h, restitution=restitution, label=f"event-driven, {words}, {' and '.join(of)}", sums=sums,
-        known=known, work=[work], fastest=fastest, squeezed=np.zeros(k),
+        known=known, work=[work], fastest=fastest, squeezed=np.zeros(k), thrown=v,
     )  # fmt: skip
     stepper.squeezed[:] = stepper._in_compliance()
     return stepper

@@ -51,6 +51,13 @@ def test_bounces_of_a_ball_are_those_of_the_closed_form(dt):
     assert abs(result.energy.unaccounted) < 1e-13 * result.energy.scale
 
 
+def test_a_ball_that_starts_on_the_wall_rebounds_at_once_and_loses_the_energy_of_its_impact():
+    result = event_driven([ct.Wall(), ct.PointMass(mass=2.0, x=0.0, velocity=-3.0)], 1.0, 0.1, restitution=0.5)
+    assert result.impulse[0] == pytest.approx(2.0 * 3.0 * 1.5, rel=1e-12)
+    assert result.energy.lost_in_contact == pytest.approx(0.5 * 2.0 * 9.0 * (1.0 - 0.25), rel=1e-12)
+    assert abs(result.energy.unaccounted) < 1e-13 * result.energy.scale
+
+
 def test_a_ball_comes_to_rest_after_its_last_bounce_and_then_presses_with_its_weight():
     e = 0.5
     result = event_driven([ct.Wall(), ct.PointMass(mass=2.0, x=5.0)], 4.0, 0.01, gravity=G, restitution=e)
