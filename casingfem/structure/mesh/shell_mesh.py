@@ -33,7 +33,7 @@ class ShellMesh:
     [0.0, 0.5, 1.0]
     """
 
-    order: Annotated[int, Key("polynomial order", least=2, most=20)] = 8
+    order: Annotated[int, Key("polynomial order; alone it refines the default mesh (10)", least=2, most=20)] = 8
     rows: int | tuple[float, ...] = 1
     around: Annotated[int, Key("elements around", least=1, most=10_000)] = 21
 

@@ -58,6 +58,15 @@ def test_the_study_of_the_manual_becomes_its_shell(tmp_path):
     assert (shell.mesh.order, shell.mesh.rows, shell.mesh.around) == (4, (0.0, 0.5, 1.0), 11)
 
 
+def test_an_order_alone_keeps_the_elements_of_the_default_mesh(tmp_path):
+    plain, finer = (
+        cf.load_study(written(tmp_path, FRUSTUM.partition("[mesh]")[0] + mesh)).shell.mesh
+        for mesh in ("", "[mesh]\norder = 10\n")
+    )
+    assert (plain.order, plain.around) == (8, 29)
+    assert (finer.order, finer.rows, finer.around) == (10, plain.rows, plain.around)
+
+
 SINGLE = [file for file in sorted(STUDIES.glob("*.toml")) if "[chain]" not in file.read_text(encoding="utf-8")]
 
 
