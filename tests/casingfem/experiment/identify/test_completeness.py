@@ -136,6 +136,19 @@ def roving(modes, setups, shift, sensors=12, **places):
     return receptances(x, poles, noise=0.3, **{key: value(part) for key, value in places.items()})
 
 
+def test_a_mode_that_one_set_up_does_not_see_has_the_mean_frequency_of_all_set_ups():
+    """Each set-up lowers all modes by 0.1 % more than the one before; the last does not see the second mode."""
+    rng, part = np.random.default_rng(71), np.arange(12) % 3
+    freqs, zeta = np.array([120.0, 140.0, 160.0]), 3e-3
+    shapes = rng.uniform(0.4, 1.0, (12, 3)) * rng.choice([-1.0, 1.0], (12, 3))
+    shapes[part == 2, 1] = 0.0
+    poles = [
+        (freq * (1.0 - 1e-3 * s), zeta, shapes[:, k] * (part == s)) for k, freq in enumerate(freqs) for s in range(3)
+    ]
+    found = cf.identify(receptances(np.arange(110.0, 170.0, 0.1), poles, noise=0.3))
+    np.testing.assert_allclose(found.freq, freqs * (1.0 - 1e-3), rtol=1e-4)
+
+
 @pytest.mark.slow
 def test_a_mode_that_a_roving_mass_shifts_by_a_quarter_of_a_bandwidth_is_given_once():
     found = cf.identify(roving(6, 6, 0.25, 6))
