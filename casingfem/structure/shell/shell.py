@@ -72,7 +72,7 @@ class Shell(ShellParts):
     >>> casing = Shell(chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3, material=steel,
     ...                supports={"base": Clamped()})
     >>> casing.mesh.order
-    7
+    8
     """
 
     __repr__ = brief
