@@ -16,7 +16,8 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import typical
-from casingfem.structure.geometry.chart import is_axisymmetric
+from casingfem.structure.geometry.bend import unresolved_bend
+from casingfem.structure.geometry.chart import Chart, is_axisymmetric
 from casingfem.structure.geometry.lengths import Lengths, chart_lengths
 from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.geometry.strip import ON_LINE, breaks_between
@@ -74,6 +75,7 @@ PLAIN, LINED, ROWS = 7.0, 5.0, 4
 SMOOTH, KINKED = 8, 7  # order of a plain casing, and of one with lines between its ends
 LEAST, LARGEST = 136, 525  # nodes around
 LAYER = 2.5  # width of the row for a shear layer, in thicknesses
+PARTS = 16  # of a row, at most, where the meridian bends irregularly
 MANY = 30  # stretches between the ends of strips: more of them are too short for polynomials of high order
 
 
@@ -96,7 +98,8 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     between them is divided separately, more finely than a plain casing. If there are many, the order is reduced.
 
     Lengths are those of the surface in metres, independent of the chart's parameters. If the second parameter is not
-    proportional to length, the number of elements increases by the ratio of the longest to the mean element.
+    proportional to length, the number of elements increases by the ratio of the longest to the mean element. Rows are
+    divided further where the meridian bends irregularly (`following_bends`).
     """
     t, lengths = shell.thinnest, chart_lengths(shell.chart)
     length = lengths.along
@@ -127,7 +130,27 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = following(around, int(np.lcm.reduce(list(bolted.values()))))
     longest = (LINED if stretches > 1 else PLAIN) * np.sqrt(radius * t) / length
     breaks = divided(shell, lengths, longest, shear_layers(shell, length), most=ROWS)
+    breaks = following_bends(shell.chart, breaks, order, float(np.sqrt(t / radius) / radius))
     return ShellMesh(order=order, rows=breaks, around=around)
+
+
+def following_bends(chart: Chart, breaks: tuple[float, ...], order: int, limit: float) -> tuple[float, ...]:
+    """Rows whose displacements follow the meridian: each row is divided until its `unresolved_bend` is below a limit.
+
+    A curvature k that they do not follow stretches the wall with a stiffness of (k R)^2 E t; the lowest modes have one of
+    the order of E t t/R. Hence `limit` is sqrt(t/R)/R. Measured or published meridians bend irregularly: without this,
+    the casing of NASA rotor 67 has an error of 3 % with order 7.
+    """
+    (a0, a1), _ = np.real(chart.bounds)
+    rows = list(breaks[:1])
+    for low, high in pairwise(breaks):
+        for count in range(1, PARTS + 1):
+            places = np.linspace(low, high, count + 1)
+            ends = a0 + (a1 - a0) * places
+            if all(unresolved_bend(chart, *part, order - 1) <= limit for part in pairwise(ends.tolist())):
+                break
+        rows += [*places[1:-1].tolist(), high]
+    return tuple(rows)
 
 
 def shear_layers(shell: ShellParts, length: float) -> dict[float, float]:

@@ -1,5 +1,7 @@
 """The default mesh, number by number: elements around, rows, and which of their rules decides."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -129,3 +131,11 @@ def test_strips_of_a_plate_are_divided_on_their_own(steel):
     strips = (cf.Strip(start=0.0, end=0.12, thickness=2e-3),)
     mesh = cf.Shell(chart=cf.Plate(length=0.4, width=0.2), thickness=1e-3, material=steel, strips=strips).mesh
     np.testing.assert_allclose(mesh.rows, [0.0, 0.15, 0.3, 0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("rotor", ["rotor37", "rotor67"])
+def test_a_meridian_through_measured_points_meets_the_error_too(rotor):
+    """Its curvature changes from point to point."""
+    casing = cf.load_study(f"data/scenes/{rotor}/casing.toml").shell
+    fine = replace(casing, mesh=cf.ShellMesh(order=8, rows=24, around=17))
+    assert cf.modes(casing, 12).freq == pytest.approx(cf.modes(fine, 12).freq, rel=2e-4)
