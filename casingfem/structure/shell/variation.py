@@ -137,9 +137,9 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
 def following_bends(chart: Chart, breaks: tuple[float, ...], order: int, limit: float) -> tuple[float, ...]:
     """Rows whose displacements follow the meridian: each row is divided until its `unresolved_bend` is below a limit.
 
-    A curvature k that they do not follow stretches the wall with a stiffness of (k R)^2 E t; the lowest modes have one of
-    the order of E t t/R. Hence `limit` is sqrt(t/R)/R. Measured or published meridians bend irregularly: without this,
-    the casing of NASA rotor 67 has an error of 3 % with order 7.
+    A curvature k that they do not follow stretches the wall with a stiffness of (k R)^2 E t; the lowest modes have one
+    of the order of E t t/R. Hence `limit` is sqrt(t/R)/R. Measured or published meridians bend irregularly: without
+    this, the casing of NASA rotor 67 has an error of 3 % with order 7.
     """
     (a0, a1), _ = np.real(chart.bounds)
     rows = list(breaks[:1])
