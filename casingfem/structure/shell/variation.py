@@ -89,8 +89,8 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     (`reports.verification.modes.around`). The number of elements is odd, since even ones are less accurate for rotated
     fields. If springs vary, it is the next multiple of the common period above twice those nodal diameters, unless that
     is 1.5 times as many. With bolts it is a multiple of theirs, which preserves symmetric pairs, at 8 nodes a wave if
-    nothing else varies. An element around that is wider than a bolt's patch leaves errors up to 1e-3; `modes` takes
-    bolts by harmonics where it can.
+    nothing else varies. An element around that is wider than a bolt's patch leaves errors up to 1e-3; `method =
+    "bolts"` of [modes] has no elements around.
 
     Along the meridian the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide,
     gets a separate row, as on both sides of a stiffener. The rest is divided by the bending length sqrt(R t). Strips,
