@@ -217,6 +217,10 @@ def test_more_draws_are_added_a_spoilt_chunk_is_made_again_and_another_study_is_
     after = tables(out)
     assert run(study, out, 20, "--processes", "1")["resumed"] == 10
     assert tables(out) == after
+    printed = CliRunner().invoke(main, ["mistune", str(study), "--draws", "20", "--out", str(out)]).stdout
+    near, resumed = 20 - len(more["solved_in_full"]), "20 draws were read from earlier results"
+    for line in (f"{near} draws from the perfect casing's modes: estimated error of a frequency ", resumed):
+        assert line in printed
     shell = cf.load_study(study).shell
     rows = np.loadtxt((out / "mistune.csv").read_text().splitlines(), delimiter=",", comments="#", skiprows=3)
     np.testing.assert_array_equal(rows[:, 3], cf.modal.mistune(shell, 20, count=3).freq)

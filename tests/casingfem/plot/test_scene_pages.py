@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from casingfem.cli.pictures import marks_of
 from casingfem.plot.history import Panel, figure_history
 from casingfem.plot.interaction import figure_map
 from casingfem.plot.motion import figure_spectrum
@@ -118,6 +119,15 @@ def test_marks_of_a_spectrum_are_at_their_frequencies_and_names_keep_apart():
     assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])
     labels = [label.get_text() for label in axes.get_xticklabels()]
     assert all(float(f) == pytest.approx(5.0 * float(n), rel=1e-3) for f, n in (label.split("\n") for label in labels))
+
+
+def test_a_spectrum_of_a_rub_has_marks_at_each_frequency_of_the_blade_and_each_pair_of_the_casing():
+    casing = pair_rim(ct.gaps.ModalPair(n=N, freq_hz=HZ, modal_mass=1.5, zeta=0.05), radius=0.5)
+    channels, zeta = ("span", "flap"), [0.01, 0.01]
+    blade = ct.ModalBody(omega=[600.0, 900.0], zeta=zeta, channels=channels, rows=np.eye(2), S=np.zeros((2, 2)))
+    marks = marks_of(ct.RotatingRim(casing, blade, clearance=1e-3, speed_hz=SPEED))
+    assert [(mark.name, mark.kind) for mark in marks] == [("f_b", "f_b"), ("f_b2", "f_b"), (f"{N}", "f_c")]
+    np.testing.assert_allclose([mark.freq_hz for mark in marks], [*np.array([600.0, 900.0]) / (2.0 * np.pi), HZ])
 
 
 def test_an_interaction_map_shows_which_blades_the_casing_meets():

@@ -66,6 +66,9 @@ def test_the_first_dof_without_mass_and_stiffness_is_named():
     with pytest.raises(ct.InputError, match=r"neither mass nor stiffness at 1\.z, the first of 2 such dofs"):
         made(M=gone, K=gone)
     assert made(M=np.diag([1.0, 0.0, 0.0, 0.0]), K=np.diag([0.0, -1.0, 1.0, 1.0])).size == 4
+    coupled = np.eye(4) + np.diag([0.0, 0.0, 0.0, 1.0])
+    coupled[0, 3] = coupled[3, 0] = -1.0  # the first column sums to zero and is not empty
+    assert made(M=coupled, K=np.diag([0.0, 1.0, 1.0, 1.0])).size == 4
 
 
 def point_masses(**more):

@@ -77,6 +77,18 @@ def test_one_frictionless_contact_is_the_point_gap():
     assert many.energy.lost_in_contact == pytest.approx(one.energy.lost_in_contact, rel=1e-9)
 
 
+def test_a_friction_that_presses_harder_than_the_contact_pushes_ends_the_run_at_its_touch():
+    """Painleve's paradox: one mode turns each normal force N into a gap of (1 - mu) N; above mu = 1 no N opens it."""
+    block = body([1.0], [[1.0], [1.0]], ("y", "x"))
+    patch = ct.Patch(
+        body=block, normal=("y",), tangent=(("x",),), slide=-1.0, velocity=[-1.0], clearance=0.01
+    )  # fmt: skip
+    assert run(patch, 0.5, 0.1, 1e-3).flags == ()
+    with pytest.raises(ct.NumericsError, match="step 10 .*no forces satisfy Coulomb's law") as error:
+        run(patch, 2.0, 0.1, 1e-3)
+    assert [(flag.code, flag.failed) for flag in error.value.result.flags] == [("unconverged", True)]
+
+
 @pytest.mark.parametrize("soft", [0.0, 1e-5])
 def test_the_gap_of_an_open_contact_is_where_its_body_is(soft):
     rows = np.array([[1.0, 0.7, 0.4]])

@@ -227,6 +227,24 @@ def test_channels_are_of_two_set_ups_only_where_their_poles_are_shifted(shift):
 
 
 @pytest.mark.slow
+def test_channels_that_are_no_sensors_and_no_references_of_their_own_are_no_set_up():
+    """Poles differ like the fields of a chess board of sensors and references: no measurement is made so."""
+    sensors, references = np.divmod(np.arange(16), 2)
+    field, freqs, rng = (sensors + references) % 2, [120.0, 131.0, 144.0, 158.0], np.random.default_rng(71)
+    shapes = rng.uniform(0.4, 1.0, (16, 4)) * rng.choice([-1.0, 1.0], (16, 4))
+    poles = [
+        (freq * (0.9995 + 1e-3 * own), 2e-3, shapes[:, k] * (field == own))
+        for k, freq in enumerate(freqs)
+        for own in (0, 1)
+    ]
+    x, places = np.arange(115.0, 163.0, 0.1), {"response_point": sensors, "reference_point": 100 + references}
+    found = cf.identify(receptances(x, poles, 0.3, **places))
+    np.testing.assert_allclose(found.freq, freqs, rtol=2e-4)
+    assert found.shift == 0.0
+    assert not any("groups of channels" in note for note in found.notes)
+
+
+@pytest.mark.slow
 def test_two_references_that_each_drive_one_member_of_every_pair_are_one_set_up():
     """The other member is driven 1 deg from a node: 10 to 60 times less. At 13 sensors no two shapes are alike."""
     theta = np.arange(13) * 2.0 * np.pi / 13 + 0.05
