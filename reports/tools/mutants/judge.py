@@ -54,7 +54,10 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """A copy of a project at a fixed place, so that its compiled loops stay cached from run to run."""
+    """A copy of a project at a fixed place.
+
+    Copies beside each other share the cache of compiled loops, which is keyed on the contents of their sources.
+    """
 
     root: Path
     copy: Path
@@ -74,9 +77,18 @@ class Tree:
         return self.copy.with_name(f"{self.copy.name}-{name}")
 
     def run(
-        self, tests: Sequence[str], limits: Limits, *, first_failure: bool = True, record: tuple[str, ...] = ()
+        self,
+        tests: Sequence[str],
+        limits: Limits,
+        *,
+        first_failure: bool = True,
+        record: tuple[str, ...] = (),
+        bytecode: bool = False,
     ) -> tuple[list[Line], int, str]:
-        """Run tests in their order; returns the journal, exit status and output of pytest. `record` names packages."""
+        """Run tests in their order; returns the journal, exit status and output of pytest.
+
+        `record` names packages. With `bytecode`, later runs find the bytecode of the sources on disk.
+        """
         files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
         job = Job(
             str(self.beside("journal.jsonl")), tuple(tests), limits.budget, limits.share, limits.test,
@@ -86,9 +98,9 @@ class Tree:
         job.write(self.beside("job.json"))
         settings = {
             JOB: str(self.beside("job.json")), "PYTHONPATH": os.pathsep.join([str(self.copy), str(ROOT)]),
-            "NUMBA_CACHE_DIR": str(self.beside("compiled")), "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1",
+            "NUMBA_CACHE_DIR": str(self.copy.with_name("compiled")), "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1",
             # bytecode is known by the second and the size of its source: a mutant may have both of the one before
-            "PYTHONDONTWRITEBYTECODE": "1",
+            "PYTHONDONTWRITEBYTECODE": "" if bytecode else "1",
         }  # fmt: skip
         options = [
             "-p", "reports.tools.mutants.inside_pytest", "-p", "no:cacheprovider", "-q", "--tb=short",

@@ -162,14 +162,18 @@ def never_passing(tree: Tree, tests: Iterable[str], limits: Limits) -> list[str]
     return sorted({test.partition("[")[0] for outcome, test in lines if outcome in ("failed", "begun")})
 
 
-def collected(tree: Tree, tests: Iterable[str]) -> None:
-    """Collect tests without a mutant and run none, so that later import errors are caused by the mutant."""
+def collected(trees: Sequence[Tree], tests: Iterable[str]) -> None:
+    """Collect tests without a mutant and run none, so that later import errors are caused by the mutant.
+
+    Each tree keeps the bytecode of its sources; without it, every run would compile them all.
+    """
     named = sorted(set(tests))
     if not named:
         return
-    lines, _, said = tree.run(named, Limits(budget=0.0))
-    if not lines:
-        raise RuntimeError(f"tests are not collected without a mutant either:\n{said[-2000:]}")
+    with ThreadPoolExecutor(len(trees)) as pool:
+        for lines, _, said in pool.map(lambda tree: tree.run(named, Limits(budget=0.0), bytecode=True), trees):
+            if not lines:
+                raise RuntimeError(f"tests are not collected without a mutant either:\n{said[-2000:]}")
 
 
 def main(campaign: Campaign) -> list[Row]:
@@ -181,7 +185,7 @@ def main(campaign: Campaign) -> list[Row]:
     if campaign.record and not trees[0].recorded.exists():
         record(campaign, trees)
     tests = campaign.tests(campaign.mutants())
-    collected(trees[0], itertools.chain.from_iterable(tests.values()))
+    collected(trees, itertools.chain.from_iterable(tests.values()))
     broken: set[str] = set()
     while True:
         judge(campaign, trees, folder, {m: [t for t in named if t not in broken] for m, named in tests.items()})

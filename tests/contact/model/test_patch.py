@@ -84,7 +84,7 @@ def test_a_friction_that_presses_harder_than_the_contact_pushes_ends_the_run_at_
         body=block, normal=("y",), tangent=(("x",),), slide=-1.0, velocity=[-1.0], clearance=0.01
     )  # fmt: skip
     assert run(patch, 0.5, 0.1, 1e-3).flags == ()
-    with pytest.raises(ct.NumericsError, match="step 10 .*no forces satisfy Coulomb's law") as error:
+    with pytest.raises(ct.NumericsError, match=r"step 10 .*no forces satisfy Coulomb's law") as error:
         run(patch, 2.0, 0.1, 1e-3)
     assert [(flag.code, flag.failed) for flag in error.value.result.flags] == [("unconverged", True)]
 
