@@ -67,6 +67,21 @@ def test_a_wave_with_the_blades_and_one_against_them_are_distinguished(sense):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("shift", [0.0, 0.5 * np.pi])
+def test_a_wave_of_the_blades_has_its_nodal_diameters_wherever_its_nodes_are(shift):
+    disk = ct.gaps.BladedDisk(blades=12, freq_hz=100.0, modal_mass=0.4, coupling=0.05)
+    body, flaps = disk.body(), np.cos(3.0 * np.arange(12) * np.pi / 6.0 - shift)
+    start = ct.gaps.Start(displacement=np.linalg.solve(body.rows[1::2], 1e-4 * flaps), velocity=np.zeros(12))
+    rub = ct.Rub(
+        ct.gaps.pair_rim(PAIR, radius=0.5), (body,), disk.tips(), clearance=1e-2, speed=ct.Speed.constant(7.0),
+        blade_starts=(start,),
+    )  # fmt: skip
+    cause = ct.stability.of_run(rub, ct.run(rub, t_end=0.1, dt=2e-4, record=ct.Record(state_every=10))).cause
+    assert (cause.body, cause.n) == ("blades", 3)
+    assert cause.share == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.slow
 def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
     """A pressed pair at the speed of its sum condition: the fastest pole, until the motion opens the contact."""
     pair = ct.gaps.HandPair(

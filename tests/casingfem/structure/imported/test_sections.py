@@ -139,16 +139,17 @@ def test_an_edge_that_is_closed_in_some_sections_only_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "header",
+    ("header", "words"),
     [
-        "section,z,r_mm,theta_1_deg,theta_2_deg",
-        "section,z_mm,r_mm,theta_1_deg",
-        "z_mm,r_mm,theta_1_deg,theta_2_deg",
+        ("section,z,r_mm,theta_1_deg,theta_2_deg", "column 'z': found a column without a unit.*expected z_m"),
+        ("section,z_mm,r_mm,theta_1_deg", "found no such column among section,.*; expected one column theta_2"),
+        ("z_mm,r_mm,theta_1_deg,theta_2_deg", "found no such column among z_mm,.*; expected a column section"),
+        ("section,z_mm,r_mm,theta_1_deg,theta_2_deg,z_m", "found z_mm and z_m; expected one column z_m or z_mm"),
     ],
 )
-def test_a_column_that_is_missing_or_has_no_unit_is_named(tmp_path, header):
-    table = [row[: header.count(",") + 1] for row in rows()]
-    with pytest.raises(InputError, match=r"line 1.*expected"):
+def test_a_column_that_is_missing_or_twice_there_or_has_no_unit_is_named(tmp_path, header, words):
+    table = [(*row, row[1])[: header.count(",") + 1] for row in rows()]
+    with pytest.raises(InputError, match=f"line 1.*{words}"):
         cf.imported.BladeSections.from_csv(written(tmp_path, table, header))
 
 
