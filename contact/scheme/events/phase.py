@@ -17,7 +17,7 @@ from contact.scheme.events.system import EventSystem
 
 Complex = NDArray[np.complex128]
 RIGID = 1e-12  # of the highest frequency: a lower one is none
-DEFECT = 1e10  # condition of the eigenvectors of damped modes
+DEFECT = 6e6  # condition of the eigenvectors of damped modes: round-off of a double root leaves 1/sqrt(eps), 6.7e7
 APART = 1e-12  # of the largest damping: couplings of modes below are none
 
 

@@ -236,6 +236,25 @@ def test_what_an_event_driven_run_refuses(what, given, words):
     assert words in str(error.value)
 
 
+@pytest.mark.parametrize("others", [0, 1])
+def test_modes_are_refused_only_where_they_are_critically_damped(others):
+    """A mode of 3 rad/s without and with a second one; c = 2 w makes its pole a double one."""
+
+    def run(c):
+        m = 1 + others
+        body = ct.ModalBody(
+            omega=[3.0, 5.0][:m], zeta=np.zeros(m), channels=("a",), rows=np.ones((1, m)), S=np.zeros((1, 1)),
+            damping=np.diag([c, 1.0][:m]),
+        )  # fmt: skip
+        return event_driven(ct.Patch(body=body, normal=("a",), clearance=0.1, velocity=np.full(m, -1.0)), 1.0, 0.1)
+
+    with pytest.raises(ct.InputError, match="zeta: found critically damped modes"):
+        run(6.0)
+    below, above = (run(6.0 * (1.0 + off)) for off in (-1e-4, 1e-4))
+    assert below.impulse == pytest.approx(above.impulse, rel=1e-3)
+    assert max(abs(one.energy.unaccounted / one.energy.scale) for one in (below, above)) < 1e-11
+
+
 def test_contacts_that_repeat_each_other_need_a_compliance():
     body = ct.ModalBody(omega=[3.0], zeta=[0.0], channels=("a", "b"), rows=[[1.0], [2.0]], S=np.zeros((2, 2)))
     with pytest.raises(ct.InputError, match="linearly dependent rigid contacts, expected a compliance"):
