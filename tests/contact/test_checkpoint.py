@@ -117,6 +117,20 @@ def test_a_stopped_run_goes_on_to_the_same_bits(name: str, tmp_path: Path) -> No
 
 
 @pytest.mark.usefixtures("at_once")
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rotor that slows", "rub with a coating", "patch with friction"])
+def test_a_longer_run_begins_with_the_shorter_one(name: str) -> None:
+    """Both call the compiled loop at other steps, also within steps that share the coefficients of one speed."""
+    what, how = RUNS[name]
+    record = ct.Record(every=50, state_every=50)
+    long, short = (
+        ct.run(what, law=how["law"], dt=2e-6, t_end=end, record=record, on_limit="flag") for end in (0.012, 0.0101)
+    )
+    count, largest = len(short.state), np.abs(short.state).max(axis=0)
+    assert short.contact_steps.sum() > 300
+    assert np.all(np.abs(long.state[:count] - short.state) <= 1e-9 * largest)
+
+
 def test_a_file_of_another_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "part.npz"
     with pytest.raises(StoppedError):
