@@ -9,6 +9,7 @@ import pytest
 import contact as ct
 from tests.contact.synthetic_rim import blade, ring
 
+SCENES = Path(__file__).parents[3] / "data" / "scenes"
 RIM = """
 [scene]
 kind = "rim"
@@ -94,6 +95,14 @@ def test_all_implausible_numbers_are_named_at_once_and_names_of_checks_are_liste
 )
 def test_a_rod_whose_other_number_is_that_of_a_solid_is_refused(tmp_path, E, rho, words):
     assert words in refused(tmp_path, RODS.format(E=E, rho=rho))
+
+
+def test_only_units_that_make_a_length_usual_are_suggested(tmp_path):
+    """100 inches are 2.54 m; 500 would be 12.7 m."""
+    text = (SCENES / "beam_in_ring.toml").read_text(encoding="utf-8")
+    for length, words in ((100.0, "in mm? 100 mm are 0.1 m, or in inches? 100 inches are 2.54 m"), (500.0, "in mm?")):
+        found = refused(tmp_path, re.sub("^length = .*", f"length = {length}", text, flags=re.MULTILINE))
+        assert (words in found, "inches" in found) == (True, length < 200.0), found
 
 
 def test_a_bound_is_written_with_its_power_of_ten(tmp_path):

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 import contact as ct
 from contact.record.growth import Cause, RunGrowth
 from contact.speed_verdict import may_change
+from contact.stability.envelope import bend_of
 from tests.contact.synthetic_rim import blade
 
 PAIR = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.004)
@@ -104,6 +106,15 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
     assert grown.cause.travel > 0.9  # the wave that the blade overtakes
     further = ct.stability.of_run(rub, ct.run(rub, t_end=0.4, dt=2e-5, record=ct.Record(state_every=10)))
     assert further.time_to_half_wall == pytest.approx(grown.time_to_half_wall, rel=0.05)
+
+
+@pytest.mark.parametrize("count", [6, 9, 14])
+def test_a_bend_that_scatter_may_hide_is_the_interval_of_a_parabola(count):
+    """Residuals of alternating sign are independent: Student's interval of the quadratic term."""
+    t, y = np.linspace(0.0, 2.0, count), 1.0 - 2.0 * (np.arange(count) % 2)
+    quadratic, covariance = np.polyfit(t / 2.0, y, 2, cov=True)
+    wide = np.sqrt(covariance[0, 0]) * stdtrit(count - 3.0, 0.975)
+    assert bend_of(t, y) == pytest.approx(np.hypot(quadratic[0], wide) / 2.0, rel=1e-4)
 
 
 def test_a_slow_growth_after_a_long_start_is_not_bounded():
