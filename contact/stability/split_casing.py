@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
+from contact.base.remembered import remembered
 from contact.io.progress import as_part, tell
 from contact.io.threads import with_one_thread
 from contact.model.bodies.modal_body import ModalBody
@@ -41,6 +42,7 @@ AVERAGED = "The mode pairs of the casing are split: the poles use the mean of ea
 WELL = 1e6  # condition of the eigenvectors up to which free motion is separated by them
 
 
+@remembered
 def perfect_mean(casing: ModalBody) -> ModalBody:
     """A rim with equal pairs that rotate into each other; modes without a partner become part of the compliance.
 

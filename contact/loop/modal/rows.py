@@ -100,6 +100,20 @@ def fill_one(rows: RowBlocks, waves: Array, block: int, row: Array, place: int) 
     put(row, place, (a + b) + (c + d))
 
 
+@jit
+def fill_two(rows: RowBlocks, waves: Array, others: Array, row: Array, other: Array) -> None:
+    """Fill `row` with sums of `waves`, and `other` with the same sums of `others`; values are read once for both."""
+    for block in range(row.size // WIDTH):
+        a, b, c, d = same(0.0), same(0.0), same(0.0), same(0.0)
+        for j in range(entry(rows.start, block), entry(rows.start, block + 1), 2):  # a block has an even number
+            first, wave, value = entry(rows.wave, j), entry(rows.wave, j + 1), load(rows.value, WIDTH * j)
+            a, c = a + value * same(entry(waves, first)), c + value * same(entry(others, first))
+            value = load(rows.value, WIDTH * j + WIDTH)
+            b, d = b + value * same(entry(waves, wave)), d + value * same(entry(others, wave))
+        put(row, WIDTH * block, a + b)
+        put(other, WIDTH * block, c + d)
+
+
 @jit_inside
 def product(a: Array, b: Array) -> float:
     """Sum of products over whole blocks."""

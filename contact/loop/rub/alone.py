@@ -6,7 +6,7 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.formulas import turned_work, works
-from contact.loop.modal.rows import fill_some, product, weighted
+from contact.loop.modal.rows import fill_some, fill_two, product, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.motion import place_row
 from contact.loop.rub.rows import NOW, RubRows, blade_dot
@@ -52,10 +52,12 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, solver: Solv
         nn += share * weighted(ahead, s.c, normal)
     if solver is not None:
         if couples(blocks):
-            fill_some(blocks.casing, normal, 0, w.normal_moves)
+            if rubs:
+                fill_two(blocks.casing, normal, tangent, w.normal_moves, w.tangent_moves)
+            else:
+                fill_some(blocks.casing, normal, 0, w.normal_moves)
             nn += share * product(ahead, w.normal_moves)
             if rubs:
-                fill_some(blocks.casing, tangent, 0, w.tangent_moves)
                 nt, tn = nt + share * product(ahead, w.tangent_moves), tn + product(tangent, w.normal_moves)
                 tt += product(tangent, w.tangent_moves)
     w.chosen[0] = j
@@ -78,8 +80,8 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, solver: Solv
     s.scale[j], s.lam[R], s.motion[R] = nn, press, nn * press + nt * drag + s.test[j]
     if rubs:
         s.lam[R + 1], s.motion[R + 1] = drag, tn * press + tt * drag + slip
-    if solver is None:
-        across, along = push_now(s, normal, tangent, press, drag)
+    if alone_in_run(s, rows, solver):
+        across, along = push_now(s, blocks, w, solver, normal, tangent, press, drag)
         add_work(s, rows, w, across, along, S_nn * press + S_nt * drag, S_nt * press + S_tt * drag, share, sums)
         if rubs:
             s.drive[0] -= drag * rows.glide[1] * slid
@@ -88,7 +90,19 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, solver: Solv
     if rubs:
         w.column[1] = 1
     push_one(w, normal, tangent, press, drag, rubs)
+    if solver is not None:
+        if couples(blocks):
+            respond_one(w, press, drag)
     return SOLVED
+
+
+@jit_inside
+def alone_in_run(s: RubState, rows: RubRows, solver: Solver | None) -> bool:
+    """Whether the run has no other tip, and all of its effects are in the row of this one."""
+    only = True
+    if solver is not None:
+        only = s.mu.size == 1 and not rows.steady and rows.few
+    return only
 
 
 @jit_inside
@@ -105,7 +119,8 @@ def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
 
 
 @jit_inside
-def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: float) -> tuple[float, float]:
+def push_now(s: RubState, blocks: ModalBlocks, w: Work, solver: Solver | None, normal: Array, tangent: Array,
+             press: float, drag: float) -> tuple[float, float]:  # fmt: skip
     """Add the response to the forces of the only tip to the increments.
 
     Returns its motion along the forces over two steps.
@@ -113,6 +128,11 @@ def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: flo
     Without friction `drag` is zero, and `tangent` any row.
     """
     to, drags, across, along = same(press), same(drag), same(0.0), same(0.0)
+    if solver is not None:
+        if couples(blocks):
+            respond_one(w, press, drag)
+            for i in range(0, normal.size, WIDTH):
+                put(s.d, i, load(s.d, i) + load(w.response, i))
     for i in range(0, normal.size, WIDTH):
         row, pull = load(normal, i), load(tangent, i)
         pushed = row * to + pull * drags
@@ -159,3 +179,11 @@ def push_one(w: Work, normal: Array, tangent: Array, press: float, drag: float, 
     for i in range(0, w.strained.size, WIDTH):
         strained = load(w.soft, i) * to
         put(w.strained, i, strained + load(w.soft, w.strained.size + i) * along if rubs else strained)
+
+
+@jit_inside
+def respond_one(w: Work, press: float, drag: float) -> None:
+    """Response of the casing's coupled modes to the forces of the tip; `tangent_moves` is zero without friction."""
+    to, along = same(press), same(drag)
+    for i in range(0, w.response.size, WIDTH):
+        put(w.response, i, load(w.normal_moves, i) * to + load(w.tangent_moves, i) * along)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_apart
 from contact.jit.vector import WIDTH, load, put
-from contact.loop.modal.rows import fill_some, product_of_sum
+from contact.loop.modal.rows import RowBlocks, fill_some, product_of_sum
 from contact.loop.rub.state import ModalBlocks, RubState, Work
 from contact.record.record import Tally
 
@@ -31,9 +31,23 @@ def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
 @jit
 def answer(s: RubState, blocks: ModalBlocks, w: Work, forces: Array) -> None:
     """Add the response of coupled modes to forces on all modes to the increments."""
-    fill_some(blocks.yields, forces, 0, w.moved_by)
+    answer_of(s, blocks.yields, w, forces)
+
+
+@jit
+def answer_of(s: RubState, some: RowBlocks, w: Work, forces: Array) -> None:
+    """Add the response of some bodies to forces on all modes to the increments."""
+    fill_some(some, forces, 0, w.moved_by)
     for i in range(0, s.d.size, WIDTH):
         put(s.d, i, load(s.d, i) + load(w.moved_by, i))
+
+
+@jit
+def respond(s: RubState, blocks: ModalBlocks, w: Work) -> None:
+    """Add the response of coupled modes to the forces of the tips to the increments; that of the casing is known."""
+    for i in range(0, w.response.size, WIDTH):
+        put(s.d, i, load(s.d, i) + load(w.response, i))
+    answer_of(s, blocks.others, w, s.contact)
 
 
 @jit_apart

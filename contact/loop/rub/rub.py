@@ -11,9 +11,9 @@ from __future__ import annotations
 from contact.jit.compiled import jit, jit_apart, jit_vectors
 from contact.loop.formulas import works
 from contact.loop.limits import outgrown, tip_motion
-from contact.loop.modal.rows import move, product, product_of_sum
+from contact.loop.modal.rows import fill_some, move, product, product_of_sum
 from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
-from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
+from contact.loop.rub.answer import fly_coupled, respond, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.deflection import (
     add_waves,
@@ -225,6 +225,8 @@ def close(s: RubState, rows: RubRows, coats: Coats, y: Yielding, blocks: ModalBl
                 fill_few(rows, w, count, step)
             if not solve(s, rows, w, solver, coats, y, count, dim, share, slid, interpolated):
                 return -1
+            if couples(blocks):
+                fill_some(blocks.casing, w.pushed, 0, w.response)
         if not others_close(s, rows, blocks, w, count, dim, share):
             return count
         solved = False
@@ -240,6 +242,8 @@ def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks, steady: Steady, w
     for a in range(count):
         w.lam[a], w.motion[a] = s.lam[w.row[a]], 0.0
     hand_over(s, rows, w, count, 1)
+    if couples(blocks):
+        fill_some(blocks.casing, w.pushed, 0, w.response)
     find_gaps(s, rows, blocks, w, count, 1, share)
     return count
 
@@ -253,7 +257,7 @@ def settle(s: RubState, rows: RubRows, coats: Coats, blocks: ModalBlocks, w: Wor
         flow(s, w, coats, count, dim)
     push(s, rows, w, count, dim)
     if couples(blocks):
-        answer(s, blocks, w, s.contact)
+        respond(s, blocks, w)
     update_gaps(s, w, count, dim, share)
     add_works(s, rows, w, count, dim, slid, sums)
     assign(s.strain, w.strain, w.strain.size)
@@ -336,7 +340,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, y: Yiel
         if solver is None:
             if closing > 0 and done != DONE:
                 return step
-        elif closing > 0:
+        elif closing > 0 and done != DONE:
             count = close(s, rows, coats, y, blocks, steady, w, solver, dim, share, slid, done == SOLVED, step)
             if count < 0:
                 return step

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
-from contact.loop.modal.rows import fill_some, product, weighted
+from contact.loop.modal.rows import product, weighted
 from contact.loop.rub.compliance import copy, row_of_few, soft_at, strain_waves
 from contact.loop.rub.matrix import add_part, assemble, fill_factors, interpolate, known, law
 from contact.loop.rub.motion import felt, place_row, press_waves, push_waves, see_spare
@@ -180,12 +180,10 @@ def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, count
 def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, count: int, dim: int,
               share: float) -> None:  # fmt: skip
     """Gaps of the tips that were left out, under the forces of the chosen ones."""
-    if couples(blocks):
-        fill_some(blocks.casing, w.pushed, 0, w.normal_moves)
     if rows.many:
         law(s.c, w.pushed, 1.0, w.spare)
         if couples(blocks):
-            add_part(w.normal_moves, 1.0, w.spare)
+            add_part(w.response, 1.0, w.spare)
         see_spare(rows, w, dim, 0, 1)
     for j in range(s.mu.size):
         if s.inside[j] != 1:
@@ -196,7 +194,7 @@ def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks, w: Work, count: i
         else:
             casing = weighted(w.normal[ahead, p], s.c, w.pushed)
             if couples(blocks):
-                casing += product(w.normal[ahead, p], w.normal_moves)
+                casing += product(w.normal[ahead, p], w.response)
         if not rows.steady:
             casing += dot(rows.fixed[R], s.lam, s.lam.size)
         gap = s.test[j] + share * casing + dot(rows.still[R], s.lam, s.lam.size)

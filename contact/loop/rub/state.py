@@ -32,6 +32,7 @@ class ModalBlocks(NamedTuple):
     free: RowBlocks  # (w, 2 w): D and q to the increment without forces
     yields: RowBlocks  # (w, w): c
     casing: RowBlocks  # (width, width): c of the casing's modes alone
+    others: RowBlocks  # (w, w): c without these
     turned: RowBlocks  # its transpose
     lost: RowBlocks  # (w, w): P, for the work of damping
     false: RowBlocks  # (w, w): P of what does no work, for what the discrete energy errs by
@@ -130,6 +131,7 @@ class Work(NamedTuple):
     moved_by: Array  # (w,) response of a coupled body
     normal_moves: Array  # (width,) response of the casing's coupled modes to a unit force along the normal
     tangent_moves: Array  # (width,) and along the tangent
+    response: Array  # (width,) and to the forces of this step
     strained: Array  # (waves,) static deflection of the casing by the forces
     spread: Array  # (waves,)
     pressed: Array  # (lines d, 2, harmonics) forces by waves
@@ -201,7 +203,8 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
         line=aligned(wide), b=aligned(R), lam=aligned(R),
         motion=aligned(R), mu=aligned(K),
         depth=aligned(K), pushed=aligned(width), both=aligned(2 * s.q.size), moved_by=aligned(s.q.size),
-        normal_moves=aligned(width), tangent_moves=aligned(width), strained=aligned(waves), spread=aligned(waves),
+        normal_moves=aligned(width), tangent_moves=aligned(width), response=aligned(width),
+        strained=aligned(waves), spread=aligned(waves),
         pressed=aligned(spread, 2, n), S=aligned(2, few, of_tip), S_at=whole(few) - 2,
         turning=aligned(R), before=aligned(R), strain=aligned(R),
     )  # fmt: skip

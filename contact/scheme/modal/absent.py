@@ -39,5 +39,5 @@ def absent() -> Absent:
         soft=spring_space(0, 0),
         past=Sticking(plane, none, none, none), slip=none, strain=none,
     )  # fmt: skip
-    parts = no_coats(), no_law(), ModalBlocks(*(rows,) * 7), steady
+    parts = no_coats(), no_law(), ModalBlocks(*(rows,) * len(ModalBlocks._fields)), steady
     return Absent(*map(bundled, parts))

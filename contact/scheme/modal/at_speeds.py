@@ -12,7 +12,7 @@ import numpy as np
 from contact.base.arrays import Array, readonly
 from contact.base.errors import LimitError
 from contact.model.bodies.body_matrices import BodyMatrices
-from contact.scheme.modal.coupled import Coupled, Form, coupled, form, poles
+from contact.scheme.modal.coupled import Coupled, Form, coupled, form, top_of
 from contact.scheme.modal.propagator import Propagator, propagator, with_coupled
 
 EXACT = 1e-12  # of the largest entry: error of the interpolated coefficients between the nodes
@@ -105,12 +105,7 @@ def chebyshev(low: float, high: float, count: int) -> Array:
 
 def highest(matrices: Matrices, found: Form) -> float:
     """Highest frequency [rad/s] at any of the speeds."""
-    top = float(found.omega.max(initial=0.0))
-    for C, K in matrices:
-        for block in found.blocks:
-            own = np.ix_(block, block)
-            top = max(top, float(np.abs(poles(C[own], K[own]).imag).max()))
-    return top
+    return max(float(found.omega.max(initial=0.0)), *(top_of(C, K, found.blocks) for C, K in matrices))
 
 
 def at_speeds(
@@ -136,11 +131,13 @@ def at_speeds(
     constant = low == high or not bodies.vary
     seen = [bodies.at(speed) for speed in ([high] if constant else chebyshev(low, high, NODES[0]).tolist())]
     found = form(seen, omega, zeta)
-    h = step(highest(seen, found))
+    top = highest(seen, found)
+    h = step(top)
     if not found.modes.size:
         return AtSpeeds(nodes=np.array([high]), parts=(propagator(found.omega, found.zeta, load, h),))
     if constant:
-        return AtSpeeds(nodes=np.array([high]), parts=made(np.array([high])))
+        part = coupled(*seen[0], found.modes, found.blocks, h, top)
+        return AtSpeeds(nodes=np.array([high]), parts=(with_coupled(found.omega, found.zeta, load, h, part),))
     for count in NODES:
         nodes = chebyshev(low, high, count)
         parts, stretch = made(nodes), _stretch(seen, high - low, fastest, h)

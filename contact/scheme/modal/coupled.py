@@ -144,8 +144,10 @@ def form(matrices: Sequence[tuple[Array, Array]], omega: Array, zeta: Array) -> 
     return Form(omega=readonly(own), zeta=readonly(np.where(moving, damped, 0.0)), modes=modes, blocks=blocks)
 
 
-def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float) -> Coupled:
+def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float, top: float = 0.0) -> Coupled:
     """Coefficients for a step h [s] of the modes `modes` of C and K (m, m), which separate into `blocks`.
+
+    `top` is the largest |Im s| if it is known.
 
     >>> C, K = np.array([[0.0, -3.0], [3.0, 0.0]]), np.diag([16.0, 25.0])
     >>> part = coupled(C, K, np.arange(2), [np.arange(2)], 0.1)
@@ -157,8 +159,12 @@ def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float)
     made = [_coefficients(C[np.ix_(block, block)], K[np.ix_(block, block)], h) for block in blocks]
     order = np.argsort(np.searchsorted(modes, np.concatenate([np.zeros(0, dtype=np.int64), *blocks])))
     arrays = {name: readonly(block_diag(*[one[name] for one in made])[np.ix_(order, order)]) for name in PARTS}
-    top = max((float(np.abs(poles(C[np.ix_(b, b)], K[np.ix_(b, b)]).imag).max()) for b in blocks), default=0.0)
-    return Coupled(h=h, modes=modes, top=top, **arrays)
+    return Coupled(h=h, modes=modes, top=top or top_of(C, K, blocks), **arrays)
+
+
+def top_of(C: Array, K: Array, blocks: list[Indices]) -> float:
+    """Largest |Im s| of the blocks of C and K [rad/s]."""
+    return max((float(np.abs(poles(C[np.ix_(b, b)], K[np.ix_(b, b)]).imag).max()) for b in blocks), default=0.0)
 
 
 def poles(C: Array, K: Array) -> Array:

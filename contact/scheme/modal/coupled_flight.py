@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.free_flight import Pairs
 
-WELL = 1e6  # condition of the eigenvectors up to which a skip is exact to round-off
+WELL = 1e6  # condition of the eigenvectors, in the Frobenius norm, up to which a skip is exact to round-off
 CLOSE = 1e-12  # of 1: product of two eigenvalues whose quadratic form does not change
 BITS = 24  # a skip is shorter than 2^BITS steps
 Complex = NDArray[np.complex128]
@@ -58,7 +58,7 @@ def pairs_of(parts: Propagator, cos: Array, sin: Array) -> tuple[Array, Pairs]:
     M = np.block([[np.eye(m) - beta, alpha], [-beta, alpha]])
     values, vectors = np.linalg.eig(M)
     turning, growing = values.imag != 0.0, np.abs(values) > 1.0 + CLOSE
-    if part.odd.any() or growing.any() or not turning.all() or np.linalg.cond(vectors) > WELL:
+    if part.odd.any() or growing.any() or not turning.all() or np.linalg.cond(vectors, "fro") > WELL:
         return readonly(np.zeros((0, 4, m))), no_pairs()
     upper = values.imag > 0.0
     V = vectors[:, upper]

@@ -45,9 +45,12 @@ def _matrices(part: Coupled, modes: int, casing: int) -> tuple[Array, ...]:
         return found
 
     c = of_all(part.c)
+    others = c.copy()
+    others[:casing, :casing] = 0.0
     free = np.concatenate([of_all(part.alpha), -of_all(part.beta)], axis=1)
     return (
-        free, c, of_casing(c), of_casing(c[:, :modes].T), of_all(part.lost), of_all(part.false), of_all(part.odd)
+        free, c, of_casing(c), others, of_casing(c[:, :modes].T),
+        of_all(part.lost), of_all(part.false), of_all(part.odd),
     )  # fmt: skip
 
 
