@@ -33,7 +33,7 @@ class ModalBlocks(NamedTuple):
     yields: RowBlocks  # (w, w): c
     casing: RowBlocks  # (width, width): c of the casing's modes alone
     others: RowBlocks  # (w, w): c without these
-    turned: RowBlocks  # its transpose
+    turned: RowBlocks  # transpose of `casing`
     lost: RowBlocks  # (w, w): P, for the work of damping
     false: RowBlocks  # (w, w): P of what does no work, for what the discrete energy errs by
     odd: RowBlocks  # (w, w): skew part of the stiffness
