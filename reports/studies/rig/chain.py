@@ -5,11 +5,14 @@
 
 import time
 import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import casingfem as cf
+from casingfem.io.side_by_side import Each, side_by_side, usable_cores
 from casingfem.plot.page import origin, render_page
 from casingfem.plot.pages.study import SYNTHETIC, Clock
 from casingfem.study import Study, load_shell_study, perfect
@@ -32,8 +35,33 @@ def read_chain(path: Path) -> tuple[dict[str, Study], rig_tuning.RubPlan]:
     return studies, rig_tuning.RubPlan(**tables["tuning"], **tables["rub"])
 
 
+def evaluated(count: int, rms: float) -> None:
+    """State how far the update of the casing is."""
+    print(f"  evaluation {count}: {rms:.3f} sigma", flush=True)
+
+
+def together(clock: Clock, each: Each, parts: Mapping[str, Callable[[], Any]]) -> list[Any]:
+    """Run independent parts, in as many processes as `each` has."""
+    clock.say("; ".join(parts))
+    found = list(each(timed, parts.values()))
+    clock.seconds |= {name: seconds for name, (_, seconds) in zip(parts, found, strict=True)}
+    return [result for result, _ in found]
+
+
+def timed(part: Callable[[], Any]) -> tuple[Any, float]:
+    """Result of a part and its time [s]."""
+    started = time.perf_counter()
+    return part(), time.perf_counter() - started
+
+
 def main(out: Path, quick: bool = False) -> dict[str, float]:
-    """Run the chain; returns the figures that the report leads with."""
+    """Run the chain, independent parts beside each other; returns the figures that the report leads with."""
+    with side_by_side(1 if quick else min(2, usable_cores())) as each:
+        return chain(out, quick, each)
+
+
+def chain(out: Path, quick: bool, each: Each) -> dict[str, float]:
+    """The parts of the chain; `each` runs several of them."""
     started = time.perf_counter()
     out.mkdir(parents=True, exist_ok=True)
     clock = Clock(lambda words: print(f"[{time.perf_counter() - started:6.1f} s] {words}", flush=True))
@@ -47,13 +75,11 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
             for name, one in studies.items() if "blade" in name
         }  # fmt: skip
 
-    blade_fit = clock("measured blade: update and leave-one-out", lambda: rig_blade.run(studies["measured_blade"]))
-    print(blade_fit.fit)
-    fit = clock(
-        "casing: update",
-        lambda: run_update(casing, lambda k, rms: print(f"  evaluation {k}: {rms:.3f} sigma", flush=True)),
-    )
-    print(fit)
+    blade_fit, fit = together(clock, each, {
+        "measured blade: update and leave-one-out": partial(rig_blade.run, studies["measured_blade"]),
+        "casing: update": partial(run_update, casing, evaluated),
+    })  # fmt: skip
+    print(blade_fit.fit, fit, sep="\n")
     ideal = clock("casing: perfect model", lambda: cf.modes(perfect(casing.start), len(fit.before)))
 
     target = rig_rub.casing_target(fit.after, plan.n)
@@ -62,11 +88,15 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         "tuning and reduction", lambda: rig_rub.bodies(casing, fit.structure, target, blade, plan, out)
     )
     terms = cf.modal.out_of_roundness(fit.structure, cf.Rim("top", n_max=26))
+    machined, as_built, controls = together(clock, each, {
+        "rub, defect machined away": partial(rig_rub.run, files, plan, []),
+        "rub, as built": partial(rig_rub.run, files, plan, terms),
+        "rubs with a cause taken away": partial(rig_rub.controls, files, plan),
+    })  # fmt: skip
     rubs = [
-        clock("rub, as built", lambda: rig_rub.run("as built", files, plan, terms)),
-        clock("rub, defect machined away", lambda: rig_rub.run("defect machined away", files, plan, [])),
+        rig_rub.shown("as built", files, plan, terms, as_built),
+        rig_rub.shown("defect machined away", files, plan, [], machined),
     ]
-    controls = clock("rubs with a cause taken away", lambda: rig_rub.controls(files, plan))
     levels = [rub.excess_db(plan.n) for rub in rubs]
     columns = ("as built [dB]", "defect machined away [dB]")
     alone: list[Row] = [{"blade": words, columns[0]: None, columns[1]: level} for words, level in controls.items()]

@@ -9,7 +9,6 @@ import casingfem as cf
 import contact as ct
 from casingfem.cli.scene_page import run_numbers
 from casingfem.io.arrays import FloatArray
-from casingfem.io.side_by_side import usable_cores
 from casingfem.modal.interaction import wave_hz
 from casingfem.modal.modes import Modes
 from casingfem.plot.pages.scene import Ran
@@ -105,18 +104,21 @@ def scene_of(files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, floa
     )
 
 
-def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, float]]) -> Rub:
-    """One rub, and its scene as a file for `casingfem rub`."""
-    rim = scene_of(files, plan, terms)
+def run(files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, float]]) -> tuple[ct.Result, Interactions]:
+    """One rub, and the dangerous speeds around its own."""
+    scene = planned(scene_of(files, plan, terms), plan)
+    return ct.run(scene, record=ct.Record(every=5, state_every=20)), speeds_around(scene, plan)
+
+
+def shown(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, float]],
+          ran: tuple[ct.Result, Interactions]) -> Rub:  # fmt: skip
+    """What the page shows of a rub; its scene is written as a file for `casingfem rub`."""
+    rim, (result, speeds) = scene_of(files, plan, terms), ran
     write_atomic(files[0].with_name(f"rub_{name.replace(' ', '_')}.toml"), scene_toml(rim, files, plan))
-    scene = planned(rim, plan)
-    result = ct.run(scene, record=ct.Record(every=5, state_every=20))
-    print(f"\n{name}\n{result}")
-    speeds = speeds_around(scene, plan)
-    print(speeds)
+    print(f"\n{name}\n{result}\n{speeds}")
     return Rub(
         name=name, result=result, levels=rim_levels(rim.casing, result), film=rub_film(rim, result), speeds=speeds,
-        ran=run_numbers(scene, result, rim_motion(rim, result)),
+        ran=run_numbers(planned(rim, plan), result, rim_motion(rim, result)),
     )  # fmt: skip
 
 
@@ -135,7 +137,7 @@ def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
     """
     scene, highest = replace(scene, dt=LONGER_STEP * plan.dt, on_limit="stop"), 2.0 * plan.speed_hz
     speeds = np.linspace(0.1 * highest, highest, 91)
-    return ct.interactions(scene, speeds, runs=10, processes=usable_cores())
+    return ct.interactions(scene, speeds, runs=10)
 
 
 def controls(files: tuple[Path, Path], plan: RubPlan) -> dict[str, float]:
