@@ -151,6 +151,10 @@ class Problem:
         self.anchor = fresh
         return fresh
 
+    def begin_at(self, x: FloatArray, known: State) -> None:
+        """Use the modes of a point that another problem of the same structure has solved; rows are paired anew."""
+        self.adopt(x, self._make(known.modes, known.solution, self._pairing(known.modes)))
+
     def solve_afresh(self) -> None:
         """Solve every point without a restart from now on."""
         self.exact, self.anchor, self._state = True, None, None

@@ -1,115 +1,24 @@
-"""Solve the least-squares problem of an update: steps within bounds, new pairing, counted modes, regularisation.
+"""Solve the least-squares problem of an update: new pairing, counted modes, regularisation.
 
-Each step is one of Levenberg and Marquardt's method within bounds,
-
-    min over d of |r + J d|^2 + mu |D d|^2,   lower <= x + d <= upper
-
-D are the largest column norms of J so far (Moré, LNM 630, 1978, 105). The damping mu follows the gain, the ratio of the
-actual to the predicted decrease (Nielsen, IMM-REP-1999-05, Technical University of Denmark). The step is the exact
-solution of the bounded linear problem, so that a bound is reached in one step. A point that cannot be evaluated counts
-as a step without gain. The iteration ends when the best step predicts no further decrease, without another evaluation.
+The steps are those of `least_squares`.
 """
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.following import paired_rows
+from casingfem.updating.least_squares import levenberg_marquardt
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import POOR
-from contact.io.progress import tell
 
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SHORTER = (1.0, 0.5, 0.25, 0.125)  # of a step whose end cannot be evaluated
 ROUNDS = 8  # solutions until a weight must have settled
 SETTLED = 0.06  # two of the weights tried, which are .058 apart in logarithm
-DAMPING = 0.1
-PREDICTED_DECREASE = 1e-7  # of the sum of squares: less is the modes' own round-off
-FLOOR = 1e-10  # of one squared standard deviation
-LEAST = 1e-3  # gain from which a step is taken
-SMALL = 1e-12  # of the bounds' distance: a step that moves nothing
-
-Residuals = Callable[[FloatArray], FloatArray]
-
-
-def levenberg_marquardt(
-    fun: Residuals,
-    jac: Residuals,
-    x: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    max_evaluations: int,
-    damping: float = DAMPING,
-    enough: float = 0.0,
-) -> tuple[FloatArray, str]:
-    """Minimise |fun(x)|^2 within bounds; return the minimum and the reason for stopping.
-
-    Parameters
-    ----------
-    fun
-        Residuals; raises ValueError at a point that cannot be evaluated.
-    jac
-        Derivatives of the residuals; evaluated only after an accepted step.
-    x, lower, upper
-        Start and bounds, (parameters,).
-    max_evaluations
-        Largest number of evaluations of `fun` after the start.
-    damping
-        Initial value of mu.
-    enough
-        The iteration ends below this sum of squares.
-
-    >>> bowl = np.diag([1.0, 10.0])
-    >>> x, _ = levenberg_marquardt(lambda x: bowl @ (x - 3.0), lambda x: bowl, np.zeros(2), np.zeros(2),
-    ...                            np.array([2.0, 5.0]), 20)
-    >>> x.round(6).tolist()
-    [2.0, 3.0]
-    """
-    r, J = fun(x), jac(x)
-    scale = np.linalg.norm(J, axis=0)
-    growth = 2.0
-    for k in range(max_evaluations):
-        squares = float(r @ r)
-        rms = math.sqrt(squares / len(r))
-        tell(f"step {k + 1} of at most {max_evaluations}, rms {rms:.3g} sigma", k / max_evaluations, most=True)
-        if squares < enough:
-            return x, f"converged: chi^2 is below {enough:g}, which round-off explains"
-        scale = np.maximum(scale, np.linalg.norm(J, axis=0))
-        unit = np.where(scale > 0.0, scale, 1.0)
-        step = bounded_step(r, J / unit, damping, (lower - x) * unit, (upper - x) * unit) / unit
-        predicted = squares - float(np.sum((r + J @ step) ** 2))
-        if predicted <= PREDICTED_DECREASE * squares + FLOOR:
-            return x, "converged: no step is predicted to lower chi^2"
-        trial = np.clip(x + step, lower, upper)
-        try:
-            new = fun(trial)
-            gain = (squares - float(new @ new)) / predicted
-        except ValueError:  # a lost mode; or no such structure: springs turned negative, for example
-            gain = -1.0
-        if gain > LEAST:
-            x, r, J = trial, new, jac(trial)
-            damping, growth = damping * max(0.03, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
-        elif np.all(np.abs(step) <= SMALL * (upper - lower)):
-            return x, "not converged: even steps far below the range of the parameters do not lower chi^2"
-        else:
-            damping, growth = damping * growth, 2.0 * growth
-    return x, f"not converged after {max_evaluations} evaluations"
-
-
-def bounded_step(r: FloatArray, J: FloatArray, damping: float, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """The damped step of unit-scaled variables within its bounds."""
-    count = J.shape[1]
-    A, b = np.vstack([J, np.sqrt(damping) * np.eye(count)]), np.append(-r, np.zeros(count))
-    free = np.linalg.lstsq(A, b, rcond=None)[0]
-    if np.all((free >= lower) & (free <= upper)):
-        return np.asarray(free)
-    room = np.maximum(upper, np.nextafter(lower, np.inf))  # a parameter may sit on a bound, but needs some room
-    return np.asarray(np.clip(lsq_linear(A, b, bounds=(lower, room), method="bvls").x, lower, upper))
 
 
 def require_enough(residuals: int, parameters: int, without: str = "") -> None:

@@ -120,13 +120,14 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
     (3, True)
     """
     rows: list[Prediction] = []
+    at_fit = fit.problem.state(fit.x)
     for match in fit.pairing.matches:
-        rows += predicted(fit, match, max_iterations)
+        rows += predicted(fit, at_fit, match, max_iterations)
     return LeftOut(rows=tuple(sorted(rows, key=lambda row: row.mode)))
 
 
-def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Prediction]:
-    """Predict the rows of one match by an update without them."""
+def predicted(fit: UpdateResult, at_fit: State, match: Match, max_iterations: int) -> list[Prediction]:
+    """Predict the rows of one match by an update without them, from the solved modes of the fit."""
     whole = fit.given
     left_out = whole.table.mode[list(match.rows)].tolist()
     without = f"{whole.table.path}: without mode {' and '.join(map(str, left_out))}: "
@@ -137,6 +138,7 @@ def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Pred
     if shapes is not None:
         shapes = shapes.only([row for row in range(len(whole.table)) if row not in match.rows])
     problem = replace(whole, table=table, shapes=shapes, exact=False).problem()
+    problem.begin_at(fit.x, at_fit)
     require_enough(len(problem.fun(fit.x)), len(problem.vary), without)
     x, _ = solve(problem, fit.lower, fit.upper, max_iterations, begin=fit.x)
     state = problem.state(x)
