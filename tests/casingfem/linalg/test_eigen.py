@@ -52,10 +52,11 @@ def off_sines(shapes):
     return np.linalg.norm(shapes * np.sign(np.sum(sines * shapes, axis=0)) - sines, axis=0)
 
 
-def test_modes_equal_the_dense_solution():
+@pytest.mark.parametrize("unit", [1.0, 1e12])
+def test_modes_of_a_chain_are_sines_in_any_unit(unit):
     exact = 4 * np.sin(np.arange(1, 301) * np.pi / 602) ** 2
-    found = solve_modes(chain(300), np.ones(300), 12, shift=-1e-6)
-    np.testing.assert_allclose(found.eigenvalues, exact[:12], rtol=1e-10)
+    found = solve_modes(unit * chain(300), np.ones(300), 12, shift=-1e-6 * unit)
+    np.testing.assert_allclose(found.eigenvalues, unit * exact[:12], rtol=1e-10)
     assert found.sturm_count == 12
     assert off_sines(found.vectors).max() < 1e-10
 
