@@ -104,7 +104,7 @@ def paired_by_shares(found: ModeSet, table: FrequencyTable, reach: float) -> tup
     like = np.where(known[:, None], shares[np.minimum(np.maximum(table.n, 0), len(shares) - 1)], 0.0)
     error = np.abs(np.log(table.freq_hz[:, None] / np.maximum(found.freq, 1e-9)))
     error[:, : found.rigid] = np.inf
-    cost = np.where(error <= np.log1p(reach), error / WRONG + 1.0 - like, 1e3)
+    cost = np.where(error <= np.log1p(reach), error / WRONG - like, 1e3)
     rows, modes = assignment(cost)
     mode_of = {int(row): int(mode) for row, mode in zip(rows, modes, strict=True) if cost[row, mode] < 1e3}
     matches: list[Match] = []

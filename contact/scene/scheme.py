@@ -246,5 +246,6 @@ class SchemeTable(Table):
         if self.stiffness is None:
             return Unilateral()
         if self.law == "augmented-lagrangian":
-            return AugmentedLagrangian(stiffness=self.stiffness, updates=self.updates or 50)
+            given = {} if self.updates is None else {"updates": self.updates}
+            return AugmentedLagrangian(stiffness=self.stiffness, **given)
         return Penalty(stiffness=self.stiffness)

@@ -101,6 +101,15 @@ def test_whirl_and_what_closes_the_gap_are_compared_with_step_and_end():
     assert codes(rub(speed=ct.Speed(time=[0.1, 9.0], hz=[5.0, 6.0]))) == []
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("points", "found"), [(9_000, []), (11_000, ["step-too-long"])])
+def test_a_measured_profile_is_compared_with_the_step(points, found):
+    """A turn of 0.2 s has 10,000 steps."""
+    theta = np.linspace(0.0, 2.0 * np.pi, points, endpoint=False)
+    profile = ct.gaps.RimProfile(theta=theta, depth=1e-5 * np.cos(2.0 * theta))
+    assert codes(replace(rub(speed=ct.Speed.constant(5.0), profile=profile), t_end=0.01)) == found
+
+
 def test_a_load_given_as_a_function_is_checked_between_the_steps():
     def scene(hz):
         wave = ct.bodies.Forcing(shape=np.array([1.0]), amplitude=lambda t: np.sin(2.0 * np.pi * hz * t))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from tests.contact.cycles.henon import FLIP, FOLD, B, fixed
+from tests.contact.cycles.henon import FLIP, FOLD, B, Fork, fixed
 
 
 def test_an_orbit_from_a_guess_has_its_state_and_multipliers(family):
@@ -82,6 +82,15 @@ def test_the_branch_of_doubled_period_leaves_at_the_flip(family):
     assert two.stable.all()
     assert one.stable.tolist() == [point.value < FLIP for point in one.points]
     assert len(ct.cycles.follow(family, (0.2, 0.6), longest=0.05).branches) == 1
+
+
+@pytest.mark.usefixtures("family")
+def test_a_multiplier_through_one_without_a_turn_of_the_branch_is_a_branch_point():
+    found = ct.cycles.follow(Fork(), (-0.3, 0.25), longest=0.1)
+    (branch,) = found.branches
+    assert [special.kind for special in branch.specials] == ["branch point"]
+    assert branch.specials[0].orbit.value == pytest.approx(0.0, abs=1e-5)
+    assert branch.stable.tolist() == [point.value < 0.0 for point in branch.points]
 
 
 def test_basins_of_a_point_of_two_points_and_of_nothing(family):
