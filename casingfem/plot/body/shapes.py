@@ -78,7 +78,7 @@ class Painter:
         facing = np.abs(normals @ self.view.near) / np.linalg.norm(normals, axis=1)
         colours = colormaps[DIVERGING](0.5 + 0.5 * part * self.shade)
         colours[:, :3] *= (0.72 + 0.28 * facing)[:, None]
-        self.faces.set_verts(list(self.flat(corners)[order]))
+        self.faces.set_verts(self.flat(corners)[order])
         self.faces.set(facecolor=colours[order], edgecolor=colours[order])
 
 
