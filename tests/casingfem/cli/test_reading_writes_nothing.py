@@ -53,14 +53,14 @@ def state(folder):
 
 
 def with_a_new_folder(folder, victim):
-    """An earlier way of writing sets had the new files in `.new`."""
+    """Add the folder `.new`, in which an earlier version kept files while it wrote them."""
     (folder / ".new" / "deep").mkdir(parents=True)
     for name in NAMES:
         (folder / ".new" / name).write_text("not yours")
 
 
 def with_odd_owners_and_odd_things(folder, victim):
-    """Files may only be read, one folder not opened; `.new` leads elsewhere; pipes, links, parts of killed writers."""
+    """Add a closed folder, pipes, links and parts of killed writers; the files are read-only and of another owner."""
     for name in NAMES:
         (folder / name).chmod(0o444)
         if os.geteuid() == 0:
