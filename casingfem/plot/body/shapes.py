@@ -55,7 +55,7 @@ class Painter:
         self.swing = (EXAGGERATION * surface.size / most * u)[surface.faces]
         self.shade = (np.sum(u * surface.out, axis=1) / most)[surface.faces].mean(axis=1)
         self.view = view
-        self.faces = PolyCollection([], linewidth=0.4)
+        self.faces: Any = PolyCollection([], linewidth=0.4)
 
     def corners(self, part: float) -> Array:
         """Corners of the faces in space, (faces, 3 or 4, 3)."""
