@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.speed_ranges import DangerousSpeed, ranked
+from contact.speed_verdict import SpeedRun
 from tests.contact.synthetic_rim import blade, ring
 
 PAIR = ct.gaps.HandPair(
@@ -141,6 +143,22 @@ def test_rows_are_ranked_by_verdict_and_by_what_the_runs_show(psi, unstable, slo
     for row in found.rows[:unstable]:
         own = [run for run in found.runs if row.from_hz <= run.speed_hz <= row.to_hz and run.verdict == "unstable"]
         assert row.at.growth == max(run.growth for run in own)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "key"), [("unstable", "growth"), ("resonance", "amplitude_m"), ("safe", "closed"), ("slow", "closed")]
+)
+def test_rows_of_one_verdict_are_ranked_by_its_own_quantity(verdict, key):
+    """The other quantities have the opposite order."""
+    rows = []
+    for k in range(3):
+        sizes = {"closed": -1.0 * k, "growth": -1.0 * k, "amplitude_m": 1e-5 * (3 - k), key: 1.0 + k}
+        run = SpeedRun(
+            speed_hz=10.0 + k, verdict="unstable" if verdict == "slow" else verdict, low=-9.0, high=9.0,
+            half_wall_s=np.inf, n=3, wave="with", body="casing", slow=verdict == "slow", **sizes,
+        )  # fmt: skip
+        rows.append(DangerousSpeed(from_hz=9.5 + k, to_hz=10.5 + k, at=run, peak=None))
+    assert [row.at.speed_hz for row in ranked(rows)] == [12.0, 11.0, 10.0]
 
 
 def test_a_growth_too_slow_for_the_runs_is_that_of_closed_contact():
