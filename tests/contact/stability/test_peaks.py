@@ -67,6 +67,22 @@ def test_peaks_are_the_local_maxima_of_the_growth_on_a_fine_grid():
         assert row.growth >= values[near].max() * (1.0 - 1e-3)
 
 
+@pytest.mark.parametrize("blades", [2, 3])
+@pytest.mark.slow
+def test_a_peak_of_several_contacts_is_found_between_the_speeds_of_a_coarse_grid(blades):
+    """Speeds 24 turns/s apart, a peak of 0.2 or 0.3 1/s; without contact f_c + f_b = f at 154.8 or 153.6 turns/s."""
+    disk = ct.gaps.BladedDisk(
+        blades=blades, freq_hz=50.0, modal_mass=0.4, coupling=0.05, compliance=3e-3, lean_deg=30.0
+    )  # fmt: skip
+    casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=1, freq_hz=100.0, modal_mass=1.5, zeta=1e-5), radius=0.5)
+    what = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=0.0, speed=ct.Speed.constant(30.0))
+    (coarse,), (fine,) = (
+        ct.stability.peaks(what, speeds).rows for speeds in (np.linspace(5.0, 170.0, 8), np.linspace(153.0, 156.0, 81))
+    )
+    assert coarse.speed_hz == pytest.approx(fine.speed_hz, abs=0.02)
+    assert coarse.growth == pytest.approx(fine.growth, rel=1e-4)
+
+
 def test_a_split_pair_of_one_n_gives_one_peak():
     split = ring(imperfect=1e-3)
     found = ct.stability.peaks(rim(split), np.linspace(50.0, 70.0, 81), mu=0.0)
