@@ -92,6 +92,19 @@ def test_a_split_pair_of_one_n_gives_one_peak():
     assert [row.n for row in found.rows] == [row.n for row in perfect.rows]
 
 
+def test_two_maxima_of_one_motion_in_one_band_are_one_peak():
+    """With friction the backward wave of n = 2 grows from 2 to 30 turns/s, most at 28, and again at 11."""
+    what = ct.RotatingRim(
+        ring(zeta=5e-4), blade(psi=0.5, S=2e-5, zeta=5e-4), clearance=0.0, speed_hz=5.0, lean_deg=10.0
+    )  # fmt: skip
+    found = ct.stability.peaks(what, np.linspace(2.0, 40.0, 77), mu=0.3)
+    (one,) = (row for row in found.rows if (row.n, row.wave) == (2, "against"))
+    inside = (found.map.speed_hz > 9.0) & (found.map.speed_hz < 14.0)
+    growth = found.map.growth[inside]
+    assert growth.argmax() not in (0, len(growth) - 1)  # the other maximum
+    assert (one.speed_hz, one.growth) == (pytest.approx(27.88, abs=0.01), pytest.approx(4.133, abs=1e-3))
+
+
 def test_nothing_grows_where_no_condition_is_met():
     found = ct.stability.peaks(PAIR, np.linspace(20.0, 30.0, 11))
     assert found.rows == ()
