@@ -96,11 +96,10 @@ def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypat
 @pytest.mark.slow
 def test_what_does_not_converge_is_reported_and_solved_by_shift_invert(steel, monkeypatch):
     monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None, None))
-    system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
+    thin = solid(steel, (8, 6, 1), (1.0, 0.8, 0.004))
     with pytest.warns(cf.errors.ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
-        found = multigrid_modes(system.K, system.M, near_null, 6, shift)
-    exact = solve_modes(system.K, system.M, 6, shift)
-    np.testing.assert_array_equal(found.eigenvalues, exact.eigenvalues)
+        found = mesh_modes(thin, 6, multigrid=True)
+    np.testing.assert_array_equal(found.freq, mesh_modes(thin, 6).freq)
 
 
 @pytest.mark.slow

@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.stats import f
 
 import casingfem as cf
+from casingfem.updating.calibration import paired_by_shares
 from tests.test_results import assert_whole
 
 BOLTS = cf.Bolts(count=12, k=2e8, k_rot=1e5)
@@ -431,3 +433,14 @@ def test_among_bolts_wants_one_bolted_edge(frustum):
     table = cf.FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8])
     with pytest.raises(cf.errors.ModelError, match="found 0 edges with bolts"):
         cf.locate(frustum(), table)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2])
+def test_a_row_pairs_with_the_mode_of_its_nodal_diameters_also_where_others_are_nearer(n):
+    """Shares of n = 0, 1, 2 in three modes at nearly the same frequency."""
+    rings = SimpleNamespace(shares=lambda: np.array([[0.9, 0.1, 0.0], [0.1, 0.9, 0.1], [0.0, 0.0, 0.9]]))
+    found = SimpleNamespace(rings=rings, freq=np.array([100.0, 100.1, 100.2]), rigid=0)
+    for nearest in found.freq:
+        table = cf.FrequencyTable.from_arrays(freq_hz=[nearest], sigma_hz=0.1, n=[n])
+        (match,), lost = paired_by_shares(found, table, 0.1)
+        assert (match.modes, match.n, lost) == ((n,), n, [])

@@ -105,6 +105,17 @@ def test_only_units_that_make_a_length_usual_are_suggested(tmp_path):
         assert (words in found, "inches" in found) == (True, length < 200.0), found
 
 
+def test_keys_that_may_be_left_out_and_entries_of_lists_are_checked_too(tmp_path):
+    text = (SCENES / "beam_in_ring.toml").read_text(encoding="utf-8")
+    head, ring_table = text.split("[ring]")
+    found = refused(tmp_path, f"{head}[ring]{re.sub('^E = .*', 'E = 210.0', ring_table, flags=re.MULTILINE)}")
+    assert "ring.E: found 210 Pa, expected 1e+06 to 1.3e+12 Pa" in found
+    assert "in GPa? 210 GPa are 2.1e+11 Pa" in found
+    text = (SCENES / "coulomb_oscillator.toml").read_text(encoding="utf-8")
+    found = refused(tmp_path, text.replace("omega = [1.0, 0.0]", "omega = [1.0, 1e10]"))
+    assert "body.omega[2]: found 1e+10 rad/s" in found
+
+
 def test_a_bound_is_written_with_its_power_of_ten(tmp_path):
     text = RODS.format(E=1.0, rho=1.0) + "[[mass]]\nmass = 1.0\nx = 1.0\nvelocity = 1e30\n"
     assert "mass[1].velocity: found 1e+30, expected less than or equal to 1e+25" in refused(tmp_path, text)
