@@ -22,6 +22,7 @@ another evaluation.
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -41,6 +42,14 @@ CONVEX = 1e-8  # least over largest curvature of a model with S that is used
 Residuals = Callable[[FloatArray], FloatArray]
 
 
+class End(NamedTuple):
+    """Where an iteration ended: the point, the reason for stopping, and S there."""
+
+    x: FloatArray
+    stopped: str
+    S: FloatArray
+
+
 def levenberg_marquardt(
     fun: Residuals,
     jac: Residuals,
@@ -50,8 +59,10 @@ def levenberg_marquardt(
     max_evaluations: int,
     damping: float = DAMPING,
     enough: float = 0.0,
-) -> tuple[FloatArray, str]:
-    """Minimise |fun(x)|^2 within bounds; return the minimum and the reason for stopping.
+    decrease: float = PREDICTED_DECREASE,
+    S: FloatArray | None = None,
+) -> End:
+    """Minimise |fun(x)|^2 within bounds.
 
     Parameters
     ----------
@@ -67,23 +78,27 @@ def levenberg_marquardt(
         Initial value of mu.
     enough
         The iteration ends below this sum of squares.
+    decrease
+        It ends if the next step is predicted to lower the sum of squares by less than this part.
+    S
+        Second-order terms at the start, if they are known from a similar problem.
 
     >>> bowl = np.diag([1.0, 10.0])
-    >>> x, _ = levenberg_marquardt(lambda x: bowl @ (x - 3.0), lambda x: bowl, np.zeros(2), np.zeros(2),
-    ...                            np.array([2.0, 5.0]), 20)
-    >>> x.round(6).tolist()
+    >>> end = levenberg_marquardt(lambda x: bowl @ (x - 3.0), lambda x: bowl, np.zeros(2), np.zeros(2),
+    ...                           np.array([2.0, 5.0]), 20)
+    >>> end.x.round(6).tolist()
     [2.0, 3.0]
     """
     r, J = fun(x), jac(x)
     scale = np.linalg.norm(J, axis=0)
-    S = used = np.zeros((len(x), len(x)))
+    S = used = np.zeros((len(x), len(x))) if S is None else S
     growth = 2.0
     for k in range(max_evaluations):
         squares = float(r @ r)
         rms = math.sqrt(squares / len(r))
         tell(f"step {k + 1} of at most {max_evaluations}, rms {rms:.3g} sigma", k / max_evaluations, most=True)
         if squares < enough:
-            return x, f"converged: chi^2 is below {enough:g}, which round-off explains"
+            return End(x, f"converged: chi^2 is below {enough:g}, which round-off explains", S)
         scale = np.maximum(scale, np.linalg.norm(J, axis=0))
         unit = np.where(scale > 0.0, scale, 1.0)
         if not convex(J / unit, used / np.outer(unit, unit), damping):
@@ -92,8 +107,8 @@ def levenberg_marquardt(
         step = bounded_step(*rows, (lower - x) * unit, (upper - x) * unit) / unit
         straight = squares - float(np.sum((r + J @ step) ** 2))
         predicted = straight - float(step @ used @ step)
-        if predicted <= PREDICTED_DECREASE * squares + FLOOR:
-            return x, "converged: no step is predicted to lower chi^2"
+        if predicted <= decrease * squares + FLOOR:
+            return End(x, "converged: no step is predicted to lower chi^2", S)
         trial = np.clip(x + step, lower, upper)
         try:
             new = fun(trial)
@@ -110,10 +125,10 @@ def levenberg_marquardt(
             x, r, J = trial, new, there
             damping, growth = damping * max(0.03, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
         elif np.all(np.abs(step) <= SMALL * (upper - lower)):
-            return x, "not converged: even steps far below the range of the parameters do not lower chi^2"
+            return End(x, "not converged: even steps far below the range of the parameters do not lower chi^2", S)
         else:
             damping, growth = damping * growth, 2.0 * growth
-    return x, f"not converged after {max_evaluations} evaluations"
+    return End(x, f"not converged after {max_evaluations} evaluations", S)
 
 
 def secant(S: FloatArray, step: FloatArray, slope: FloatArray, change: FloatArray) -> FloatArray:

@@ -3,14 +3,17 @@
 The steps are those of `least_squares`.
 """
 
+import time
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
-from casingfem.errors import InputError
+from casingfem.errors import InputError, ModelWarning, NumericsError
 from casingfem.io.arrays import FloatArray
+from casingfem.updating.coarse import coarse_problem
 from casingfem.updating.following import paired_rows
-from casingfem.updating.least_squares import levenberg_marquardt
+from casingfem.updating.least_squares import PREDICTED_DECREASE, End, levenberg_marquardt
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import POOR
@@ -18,6 +21,8 @@ from casingfem.updating.result import POOR
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SHORTER = (1.0, 0.5, 0.25, 0.125)  # of a step whose end cannot be evaluated
 ROUNDS = 8  # solutions until a weight must have settled
+ROUGH = 1e-3  # predicted decrease of the squares at which a coarse model is near enough to its solution
+CLOSE = 1e-4  # damping to begin with at its solution, from where no valley is to be chosen
 SETTLED = 0.06  # two of the weights tried, which are .058 apart in logarithm
 
 
@@ -72,7 +77,7 @@ def solve(
     """
     ends: list[tuple[float, FloatArray, str, State]] = []
     for damping in ways:
-        x, message = descend(problem, lower, upper, max_iterations, damping, begin)
+        x, message, _ = descend(problem, lower, upper, max_iterations, damping, begin)
         r = problem.fun(x)
         ends.append((float(np.sqrt(np.mean(r**2))), x, message, problem.state(x)))
         if ends[-1][0] <= POOR and message.startswith("converged"):
@@ -103,36 +108,74 @@ def descend(
     max_iterations: int,
     damping: float,
     begin: FloatArray | None = None,
-) -> tuple[FloatArray, str]:
+    decrease: float = PREDICTED_DECREASE,
+) -> End:
     """Minimise with the rows that pair at the start; repeat from the end if the rows pair better there.
 
     With shapes the frequencies are fitted first, if there are enough, until they agree within their noise. Far from the
     solution shapes of modes that mix cause many local minima. Frequencies below their noise add such minima where
-    shapes determine more.
+    shapes determine more. Without shapes a coarse model of a large one is fitted first.
 
     The modes at the end are counted. If one was missed, the update is repeated and every point is solved without a
     restart.
     """
-    x, message = np.clip(problem.start if begin is None else begin, lower, upper), ""
-    problem.paired_anew(x)
+    at, S = np.clip(problem.start if begin is None else begin, lower, upper), None
+    problem.paired_anew(at)
     if problem.shapes is not None and begin is None:
         problem.shapes_wait = True
-        rows = float(len(problem.paired_anew(x).values))
-        if rows >= len(x):
-            x, _ = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations, damping, enough=rows)
+        rows = float(len(problem.paired_anew(at).values))
+        if rows >= len(at):
+            fun, jac = problem.fun, problem.jac
+            at, *_ = levenberg_marquardt(fun, jac, at, lower, upper, max_iterations, damping, enough=rows)
         problem.shapes_wait = False
-        problem.paired_anew(x)
+        problem.paired_anew(at)
+    if begin is None and (near := from_coarse(problem, lower, upper, max_iterations, damping)) is not None:
+        at, S, damping = near.x, near.S, CLOSE
+        problem.paired_anew(at)
     for _ in range(4):
-        x, message = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations, damping)
-        end = problem.counted(x)
-        if end is None:
+        fun, jac = problem.fun, problem.jac
+        end = levenberg_marquardt(fun, jac, at, lower, upper, max_iterations, damping, decrease=decrease, S=S)
+        at, S = end.x, None
+        counted = problem.counted(at)
+        if counted is None:
             problem.solve_afresh()
-            problem.paired_anew(x)
+            problem.paired_anew(at)
             continue
-        if not lower_misfit(end, problem.paired_anew(x)):
-            problem.adopt(x, end)
+        if not lower_misfit(counted, problem.paired_anew(at)):
+            problem.adopt(at, counted)
             break
-    return x, message
+    return end
+
+
+def from_coarse(
+    problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int, damping: float
+) -> End | None:
+    """Solve the coarse problem; end there, or on the part of the way that the given mesh can solve.
+
+    None without a coarse problem, and if the residuals of the given mesh do not fall.
+    """
+    started = time.perf_counter()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ModelWarning)  # of the coarse mesh, which no result is of
+            small = coarse_problem(problem)
+            if small is None:
+                return None
+            end = descend(small, lower, upper, max_iterations, damping, decrease=ROUGH)
+    except (ValueError, NumericsError):  # rows that pair with nothing there, a lost mode, springs turned negative
+        return None
+    problem.seconds["coarse"] += time.perf_counter() - started
+    before, most = problem.state(problem.start), mean_square(problem, problem.start)
+    near = stepped(problem, problem.start, end.x - problem.start)
+    if mean_square(problem, near) < most:
+        return end._replace(x=near)
+    problem.adopt(problem.start, before)
+    return None
+
+
+def mean_square(problem: Problem, x: FloatArray) -> float:
+    """Mean of the squared residuals, priors included."""
+    return float(np.mean(problem.fun(x) ** 2))
 
 
 def lower_misfit(old: State, new: State) -> bool:

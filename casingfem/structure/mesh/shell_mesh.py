@@ -49,9 +49,13 @@ class ShellMesh:
             breaks = np.asarray(self.rows, dtype=float)
             if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or not np.all(np.diff(breaks) > 0.0):
                 raise ModelError("mesh-rows", f"mesh.rows must increase from 0 to 1, found {self.rows}")
-        unknowns = 5 * self.order**2 * (len(self.breaks) - 1) * self.around
-        if unknowns > LARGEST:
-            raise ModelError("mesh-too-large", f"mesh: some {unknowns:.2g} unknowns")
+        if self.unknowns > LARGEST:
+            raise ModelError("mesh-too-large", f"mesh: some {self.unknowns:.2g} unknowns")
+
+    @property
+    def unknowns(self) -> int:
+        """About how many unknowns the mesh has."""
+        return int(5 * self.order**2 * (len(self.breaks) - 1) * self.around)
 
     @property
     def breaks(self) -> FloatArray:

@@ -46,7 +46,7 @@ def costs(quick: bool) -> list[Row]:
 
 def by_part(seconds: dict[str, float]) -> Row:
     """The parts of a run time that are reported."""
-    names = ("assemble", "factor", "solve", "sensitivities", "pairing")
+    names = ("coarse", "assemble", "factor", "solve", "sensitivities", "pairing")
     return {name: float(seconds.get(name, 0.0)) for name in names}
 
 

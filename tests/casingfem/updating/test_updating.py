@@ -85,6 +85,20 @@ def test_without_noise_on_the_default_mesh(frustum):
     assert fit.value[0] == pytest.approx(cf.updating.get_value(known, p.name), rel=1e-5)
 
 
+@pytest.mark.slow
+def test_a_fine_mesh_is_fitted_exactly_although_a_coarse_one_was_fitted_first(frustum):
+    fine = cf.ShellMesh(order=8, rows=(0.0, 0.03, 0.97, 1.0), around=11)
+    table = table_of(cf.modes(truth(frustum, mesh=fine), 4), rows=4)
+    known = [(p, cf.updating.get_value(truth(frustum), p.name)) for p in (VARY[0], VARY[6])]
+    start = truth(frustum, mesh=fine)
+    for p, value in known:
+        start = cf.updating.with_value(start, p.name, 1.03 * value)
+    fit = cf.update(start, table, [p for p, _ in known])
+    np.testing.assert_allclose(fit.value, [value for _, value in known], rtol=1e-6)
+    assert fit.seconds["coarse"] > 0.0
+    assert fit.structure.mesh == fine
+
+
 @pytest.mark.campaign
 def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, held):
     noise = np.random.default_rng(101).standard_normal(ROWS)
