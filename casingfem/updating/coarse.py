@@ -27,11 +27,13 @@ def coarse_problem(problem: Problem) -> Problem | None:
     ValueError
         If the coarse model has no solution at the start.
     """
-    fine = problem.state(problem.start)
-    if not isinstance(problem.shell, Shell) or problem.shapes is not None or fine.solution is None:
+    if not isinstance(problem.shell, Shell) or problem.shapes is not None:
         return None
     mesh = coarse_mesh(problem.shell)
     if mesh is None:
+        return None
+    fine = problem.state(problem.start)
+    if fine.solution is None:
         return None
     shell = replace(problem.shell, mesh=mesh)
     small = Problem(shell, problem.table, problem.vary, problem.count, problem.reach)

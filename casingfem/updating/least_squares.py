@@ -77,7 +77,7 @@ def levenberg_marquardt(
     damping
         Initial value of mu.
     enough
-        The iteration ends below this sum of squares.
+        The iteration ends below this sum of squares; it then does without S, which only the last steps need.
     decrease
         It ends if the next step is predicted to lower the sum of squares by less than this part.
     S
@@ -119,7 +119,7 @@ def levenberg_marquardt(
         if gain > LEAST:
             there = jac(trial)
             bent = straight - float(step @ S @ step)
-            near = actual < NEAR * squares and abs(actual - bent) <= abs(actual - straight)
+            near = not enough and actual < NEAR * squares and abs(actual - bent) <= abs(actual - straight)
             S = secant(S, step, there.T @ new - J.T @ r, (there - J).T @ new)
             used = S if near else np.zeros_like(S)
             x, r, J = trial, new, there
