@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import lognorm
 
 import casingfem as cf
+from casingfem.structure.field.random import typical
 
 SPECTRUM = cf.field.Spectrum(p=[2, 5], median=[0.2, 0.1], high=[0.6, 0.15])
 
@@ -101,3 +102,12 @@ def test_the_number_of_splines_and_their_means(intervals, degree, natural, size)
     weights = (0.5 * np.diff(ends)[:, None] * w).ravel() / 0.3
     assert basis.size == size == len(basis.means)
     np.testing.assert_allclose(basis.means, weights @ basis.evaluate(z)[0], rtol=1e-12, atol=1e-15)
+
+
+def test_the_field_for_the_mesh_of_all_draws_has_the_median_amplitudes():
+    random, known = cf.field.RandomField(spectrum=SPECTRUM, seed=3), cf.FourierField.of({7: 0.3})
+    theta = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+    f = typical(cf.field.SumField((random, known))).derivatives(0.0 * theta, theta).value
+    amplitude = 2.0 * np.abs(np.fft.rfft(f)) / theta.size
+    assert amplitude[[2, 5, 7]] == pytest.approx([0.2, 0.1, 0.3])
+    assert np.abs(np.delete(amplitude, [2, 5, 7])).max() < 1e-12
