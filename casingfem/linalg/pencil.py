@@ -233,7 +233,12 @@ def most_round_off(K: Symmetric | FloatArray, vectors: FloatArray) -> FloatArray
 
 
 def clear_of_eigenvalues(place: float, values: FloatArray, noise: FloatArray) -> bool:
-    """Whether a position on the axis of eigenvalues is farther from each than round-off moves it."""
+    """Whether a position on the axis of eigenvalues is farther from each than round-off moves it.
+
+    >>> values, noise = np.array([1.0, 2.0]), np.array([1e-9, 1e-9])
+    >>> clear_of_eigenvalues(2.0 + 1e-12, values, noise), clear_of_eigenvalues(2.0 + 1e-6, values, noise)
+    (False, True)
+    """
     return bool(np.all(np.abs(values - place) > noise))
 
 
