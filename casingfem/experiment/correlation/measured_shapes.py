@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,10 +17,12 @@ from casingfem.errors import InputError
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.files import UNIVERSAL
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.uff.read import UniversalFile, read_uff
 from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
+
+if TYPE_CHECKING:
+    from casingfem.experiment.identify.identified import Identified
 
 SILENT = 1e-9  # of the largest value: a channel no shape ever exceeds was not measured
 IDENTIFIED = ".npz"
@@ -237,6 +240,8 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
     """
     ending = Path(path).suffix.lower()
     if ending == IDENTIFIED:
+        from casingfem.experiment.identify.identified import Identified  # not loaded by every study
+
         return identified_shapes(Identified.load(path), str(path))
     if ending in UNIVERSAL:
         return MeasuredShapes.from_uff(path)
