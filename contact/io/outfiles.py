@@ -186,6 +186,8 @@ def write_checked(path: str | os.PathLike[str], name: str, value: Any, **head: A
 
 def read_checked(path: str | os.PathLike[str], name: str, **head: Any) -> Any:
     """Data that `write_checked` wrote with the same head; None if the file is missing or damaged."""
+    if not os.path.exists(path):  # an error message would compare the name with all others of the folder
+        return None
     try:
         content = json.loads(read_bytes(path))
         value = content[name]

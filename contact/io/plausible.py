@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, Literal, NamedTuple, get_args
 
 from pydantic import BaseModel
@@ -193,9 +194,9 @@ def implausible(table: BaseModel, *, radius: float = 0.0, path: Path = ()) -> It
     """
     named: dict[str, Any] = {}
     odd: set[str] = set()
-    for field, info in type(table).model_fields.items():
-        value, here = getattr(table, field), (*path, info.alias or field)
-        for check in declared(info):
+    for field, name, checks in declared_by(type(table)):
+        value, here = getattr(table, field), (*path, name)
+        for check in checks:
             named[check.name] = value
             for place, number in numbers(value, here):
                 if text := speed_fault(number, radius) if check.name == "speed" else check.fault(number):
@@ -229,6 +230,12 @@ def numbers(value: Any, path: Path) -> Iterator[tuple[Path, float]]:
     elif isinstance(value, dict):
         for name, part in value.items():
             yield from numbers(part, (*path, name))
+
+
+@cache
+def declared_by(table: type[BaseModel]) -> list[tuple[str, str, list[Check]]]:
+    """Each field of a table, its key in the file, and the checks that it declares."""
+    return [(field, info.alias or field, declared(info)) for field, info in table.model_fields.items()]
 
 
 def declared(info: FieldInfo) -> list[Check]:

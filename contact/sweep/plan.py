@@ -203,9 +203,10 @@ def unit_of(base: dict[str, Any], key: str) -> str:
     'turns/s'
     """
     from contact.io.tables import keys, models_at
-    from contact.scene.schema import scene_models
+    from contact.scene.kinds import KINDS, file_of
 
-    root = scene_models().get(str(entries(base.get("scene")).get("kind")))
+    kind = entries(base.get("scene")).get("kind")
+    root = file_of(kind) if kind in KINDS else None
     path: list[str | int] = []
     for part in key.split("."):
         if match := PART.fullmatch(part):
