@@ -116,7 +116,6 @@ def test_a_stopped_run_goes_on_to_the_same_bits(name: str, tmp_path: Path) -> No
     assert words(again) == words(whole)
 
 
-@pytest.mark.usefixtures("at_once")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["rotor that slows", "rub with a coating", "patch with friction"])
 def test_a_longer_run_begins_with_the_shorter_one(name: str) -> None:
@@ -131,6 +130,7 @@ def test_a_longer_run_begins_with_the_shorter_one(name: str) -> None:
     assert np.all(np.abs(long.state[:count] - short.state) <= 1e-9 * largest)
 
 
+@pytest.mark.usefixtures("at_once")
 def test_a_file_of_another_run_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "part.npz"
     with pytest.raises(StoppedError):
