@@ -5,6 +5,10 @@ a rotating body w depends on the speed, on the stiffening and on the sense of th
 Near it the receptance is a/(s - i nu), for a blade mode b/(s - i w_b). With S for the rest, S + a/(s - i nu) + b/(s - i
 w_b) = 0 is a quadratic: growth where a b > 0, at most sqrt(a b)/S, in a band of half width 2 sqrt(a b)/S of the
 difference of the two frequencies, its centre where nu + i a/S = w_b + i b/S.
+
+A blade faster than a wave, Omega > w/k, pushes the wave before itself: there nu passes 0. With the wave's conjugate,
+S + a/(s - i nu) + a*/(s + i nu) = 0. Growth without oscillation is at most |a|/S, in a band of half width |a|/S around
+nu = -|a|/S.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array
+from contact.base.arrays import Array, readonly
 from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.stability.waves import FreePoles, Waves, waves_of
 
@@ -24,8 +28,11 @@ LOOKS = 65  # speeds at which frequencies are compared
 AT_REST = 1e-12  # of a frequency: waves and modes that are nearer at rest are equal there
 SECANTS, MET = 40, 1e-13  # steps of a root, and the difference of the frequencies that ends them, relative
 SEEN = 1e-9  # of the largest residue: one contact does not see less
+TOGETHER = 1e-6  # of a blade mode's frequency: modes that are nearer meet a wave together, as a disk's pairs do
 ALIKE = 0.05  # of two bodies seen alike: less is what meshes and round-off add
 STEP = 1e-4  # of the speed, for a derivative by it
+WITHIN = readonly(np.linspace(-2.0, 2.0, 17))  # speeds that resolve a band, in half widths from its centre
+STILL = -1  # in place of a blade mode: a motion that stands still in the blade's frame
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +40,7 @@ class Coincidence:
     """Coincidence of one wave of n diameters with one blade mode.
 
     `branch` "sum" f_b = n f - f_c, "backward" f_b = f_c - n f or "forward" f_b = f_c + n f; `free_hz` the speed without
-    contact, `speed_hz` with it, `half_hz` the half width of the affected speeds (for several contacts the speed without
-    contact, and 0).
+    contact, `speed_hz` with it, `half_hz` the half width of the affected speeds.
     """
 
     n: int
@@ -80,45 +86,82 @@ def loaded(pair: HandPair) -> Loaded:
 def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
     """All coincidences of casing waves with blade modes, ascending, for the senses of rotation of these speeds [Hz].
 
-    The frequencies of both are those at each speed. One contact moves a coincidence and has a band around it, so that
-    coincidences are sought up to `REACH` times the fastest speed; where the matrices of a body are not known
-    (`ClosedContact.known_speeds`), those of the nearest known speed are used. With several contacts, coincidences are
-    those without contact, and are sought only between the speeds. Then a wave and a mode coincide only if
-    their motions at the contacts are similar: |sum of products| above `ALIKE` of its largest possible value. So a wave
-    of n diameters coincides only with a tuned disk's modes of n diameters. The poles decide whether the motion grows
-    there.
+    The frequencies of both are those at each speed. Contact moves a coincidence and has a band around it, so that
+    coincidences are sought up to `REACH` times the fastest speed. Where the matrices of a body are not known
+    (`ClosedContact.known_speeds`), those of the nearest known speed are used. With several contacts a wave and a mode
+    coincide only if their motions there are similar: |sum of products| above `ALIKE` of its largest possible value. So
+    a wave of n diameters coincides only with a tuned disk's modes of n diameters. The poles decide whether the motion
+    grows there.
     """
-    seen, found, one = waves_of(contact), [], len(contact.Q) == 1
+    seen, found = waves_of(contact), []
     for sense in (1.0, -1.0):
         speeds = 2.0 * math.pi * np.abs(speed_hz[np.sign(speed_hz) == sense])
         if not speeds.size:
             continue
-        between = (0.0, REACH * float(speeds.max())) if one else (float(speeds.min()), float(speeds.max()))
-        crossings = _crossings(seen, sense, between)
+        crossings = _crossings(seen, sense, REACH * float(speeds.max()), modes=True)
         speed = np.array([crossing[0] for crossing in crossings])
-        free = list(seen.poles_each(speed, sense))
-        below, above = (list(seen.poles_each(speed * by, sense)) if one else free for by in (1.0 - STEP, 1.0 + STEP))
+        below, free, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0 - STEP, 1.0, 1.0 + STEP))
         for k, (at, wave, mode) in enumerate(crossings):
             here = free[k]
             if here is not None and _met(here, wave, mode):
-                slope = _slope(below[k], above[k], at, wave, mode) if one else math.nan
+                slope = _slope(below[k], above[k], at, wave, mode)
                 found.append(_meeting(contact, here, wave, mode, at, slope))
     return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
-def _crossings(seen: Waves, sense: float, between: tuple[float, float]) -> list[tuple[float, int, int]]:
-    """(speed [rad/s], wave, mode) where a wave has a mode's frequency in the blade's frame, between two [rad/s]."""
-    at = sense * np.linspace(*between, LOOKS)
+def overtaken_speeds(contact: ClosedContact, speed_hz: Array) -> Array:
+    """Speeds [Hz] in and around each band in which the contacts may drive a wave that they overtake.
+
+    Several contacts: their compliances and the response of all else are a matrix S, the wave's motion there is seen and
+    the force that drives it pushed. With g = pushed S^-1 seen the wave has the frequency nu + |g|, and it may grow by
+    at most |h|, h = pushed S^-1 seen* from its conjugate: 0 for a tuned disk, unless its blades see both alike.
+    """
+    seen, found = waves_of(contact), [np.zeros(0)]
+    for sense in (1.0, -1.0):
+        speeds = 2.0 * math.pi * np.abs(speed_hz[np.sign(speed_hz) == sense])
+        if not speeds.size:
+            continue
+        crossings = _crossings(seen, sense, REACH * float(speeds.max()), modes=False)
+        speed = np.array([crossing[0] for crossing in crossings])
+        below, here, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0 - STEP, 1.0, 1.0 + STEP))
+        for k, (at, wave, _) in enumerate(crossings):
+            free, slope = here[k], _slope(below[k], above[k], at, wave, STILL)
+            if free is not None and np.isfinite(slope):
+                centre, half = _overtaken(contact.compliance(math.copysign(1.0, at)), free, wave)
+                found.append((at + (centre + half * WITHIN) / slope) / (2.0 * math.pi))
+    return np.concatenate(found)
+
+
+def _overtaken(compliance: Array, free: FreePoles, wave: int) -> tuple[float, float]:
+    """Centre and half width of the frequencies nu [rad/s] at which a wave grows; see `overtaken_speeds`."""
+    s, seen, pushed = free.s[0], free.seen[0], free.pushed[0]
+    conjugate = int(np.argmin(np.abs(s - np.conj(s[wave])) + np.abs(s).max() * (free.order != -free.order[wave])))
+    others = np.ones(s.size, dtype=bool)
+    others[[wave, conjugate]] = False
+    S = compliance - (seen[:, others] / s[others]) @ pushed[others]
+    both = pushed[wave] @ np.linalg.solve(S, seen[:, [wave, conjugate]])
+    return float(both[0].imag), float(abs(both[1]))
+
+
+def _crossings(seen: Waves, sense: float, fastest: float, *, modes: bool) -> list[tuple[float, int, int]]:
+    """(speed [rad/s], wave, mode) where a wave has a mode's frequency in the blade's frame, up to the fastest [rad/s].
+
+    Without `modes`, where a wave stands still there; its mode is `STILL`.
+    """
+    at = sense * np.linspace(0.0, fastest, LOOKS)
     free = seen.poles(at, sense)
     if free is None:
         return []
     waves = np.flatnonzero(free.casing & (free.order != 0.0))
-    modes = np.flatnonzero(~free.casing & (free.sign > 0.0))
+    if modes:
+        others = np.flatnonzero(~free.casing & (free.sign > 0.0))
+    else:
+        waves, others = waves[free.sign[waves] > 0.0], np.array([STILL])  # the conjugate passes 0 at the same speed
 
     def frequencies(found: FreePoles, speed: Array) -> tuple[Array, Array]:
         """Frequencies of waves, and of the modes with which they may coincide, (speeds, waves), (speeds, modes)."""
-        met = found.met(speed)
-        return met[:, waves], met[:, modes]
+        met = _met_or_still(found, speed)
+        return met[:, waves], met[:, others]
 
     one, other = frequencies(free, at)
     apart = one[:, :, None] - other[:, None, :]
@@ -144,7 +187,12 @@ def _crossings(seen: Waves, sense: float, between: tuple[float, float]) -> list[
         low[open_] = np.where(inside, high[open_], low[open_])
         below[open_] = np.where(inside, above[open_], 0.5 * below[open_])
         high[open_], above[open_] = speed[open_], middle
-    return list(zip(speed.tolist(), waves[i].tolist(), modes[j].tolist(), strict=True))
+    return list(zip(speed.tolist(), waves[i].tolist(), others[j].tolist(), strict=True))
+
+
+def _met_or_still(free: FreePoles, speed: Array) -> Array:
+    """Frequencies in the frame of the contact points, (speeds, 2 m + 1): the last, at `STILL`, is 0."""
+    return np.pad(free.met(speed), ((0, 0), (0, 1)))
 
 
 def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave: int, mode: int) -> float:
@@ -152,8 +200,9 @@ def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave:
     if below is None or above is None:
         return math.nan
     apart = [
-        float(free.met(np.array([at]))[0, wave] - free.met(np.array([at]))[0, mode])
+        float(met[wave] - met[mode])
         for free, at in ((below, (1.0 - STEP) * speed), (above, (1.0 + STEP) * speed))
+        for met in _met_or_still(free, np.array([at]))
     ]
     return (apart[1] - apart[0]) / (2.0 * STEP * speed)
 
@@ -168,21 +217,26 @@ def _met(free: FreePoles, wave: int, mode: int) -> bool:
 
 
 def _meeting(contact: ClosedContact, free: FreePoles, wave: int, mode: int, speed: float, slope: float) -> Coincidence:
-    """The quadratic equation of one wave and one mode, with everything else as a compliance S."""
+    """The quadratic equation of one wave and one mode, or its equals, with everything else as compliances S.
+
+    With g = pushed S^-1 seen between these motions, s - i nu + g = 0 alone, and together at most sqrt(g_wb g_bw).
+    """
     turn, order, sign = 2.0 * math.pi, float(free.order[wave]), float(free.sign[wave])
     own = free.own(np.array([speed]))[0]
     known: dict[str, Any] = {
         "n": round(abs(order)), "branch": _branch(sign, speed * order), "casing_hz": abs(float(own[wave])) / turn,
         "blade_hz": float(own[mode]) / turn, "free_hz": speed / turn,
     }  # fmt: skip
-    if len(contact.Q) > 1:
-        return Coincidence(**known, speed_hz=speed / turn, half_hz=0.0)
-    s, a, others = free.s[0], free.residues[0], np.ones(free.order.size, dtype=bool)
-    others[[wave, mode]] = False
-    S = float(contact.compliance(np.sign(speed))[0, 0])
-    S += float(np.sum(a[others] / (1j * own[mode] - s[others])).real)
-    coupling = complex(a[wave] * a[mode]) / S**2
-    centre = speed - float((a[mode] - a[wave]).imag) / S / slope
+    s, seen, pushed = free.s[0], free.seen[0], free.pushed[0]
+    equal = ~free.casing & (np.abs(free.s[0] - s[mode]) < TOGETHER * abs(s[mode]))
+    both = np.concatenate([[wave], np.flatnonzero(equal)])
+    others = ~np.isin(np.arange(s.size), both)
+    S = contact.compliance(np.sign(speed)) + (seen[:, others] / (1j * own[mode] - s[others])) @ pushed[others]
+    g = pushed[both] @ np.linalg.solve(S, seen[:, both])
+    there, back = g[0, 1:], g[1:, 0]
+    coupling = complex(there @ back)
+    blade = complex(there @ g[1:, 1:] @ back) / coupling if coupling else complex(g[1, 1])
+    centre = speed - (blade - complex(g[0, 0])).imag / slope
     return Coincidence(**known, speed_hz=centre / turn, half_hz=2.0 * abs(coupling) ** 0.5 / abs(slope) / turn)
 
 
@@ -199,5 +253,4 @@ def _branch(sign: float, turned: float) -> str:
 
 def close_speeds(met: tuple[Coincidence, ...]) -> Array:
     """Speeds [Hz] at and around each coincidence that resolve its band."""
-    steps = np.linspace(-2.0, 2.0, 17)
-    return np.concatenate([np.zeros(0), *(c.speed_hz + c.half_hz * steps for c in met)])
+    return np.concatenate([np.zeros(0), *(c.speed_hz + c.half_hz * WITHIN for c in met)])

@@ -23,7 +23,7 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.model.gaps.rub import Rub, rub_of
 from contact.stability.closed_contact import first_order, floor_of, growth, poles_each
-from contact.stability.coincidence import close_speeds, coincidences
+from contact.stability.coincidence import close_speeds, coincidences, overtaken_speeds
 from contact.stability.growth_map import StabilityMap, scan
 from contact.stability.mode_groups import largest_mode, mode_numbers
 from contact.stability.split_casing import mean_contact
@@ -126,12 +126,12 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
 
 
 def growth_map(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
-    """Growth over ascending speeds [turns/s], with additional speeds close to each coincidence.
+    """Growth over ascending speeds [turns/s], with additional ones near coincidences and where a wave is overtaken.
 
     Raises InputError at speeds for which the matrices of a body are not known.
     """
     contact.require_known(2.0 * math.pi * speed_hz)
-    seeds = close_speeds(coincidences(contact, speed_hz))
+    seeds = np.concatenate([close_speeds(coincidences(contact, speed_hz)), overtaken_speeds(contact, speed_hz)])
     return scan(lambda at: growth(contact, at), speed_hz, floor=floor_of(contact), seeds=seeds)
 
 

@@ -70,17 +70,44 @@ def test_peaks_are_the_local_maxima_of_the_growth_on_a_fine_grid():
 @pytest.mark.parametrize("blades", [2, 3])
 @pytest.mark.slow
 def test_a_peak_of_several_contacts_is_found_between_the_speeds_of_a_coarse_grid(blades):
-    """Speeds 24 turns/s apart, a peak of 0.2 or 0.3 1/s; without contact f_c + f_b = f at 154.8 or 153.6 turns/s."""
+    """Speeds 24 turns/s apart, a peak of 0.2 or 0.3 1/s; without contact f_c + f_b = f at 154.8 or 153.6 turns/s.
+
+    Two blades push the wave before themselves at 100 turns/s and above, in line; three of equal distance do not.
+    """
     disk = ct.gaps.BladedDisk(
         blades=blades, freq_hz=50.0, modal_mass=0.4, coupling=0.05, compliance=3e-3, lean_deg=30.0
     )  # fmt: skip
     casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=1, freq_hz=100.0, modal_mass=1.5, zeta=1e-5), radius=0.5)
     what = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=0.0, speed=ct.Speed.constant(30.0))
-    (coarse,), (fine,) = (
+    (*pushed, coarse), (fine,) = (
         ct.stability.peaks(what, speeds).rows for speeds in (np.linspace(5.0, 170.0, 8), np.linspace(153.0, 156.0, 81))
     )
+    assert len(pushed) == (blades == 2)
+    for row in pushed:
+        (near,) = ct.stability.peaks(what, np.linspace(99.9, row.to_hz + 1.0, 401)).rows
+        assert (row.growth, row.from_hz, row.to_hz) == pytest.approx((near.growth, near.from_hz, near.to_hz), rel=1e-6)
+        assert row.freq_hz == pytest.approx(0.0, abs=1e-6)
     assert coarse.speed_hz == pytest.approx(fine.speed_hz, abs=0.02)
     assert coarse.growth == pytest.approx(fine.growth, rel=1e-4)
+
+
+@pytest.mark.parametrize("zeta", [0.0, 2e-4])
+def test_a_blade_that_is_faster_than_a_wave_pushes_it_before_itself(zeta):
+    """Half a wave 1/(4 m w_c) on the compliance of all else, S: growth |a|/S less its damping, above f_c/n."""
+    casing = ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=zeta)
+    blade = ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4)
+    w, m = casing.omega, casing.modal_mass
+    S = 1e-4 + 1.0 / (blade.modal_mass * blade.omega**2) + 1.0 / (4.0 * m * w**2)
+    pushed = 1.0 / (4.0 * m * w) / S
+    growth = pushed - zeta * w
+    half = np.sqrt(pushed**2 - (zeta * w) ** 2) / (2.0 * np.pi * 8)
+    (row,) = ct.stability.peaks(
+        ct.gaps.HandPair(casing=casing, blade=blade, compliance=1e-4), np.linspace(20.0, 40.0, 3)
+    ).rows
+    assert row.growth == pytest.approx(growth, rel=1e-4)
+    assert row.freq_hz == pytest.approx(0.0, abs=1e-6)
+    assert row.to_hz - row.from_hz == pytest.approx(2.0 * half, rel=1e-3)
+    assert 0.5 * (row.from_hz + row.to_hz) == pytest.approx(37.5 + pushed / (2.0 * np.pi * 8), abs=1e-5)
 
 
 def test_a_split_pair_of_one_n_gives_one_peak():
