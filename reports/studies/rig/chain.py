@@ -18,6 +18,7 @@ from casingfem.plot.pages.study import SYNTHETIC, Clock
 from casingfem.study import Study, load_shell_study, perfect
 from casingfem.study.tasks import run_update
 from contact.io.outfiles import write_atomic
+from contact.io.threads import one_thread
 from reports.studies.rig import blade as rig_blade
 from reports.studies.rig import page as rig_page
 from reports.studies.rig import rub as rig_rub
@@ -56,7 +57,7 @@ def timed(part: Callable[[], Any]) -> tuple[Any, float]:
 
 def main(out: Path, quick: bool = False) -> dict[str, float]:
     """Run the chain, independent parts beside each other; returns the figures that the report leads with."""
-    with side_by_side(1 if quick else min(2, usable_cores())) as each:
+    with one_thread(), side_by_side(1 if quick else min(2, usable_cores())) as each:
         return chain(out, quick, each)
 
 
@@ -84,9 +85,10 @@ def chain(out: Path, quick: bool, each: Each) -> dict[str, float]:
 
     target = rig_rub.casing_target(fit.after, plan.n)
     blade = studies["blade"]
-    files, tuning = clock(
-        "tuning and reduction", lambda: rig_rub.bodies(casing, fit.structure, target, blade, plan, out)
-    )
+    (files, tuning), on_casing = together(clock, each, {
+        "tuning and reduction": partial(rig_rub.bodies, casing, fit.structure, target, blade, plan, out),
+        "pictures of the casing": partial(rig_page.casing_section, casing, fit, ideal),
+    })  # fmt: skip
     terms = cf.modal.out_of_roundness(fit.structure, cf.Rim("top", n_max=26))
     machined, as_built, controls = together(clock, each, {
         "rub, defect machined away": partial(rig_rub.run, files, plan, []),
@@ -106,7 +108,7 @@ def chain(out: Path, quick: bool, each: Each) -> dict[str, float]:
     sections = [
         rig_page.overview(blade_fit, fit, rubs, plan),
         rig_blade.section(blade_fit),
-        rig_page.casing_section(casing, fit, ideal),
+        on_casing,
         rig_page.reduction(files, tuning, plan),
         rig_page.causes(rows, rubs, plan),
         *(rig_page.rub_section(rub, plan) for rub in rubs),
