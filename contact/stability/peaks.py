@@ -110,7 +110,7 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
     >>> from contact.model.gaps.permanent import ModalPair
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
     ...                 blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
-    >>> (peak,) = peaks(pair, np.linspace(20.0, 60.0, 41)).rows
+    >>> (peak,) = peaks(pair, np.linspace(40.0, 60.0, 41)).rows
     >>> peak.n, peak.wave, round(peak.speed_hz, 3), round(peak.growth, 3), round(peak.casing_share, 1)
     (8, 'with', 52.844, 3.788, 0.7)
     """
