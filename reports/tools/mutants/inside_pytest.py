@@ -24,7 +24,7 @@ class Job:
 
     `tests`, named without their parameters, run in this order until `budget` processor seconds are spent, those of one
     file until `share` are; a test that takes longer than `limit` is ended with its process. If `record` is a path, the
-    functions of `packages` that each file of tests runs are written there.
+    functions of `packages` that each test runs are written there.
     """
 
     journal: str

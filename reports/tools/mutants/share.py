@@ -71,7 +71,10 @@ class Campaign:
         return read_reach(self.root, self.packages, ("reports", "tests"))
 
     def tests(self, mutants: Iterable[Mutant]) -> dict[Mutant, list[str]]:
-        """Tests for each mutant, nearest first, those of so many files as the limits allow."""
+        """Tests for each mutant: those that run its function, then others of as many files as the limits allow.
+
+        Among either, the nearest are first.
+        """
         reach, limits = self.reach(), self.limits
         executed = read_executed(sorted(self.folder.glob(f"tree-*-{RECORDED}")))
         chosen = {}
@@ -80,9 +83,10 @@ class Campaign:
             order = list(dict.fromkeys(test.partition("::")[0] for test in nearest))
             running = executed.running(reach, mutant.file, mutant.function)
             files = set(order[: limits.nearest if running else limits.files])
-            files.update([file for file in order if file in running][: limits.running])
+            own = {test.partition("::")[0] for test in running}
+            files.update([file for file in order if file in own][: limits.running])
             files.update(file for file in order[: limits.files] if file not in executed.known)
-            chosen[mutant] = [test for test in nearest if test.partition("::")[0] in files]
+            chosen[mutant] = executed.first((test for test in nearest if test.partition("::")[0] in files), running)
         return chosen
 
     def limits_of(self, mutant: Mutant) -> Limits:

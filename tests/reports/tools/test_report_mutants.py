@@ -278,6 +278,25 @@ def test_what_tests_run_is_recorded_and_decides_which_of_them_judge(campaign: Ca
 
 
 @pytest.mark.campaign
+def test_tests_that_run_the_changed_function_come_first_and_the_rest_of_their_file_last(campaign: Campaign) -> None:
+    more = {
+        "tiny/near.py": "def asked(x):\n    return x + 1\n",
+        "tiny/far.py": "from tiny.near import asked\ndef far(x):\n    return asked(x)\n",
+        "tests/test_far.py": "from tiny.far import far\ndef test_far():\n    assert far(1) == 2\n",
+        "tests/test_near.py": "from tiny.near import asked\ndef test_asked():\n    assert callable(asked)\n",
+    }
+    for name, text in more.items():
+        (campaign.root / name).write_text(text, encoding="utf-8")
+    campaign = replace(campaign, only="tiny/near.py", limits=Limits(nearest=1))
+    for tree in campaign.trees:
+        tree.refresh()
+    run, only_named = "tests/test_far.py::test_far", "tests/test_near.py::test_asked"
+    assert [tests[:2] for tests in campaign.tests(campaign.mutants()).values()] == [[only_named, run]] * 2
+    record(campaign, campaign.trees)
+    assert list(campaign.tests(campaign.mutants()).values()) == [[run, only_named]] * 2
+
+
+@pytest.mark.campaign
 def test_a_test_that_fails_without_a_mutant_kills_none(campaign: Campaign, capsys: pytest.CaptureFixture[str]) -> None:
     (campaign.root / "tiny/module.py").write_text("def unseen(x):\n    return x + x\n", encoding="utf-8")
     (campaign.root / "tests/test_module.py").write_text(ONE, encoding="utf-8")
