@@ -47,6 +47,25 @@ def largest_first(
     yield from zip(order, each(function, [items[k] for k in order]), strict=True)
 
 
+class Aside(Protocol):
+    """Interface of `aside`: starts a part, returns a function that waits for its result."""
+
+    def __call__(self, part: Callable[[], B], /) -> Callable[[], B]:
+        """Start the part now or, without a second process, when its result is asked for."""
+
+
+@contextmanager
+def aside(second: bool) -> Iterator[Aside]:
+    """One more process for parts of which this process needs the results later; this one goes on meanwhile."""
+    if not second:
+        yield lambda part: part
+        return
+    from contact.io.workers import worker_pool
+
+    with one_thread_for_children(), worker_pool(1) as pool:
+        yield lambda part: pool.submit(part).result
+
+
 @contextmanager
 def one_thread_for_children() -> Iterator[None]:
     """Within this context, new processes have one BLAS thread each."""

@@ -2,12 +2,14 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
+from casingfem.io.side_by_side import aside, usable_cores
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.modes import modes
 from casingfem.plot.page import Page, Section, Verdict, origin, render_page
@@ -29,11 +31,15 @@ from casingfem.updating.addresses import get_value
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shape_fit import ShapeFit, shape_fit
 
+MANY = 10_000  # unknowns of an imperfect shell, whose update takes three seconds or more
 SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measured it."
 
 
 def study_page(study: Study | MeshStudy, say: Callable[[str], None] = lambda words: None) -> Page:
     """The page on a study; `say` is called with progress texts.
+
+    Beside an update that takes seconds, another process computes and draws the modes; beside the reduction, the
+    comparison.
 
     Raises
     ------
@@ -41,34 +47,72 @@ def study_page(study: Study | MeshStudy, say: Callable[[str], None] = lambda wor
         The errors of update, reduction and modes.
     """
     clock = Clock(say)
-    found = clock("modes", lambda: modes(study.structure, **study.file.modes.wanted))
-    ideal = imperfect(study.structure)
-    reference = None
-    if ideal is not None:
-        reference = clock("modes of the perfect shell", lambda: modes(ideal, **study.file.modes.wanted))
-    sections = [inputs_section(study), modes_section(found, reference, updated=study.table is not None)]
-    if turns(study.structure):
-        sections.append(clock("Campbell diagram", lambda: campbell_section(study.structure, len(found))))
     structure: Shell | MeshStructure = study.structure
     fit: UpdateResult | None = None
     compared: ShapeFit | None = None
-    if study.table is not None:
-        found_fit = clock("update", lambda: run_update(study))
-        fit, structure = found_fit, found_fit.structure
-        compared = shape_fit(found_fit)
-        same = reference is not None and len(reference) >= len(found_fit.before) and starts_there(study, found_fit)
-        known = reference if same else None
-        sections += clock("update's comparison", lambda: fit_sections(found_fit, compared, known=known))
-    if study.file.reduce is not None:
-        basis = clock("reduction", lambda: run_reduce(study, structure))
+    with aside(study.table is not None and takes_seconds(structure) and usable_cores() > 1) as start:
+        first = start(partial(on_modes, study, say if study.table is None else silent))
+        if study.table is not None:
+            fit = clock("update", lambda: run_update(study))
+            structure, compared = fit.structure, shape_fit(fit)
+        on_start = first()
+        comparison = None if fit is None else start(partial(on_fit, study, fit, compared, on_start.reference))
+        basis = None
+        if study.file.reduce is not None:
+            basis = clock("reduction", lambda: run_reduce(study, structure))
+        sections = [inputs_section(study), *on_start.sections]
+        if comparison is not None:
+            on_update, clock.seconds["update's comparison"] = comparison()
+            sections += on_update
+    if basis is not None:
         sections.append(reduction_section(basis, updated=study.table is not None))
     say("drawing")
-    sections.append(provenance_section(study, clock.seconds))
+    sections.append(provenance_section(study, on_start.seconds | clock.seconds))
     return Page(
-        title=f"Study {study.path.stem}", sections=sections, verdict=study_verdict(study, found, fit, compared),
-        source=origin(study.source),
+        title=f"Study {study.path.stem}", sections=sections,
+        verdict=study_verdict(study, on_start.found, fit, compared), source=origin(study.source),
         notice=SYNTHETIC if study.table is not None and study.table.synthetic else "",
     )  # fmt: skip
+
+
+def silent(words: str) -> None:
+    """Say nothing: progress of a part that runs beside another one."""
+
+
+def takes_seconds(structure: Shell | MeshStructure) -> bool:
+    """Whether an update takes much longer than the second in which another process starts."""
+    return isinstance(structure, Shell) and structure.mesh.unknowns >= MANY and bool(structure.defects)
+
+
+@dataclass(frozen=True, slots=True)
+class OnModes:
+    """Modes of a study before its update, those of the perfect shell, sections of the page and times of the parts."""
+
+    found: ModeSet
+    reference: Modes | None
+    sections: list[Section]
+    seconds: dict[str, float]
+
+
+def on_modes(study: Study | MeshStudy, say: Callable[[str], None]) -> OnModes:
+    """Compute and draw the modes of a study as its file gives it."""
+    clock, wanted = Clock(say), study.file.modes.wanted
+    found = clock("modes", lambda: modes(study.structure, **wanted))
+    ideal = imperfect(study.structure)
+    reference = None if ideal is None else clock("modes of the perfect shell", lambda: modes(ideal, **wanted))
+    sections = [modes_section(found, reference, updated=study.table is not None)]
+    if turns(study.structure):
+        sections.append(clock("Campbell diagram", lambda: campbell_section(study.structure, len(found))))
+    return OnModes(found, reference, sections, clock.seconds)
+
+
+def on_fit(
+    study: Study | MeshStudy, fit: UpdateResult, compared: ShapeFit | None, reference: Modes | None
+) -> tuple[list[Section], float]:
+    """Sections on the update of a study and their time [s]; `reference` has the modes of the perfect shell if known."""
+    started = time.perf_counter()
+    same = reference is not None and len(reference) >= len(fit.before) and starts_there(study, fit)
+    return fit_sections(fit, compared, known=reference if same else None), time.perf_counter() - started
 
 
 def update_page(study: Study | MeshStudy, fit: UpdateResult, samples: FloatArray | None = None) -> str:

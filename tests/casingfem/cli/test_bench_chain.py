@@ -59,7 +59,9 @@ def test_from_the_bench_to_the_updated_model(bench):
     modes = run("identify", out / "frfs.uff", "--out", out, "--json")["modes"]
     truth = cf.FrequencyTable.from_csv(out / "truth.csv")
     inside = (truth.freq_hz > 295.0) & (truth.freq_hz < 365.0)
-    np.testing.assert_allclose([mode["freq_hz"] for mode in modes], truth.freq_hz[inside], rtol=1e-5)
+    freq, sigma = (np.array([mode[key] for mode in modes]) for key in ("freq_hz", "sigma_hz"))
+    assert np.all(sigma < 1e-5 * freq)
+    assert np.all(np.abs(freq - truth.freq_hz[inside]) < 4.0 * sigma)
     assert [mode["n"] for mode in modes] == truth.n[inside].tolist()
 
     before = run("correlate", model, out / "identified.npz", "--json")
