@@ -1,4 +1,4 @@
-"""The same work on many items: in turn, or in worker processes; and the number of usable cores."""
+"""The same work on many items in turn or in worker processes, a part beside another one; the number of usable cores."""
 
 from __future__ import annotations
 

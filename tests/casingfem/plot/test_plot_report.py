@@ -4,12 +4,14 @@ import base64
 import datetime
 import io
 import json
+import os
 import re
 import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,6 +44,13 @@ lower = 0.0
 upper = 0.01
 """
 STUDY = THICK.replace("p = 6", "p = 8") + UPDATE
+
+
+def run(command: str, *arguments: object) -> dict[str, Any]:
+    """The document of a command."""
+    result = CliRunner().invoke(main, [command, *map(str, arguments), "--json"])
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)
 
 
 class Page(HTMLParser):
@@ -107,6 +116,29 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     found = Page((folder / "out" / "report.html").read_text(encoding="utf-8"))
     found.figures = figures
     return found
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores of a process are set on Linux only")
+def test_a_page_made_by_two_processes_is_that_of_one(tmp_path):
+    """Over 10,000 unknowns another process computes and draws what the update does not need."""
+    text = STUDY.replace("order = 5", "order = 10").replace("around = 9", "around = 21")
+    study = tmp_path / "casing.toml"
+    study.write_text(text[: text.index("[reduce]")])
+    measured = [1.001 * row["freq_hz"] for row in run("modes", study)["modes"]]
+    cf.FrequencyTable.from_arrays(freq_hz=measured, sigma_hz=0.5).to_csv(tmp_path / "table.csv")
+    study.write_text(study.read_text() + UPDATE)
+    cores, pages = os.sched_getaffinity(0), []
+    for some in ({min(cores)}, cores):
+        os.sched_setaffinity(0, some)
+        try:
+            run("report", study, "--out", tmp_path)
+        finally:
+            os.sched_setaffinity(0, cores)
+        page = (tmp_path / "report.html").read_text(encoding="utf-8")
+        pages.append(Page(page[: page.index("<h2>Provenance")]).text)  # times are below
+    assert "radius.p8.cos" in pages[0]
+    assert pages[0] == pages[1]
 
 
 @pytest.mark.slow
