@@ -58,8 +58,8 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
 def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) -> InputError:
     """Error for shapes that fit no row: they come from another test, or their frequencies are not in Hz."""
     for unit, factor in UNITS.items():
-        if np.mean(np.abs(np.log(factor * measured.freq_hz[:, None] / table.freq_hz)).min(axis=1) <= reach) > 0.5:
-            found = f"frequencies that are 1/{factor:.4g} of those in {table.path}: they are probably in {unit}"
+        if np.mean(np.abs(np.log(measured.freq_hz[:, None] / (factor * table.freq_hz))).min(axis=1) <= reach) > 0.5:
+            found = f"frequencies that are {factor:.4g} times those in {table.path}: they are probably in {unit}"
             return measured.error(found, "frequencies of the shapes in Hz")
     gaps = np.abs(np.log(measured.freq_hz[:, None] / table.freq_hz))
     shape, row = np.unravel_index(int(gaps.argmin()), gaps.shape)

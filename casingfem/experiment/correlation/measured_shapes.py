@@ -191,9 +191,6 @@ def uff_shapes(file: UniversalFile) -> MeasuredShapes:
     if any(not np.array_equal(shape.nodes, first) for shape in modes):
         raise InputError(file.path, found="shapes with values at different nodes", expected="one set of nodes")
     place = {label: k for k, label in enumerate(file.nodes.labels.tolist())}
-    missing = [label for label in first.tolist() if label not in place]
-    if missing:
-        raise InputError(file.path, found=f"values at node {missing[0]}, which has no point", expected="its point")
     at = np.array([place[label] for label in first.tolist()])
     if np.any(file.nodes.motions[at]):
         system = int(file.nodes.motions[at].max())

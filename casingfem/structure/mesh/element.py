@@ -61,7 +61,7 @@ def lagrange(order: int, x: Array) -> tuple[Array, Array]:
     values, slopes
         Each (p + 1, *x.shape).
 
-    >>> values, slopes = lagrange(3, np.array([0.2, 0.7]))
+    >>> values, slopes = lagrange(3, np.array([[0.2, 0.7]]))
     >>> bool(np.allclose(values.sum(0), 1.0) and np.allclose(slopes.sum(0), 0.0))
     True
     """

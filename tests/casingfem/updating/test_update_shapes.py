@@ -92,6 +92,43 @@ def test_shapes_that_do_not_fit_are_refused(frustum):
         cf.updating.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.0)
 
 
+@pytest.mark.parametrize(
+    ("freq", "n", "words"),
+    [
+        ([100.04, 300.0], [-1, -1], "the shape at 100.04 Hz, which fits modes 1 and 2 of table, at 100 and 100.1 Hz"),
+        ([100.045, 100.055], [-1, -1], "fits modes 1 and 2"),  # exchanged, both differ hardly more
+        ([299.9, 300.15], [-1, -1], "two shapes, 299.9 and 300.15 Hz, that fit mode 3 of table"),
+        ([400.0, 500.0], [-1, -1], r"the shape at 400 Hz and mode 3 of table at 300 Hz; .*at most 0.1 % apart"),
+        ([0.1, 0.3], [-1, -1], r"frequencies that are 0\.001 times those in table: they are probably in kHz"),
+        ([6006.0, 18000.0], [-1, -1], r"frequencies that are 60 times those in table: they are probably in 1/min"),
+        ([628.3185, 1884.956], [-1, -1], r"frequencies that are 6\.283 times those in table: .* in rad/s"),
+        ([99.95, 100.15], [4, 3], r"the shape at 100.15 Hz \(n = 3\) and mode 2 of table at 100.1 Hz \(n = 4\)"),
+    ],
+)
+def test_shapes_that_fit_no_row_or_more_than_one_are_refused(frustum, freq, n, words):
+    with pytest.raises(cf.errors.InputError, match=words):
+        rows_of(frustum, freq, n)
+
+
+def test_each_shape_has_the_row_of_its_number_and_frequency(frustum):
+    assert rows_of(frustum, [100.04, 300.0], [4, -1]).tolist() == [False, True, True]
+    assert rows_of(frustum, [100.04, 300.0], [3, 7]).tolist() == [True, False, True]
+    assert rows_of(frustum, [100.0, 100.1], [-1, -1]).tolist() == [True, True, False]
+
+
+def rows_of(frustum, freq, n):
+    """Whether each row of a table has a shape."""
+    shell, table = (
+        casing(frustum),
+        cf.FrequencyTable.from_arrays(freq_hz=[100.0, 100.1, 300.0], sigma_hz=0.1, n=[3, 4, -1]),
+    )
+    point = np.real(shell.geometry(np.array([0.25]), np.array([0.3])).surface.x).T
+    shapes = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=freq, values=[[1.0, 2.0]], n=n, points=point, directions=[[0.0, 0.0, 1.0]]
+    )
+    return np.isfinite(cf.updating.SensorShapes.of(shapes, shell, table, sigma=0.01).shapes[0])
+
+
 def test_noise_over_a_shapes_rms_is_spread_over_the_sensors_of_a_shape_of_unit_norm(frustum):
     """A shape of unit norm at 24 sensors has an rms of 1/sqrt(24); the model's error adds in squares."""
     shell = casing(frustum)

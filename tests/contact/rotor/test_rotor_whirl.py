@@ -127,6 +127,14 @@ def test_unbalance_response_on_unequal_supports_has_a_backward_part():
     assert abs(found.backward[0]) == pytest.approx(0.5 * abs(x - y), rel=1e-9)
 
 
+@pytest.mark.parametrize("speeds", [[80.0, np.nan], [np.inf, 80.0], [[10.0, 20.0]]])
+@pytest.mark.parametrize("answer", [R.unbalance_response, R.campbell])
+def test_speeds_are_a_list_of_finite_numbers(answer, speeds):
+    rotor = R.Rotor.of(R.Jeffcott(mass=1.0, stiffness=400.0, zeta=0.01), 1.0, unbalance=R.Unbalance(moment=1e-4))
+    with pytest.raises(ct.InputError, match=r"speed_hz: found .*, expected a list of finite speeds"):
+        answer(rotor, speeds)
+
+
 def test_stability_map_finds_the_threshold_of_internal_damping():
     inner = R.Jeffcott(mass=2.0, stiffness=8e4, zeta=0.03, zeta_internal=0.02)
     found = ct.stability.of_rotor(R.Rotor.of(inner, 1.0), np.linspace(1.0, 150.0, 30))

@@ -94,6 +94,13 @@ def test_a_beam_shaft_and_its_basis_are_the_same_rotor(tmp_path):
         ("hz = 80.0", "hz = [80.0, 90.0]", "2 hz and 0 time found"),
         ("zeta = 0.02", 'basis = "a.npz"', "expected one of rotor.mass with rotor.stiffness, rotor.basis"),
         ("zeta = 0.02", "modes = 3", "rotor.modes found with rotor.mass"),
+        ("zeta = 0.02", 'node = "disk"', "rotor.node found with rotor.mass"),
+        (ROTOR, SHAFT + "[rotor]\nzeta = 0.02\n", "rotor.zeta found with [[shaft]], expected only modes"),
+        (
+            "[unbalance]",
+            "[[bearing]]\nat = 0.0\nkxx = 1e8\nkyy = 1e8\n[unbalance]",
+            "[[bearing]] found without [[shaft]]",
+        ),
         ("[unbalance]", "[unbalance]\nat = 0.1", "unbalance.at found without"),
         (ROTOR, "", "no rotor found"),
         (ROTOR, SHAFT.replace("at = 0.5", "at = 0.7"), "found 0.7 m, expected 0 to the end of the shaft"),
@@ -147,6 +154,7 @@ def test_a_rotor_in_a_casing_is_the_rub_that_python_makes(tmp_path):
     ("old", "new", "message"),
     [
         ("[tips]\ncount = 12\n", "", r"\[casing\], \[contact\] found without \[tips\] or \[\[blade\]\]"),
+        ("zeta = 0.02", "zeta = 0.02\nlimit = 1e-3", r"rotor\.limit found with \[casing\], expected none"),
         ("mass = 20.0\n", "", "radius and stiffness found, expected basis, or radius, mass and stiffness"),
         ("lost = [3]", "lost = [12]", r"contact.lost: found blade 12, expected 0 to 11"),
         ("count = 12", "count = 1\nangle_deg = 900.0", "angle_deg"),

@@ -94,6 +94,7 @@ def test_half_a_cut_leaves_the_valleys():
     deep = wear.cut == 0.0
     assert np.array_equal(deep, wear.made > wear.made.min() + 3e-5)
     assert 0.2 < deep.mean() < 0.8
+    np.testing.assert_allclose(wear.after - wear.before, wear.worn, rtol=0.0, atol=1e-18)
 
 
 def test_wear_stops_at_the_bare_casing():

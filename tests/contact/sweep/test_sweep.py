@@ -139,6 +139,9 @@ values = [2e-4, 3e-4]
     plan = load_sweep(scene(together))
     assert [run.values for run in plan.runs] == [("casing.npz", 2e-4), ("split.npz", 3e-4)]
     assert plan.data(plan.runs[1])["contact"]["out_of_roundness"][0]["cos"] == 3e-4
+    assert plan.data(plan.runs[0])["contact"]["out_of_roundness"][0]["cos"] == 2e-4
+    written = plan.base["contact"]["out_of_roundness"][0]["cos"]
+    assert written not in (2e-4, 3e-4), "runs do not change the tables of the scene"
     random = """
 [sweep]
 kind = "random"

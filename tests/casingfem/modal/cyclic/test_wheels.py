@@ -43,6 +43,9 @@ def test_a_free_wheel_has_its_six_rigid_motions(disk):
     found = cf.modal.cyclic_modes(free, 3, diameters=[0, 1])
     assert sum(bool(row["rigid"]) for row in found.records()) == 6
     assert found.nodal_diameters[found.rigid].tolist() == [0, 0, 1, 1]
+    whole = cf.modal.wheel_modes(found)
+    assert whole.rigid == 6
+    assert whole.freq[5] < 1e-3 * whole.freq[6]
 
 
 @pytest.mark.slow

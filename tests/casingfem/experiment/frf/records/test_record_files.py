@@ -219,6 +219,12 @@ def test_tables_of_records_are_refused_with_line_or_column(name, content, words,
         ({"fs": 1e3, "force": np.ones(40), "response": np.full(40, 1e300)}, "numbers up to 1e"),
         ({"fs": 1e3, "force": np.ones(40), "response": np.zeros(40), "unit": "furlong per fortnight"}, "the unit"),
         ({"fs": 1e3, "force": np.full(40, np.nan), "response": np.zeros(40)}, "nan or infinity in force"),
+        ({"fs": "1e3", "force": np.ones(40), "response": np.zeros(40)}, "fs of type <U3; expected real numbers"),
+        ({"fs": 1e3, "force": np.ones(40) + 0j, "response": np.zeros(40)}, "force of type complex128; expected real"),
+        ({"fs": 1e3, "force": np.ones(40), "response": np.full(40, "0")}, "response of type <U1; expected real"),
+        ({"fs": np.nan, "force": np.ones(40), "response": np.zeros(40)}, "nan samples a second"),
+        ({"fs": 1e3, "force": np.ones(40), "response": np.zeros(40), "points": 1.5}, "1 numbers in points"),
+        ({"time": np.arange(39.0), "force": np.ones(40), "response": np.zeros(40)}, "39 times for 40 samples"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(arrays, words, tmp_path):

@@ -1,5 +1,7 @@
 """Universal files as meshes: order of the nodes, groups, units, what is left out and what is refused."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -24,9 +26,12 @@ def eight(numbers):
     return ["".join(f"{n:10d}" for n in numbers[k : k + 8]) for k in range(0, len(numbers), 8)]
 
 
+BEAMS = (21, 22, 23, 24, 25)
+
+
 def elements(descriptor, cells, first=1, number=2412):
     rows = []
-    section = ["         0         1         1"] if descriptor in (11, 21, 22) else []
+    section = ["         0         1         1"] if descriptor in (11, *BEAMS) else []
     for label, cell in enumerate(cells, first):
         facts = [label, descriptor, 1, 1, *([1, 1] if number == 780 else []), 7, len(cell)]
         rows += [*eight(facts), *section, *eight(list(cell))]
@@ -157,6 +162,16 @@ def test_springs_and_unknown_sets_are_left_out_with_a_warning(tmp_path):
     left = "1 element with descriptor 136, 1 set 791, 1 member of type 11 of group 'g', 1 beam in no group"
     with pytest.warns(cf.errors.ModelWarning, match=left + r".*mesh-left-out"):
         assert len(read(tmp_path, text).cells) == 2
+
+
+@pytest.mark.parametrize("descriptor", BEAMS)
+def test_every_beam_has_a_line_on_its_section_and_a_rod_is_no_beam(descriptor, tmp_path):
+    for other, words in ((descriptor, "1 beam in no group"), (11, None)):
+        text = PLATE + elements(other, [[1, 2, 3]], 20)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            assert len(read(tmp_path, text).cells) == 2
+        assert [words in str(one.message) for one in caught] == ([True] if words else [])
 
 
 def system(label, kind, origin):
