@@ -1,5 +1,7 @@
 """Rotors and rigid casings that cannot be: each is refused with the name of what is wrong."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -34,3 +36,30 @@ def test_arrays_of_a_rotor_fit_its_modes(given, words):
     R.Rotor(body=BODY, speed=speed, at="disk", internal=np.zeros((2, 2)), displacement=[0.0, 0.0])
     with pytest.raises(ct.InputError, match=words):
         R.Rotor(body=BODY, speed=speed, at="disk", **given)
+
+
+ENDS = [R.Bearing(at=0.0, kxx=1e7), R.Bearing(at=0.4, kxx=2e7)]
+SHAFT = R.Shaft(pieces=[R.Piece(length=0.4, diameter=0.03, elements=2)], bearings=ENDS)
+UNSTABLE = replace(SHAFT, bearings=[R.Bearing(at=0.0, kxx=1e7, kxy=-3e7, kyx=-3e7)])
+DISK = R.Rotor(body=BODY, speed=ct.Speed.constant(1.0), at="disk")
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: replace(DISK, gravity=9.81), "gravity: found a body without participation factors"),
+        (lambda: replace(DISK, gravity=-1.0), "gravity: found -1.0"),
+        (lambda: replace(DISK, limit=0.0), "limit: found 0.0"),
+        (
+            lambda: R.Rotor.of(replace(BODY, channels=("disk.x", "ring.y")), 1.0),
+            "found disk.x, ring.y, expected x and y",
+        ),
+        (lambda: SHAFT.node(0.3), "at: found 0.3 m, expected a node: 0, 0.2, 0.4 m"),
+        (lambda: R.Rotor.of(SHAFT, 1.0, modes=13), "modes: found 13, expected 1 to 12, the modes of the shaft"),
+        (lambda: R.Rotor.of(SHAFT, 1.0, modes=0), "modes: found 0, expected 1 to 12, the modes of the shaft"),
+        (lambda: R.Rotor.of(UNSTABLE, 1.0), "bearings: found a shaft without a positive stiffness"),
+    ],
+)
+def test_rotors_that_cannot_be_are_refused(made, words):
+    with pytest.raises(ct.InputError, match=words):
+        made()

@@ -261,6 +261,25 @@ def test_contacts_that_repeat_each_other_need_a_compliance():
         event_driven(ct.Patch(body=body, normal=("a", "b"), clearance=1.0), 1.0, 0.1)
 
 
+def patch(S, **given):
+    body = ct.ModalBody(omega=[3.0, 5.0], zeta=[0.0, 0.0], channels=("a", "b"), rows=np.eye(2), S=S, **given)
+    return ct.Patch(body=body, normal=("a", "b"), clearance=[1.0, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        (patch([[0.0, 1e-9], [1e-9, 1.0]]), "S: found a zero on the diagonal with other entries"),
+        (patch([[1.0, 1.0], [1.0, 1.0]]), "S: found a singular compliance of the contacts"),
+        (patch(np.zeros((2, 2)), damping=[[0.1, 0.2], [0.0, 0.1]]), "damping: found a matrix that is not symmetric"),
+    ],
+)
+def test_contacts_have_unique_forces_and_bodies_symmetric_matrices(what, words):
+    assert event_driven(patch(np.diag([0.0, 1.0]), damping=[[0.1, 0.2], [0.2, 0.5]]), 0.01, 0.01).steps == 1
+    with pytest.raises(ct.InputError, match=words):
+        event_driven(what, 1.0, 0.1)
+
+
 def test_too_many_bounces_in_a_step_end_the_run_with_advice():
     ball = ct.PointMass(mass=1.0, x=1e-6)
     with pytest.raises(ct.NumericsError, match=r"opened and closed over 1000 times in a step of 10 s: give it a compl"):
