@@ -35,6 +35,18 @@ def test_a_casing_without_imperfections_has_the_perfect_basis(casings):
 
 
 @pytest.mark.slow
+def test_the_ratio_of_a_mode_is_that_of_the_pair_with_its_nodal_diameters(casings):
+    """A pair of n waves is raised by n per cent."""
+    bare = replace(casings.shell, radius_defect=None, thickness_defect=None)
+    n = cf.modes(bare, MODES).nodal_diameters
+    raised = casings.pairs.freq * (1.0 + 0.01 * casings.pairs.n)
+    found = casings.ratios(np.stack([raised, casings.pairs.freq]))
+    np.testing.assert_allclose(found[0], np.where(np.isin(n, casings.pairs.n), 1.0 + 0.01 * n, 1.0), rtol=1e-12)
+    np.testing.assert_array_equal(found[1], 1.0)
+    assert np.ptp(found[0]) > 0.01
+
+
+@pytest.mark.slow
 def test_the_basis_of_a_drawn_casing_is_that_of_its_own_reduction(casings):
     series = casings.random.series(cf.chance.points(3, range(16), casings.random.dimension))[5]
     top = series.shape[1] // 2

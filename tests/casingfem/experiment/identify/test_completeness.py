@@ -279,7 +279,7 @@ def test_data_without_a_mode_have_no_sure_one(kind):
 @pytest.mark.parametrize(("alike", "sure"), [(0.8, [True, False]), (0.0, [True, True])])
 def test_of_two_modes_within_half_a_bandwidth_whose_shapes_are_alike_the_weaker_one_is_doubtful(alike, sure):
     """A peak that moves from hit to hit leaves two poles of similar shape; normal modes differ in shape."""
-    along = np.pi * np.linspace(0.05, 0.95, 10)
+    along = np.pi * np.linspace(0.05, 0.95, 8)
     one, other = np.sin(2.0 * along), np.sin(3.0 * along)
     weaker = 0.7 * (alike * one + np.sqrt(1.0 - alike**2) * other)
     x = np.arange(98.0, 102.0, 0.02)

@@ -65,11 +65,11 @@ def test_units_of_force_and_time_order_of_sensors_and_their_zero_angle_change_no
     """Frequencies scale with the unit of time and orientations turn with the sensors; nothing else changes."""
     H, plain = measured
     order = np.random.default_rng(2).permutation(len(THETA))
-    found = identified(1e4 * H[order], x=0.25 * LINES, points=POINTS[order], turned=40.0)
+    found = identified(1e4 * H[order], x=LINES / 1024.0, points=POINTS[order], turned=40.0)
     assert found.n.tolist() == plain.n.tolist()
     assert (found.doublets, found.unresolved, found.reasons) == (plain.doublets, plain.unresolved, plain.reasons)
-    np.testing.assert_allclose(found.freq, 0.25 * plain.freq, rtol=1e-8)
-    np.testing.assert_allclose(found.sigma_freq, 0.25 * plain.sigma_freq, rtol=1e-3)
+    np.testing.assert_allclose(1024.0 * found.freq, plain.freq, rtol=1e-8)
+    np.testing.assert_allclose(1024.0 * found.sigma_freq, plain.sigma_freq, rtol=1e-3)
     np.testing.assert_allclose(found.zeta, plain.zeta, rtol=1e-5)
     np.testing.assert_allclose(found.sigma_zeta, plain.sigma_zeta, rtol=1e-3)
     np.testing.assert_allclose(turn(found.angle_deg - plain.angle_deg - 40.0, plain.n), 0.0, atol=1e-3)
@@ -88,11 +88,11 @@ def test_modes_of_responses_alone_scale_with_the_units_of_motion_and_time():
         )  # fmt: skip
         return cf.identify(records, angles=dict(enumerate(np.degrees(np.arange(16) * np.pi / 8), start=1)))
 
-    plain, found = modes(y, 640.0), modes(1e3 * y, 160.0)
+    plain, found = modes(y, 640.0), modes(1e3 * y, 0.625)
     assert len(plain.freq) >= 5
     assert found.n.tolist() == plain.n.tolist()
     assert found.reasons == plain.reasons
-    np.testing.assert_allclose(found.freq, 0.25 * plain.freq, rtol=1e-7)
-    np.testing.assert_allclose(found.sigma_freq, 0.25 * plain.sigma_freq, rtol=1e-4)
+    np.testing.assert_allclose(1024.0 * found.freq, plain.freq, rtol=1e-7)
+    np.testing.assert_allclose(1024.0 * found.sigma_freq, plain.sigma_freq, rtol=1e-4)
     np.testing.assert_allclose(found.zeta, plain.zeta, rtol=1e-5)
     np.testing.assert_allclose(found.angle_deg, plain.angle_deg, atol=1e-3)
