@@ -3,6 +3,7 @@ from .parameters import Parameter, parameters
 from .regularisation import Regularisation
 from .result import UpdateResult
 from .sensitivity import eigen_derivatives
+from .shape_fit import shape_fit
 from .shapes import SensorShapes
 from .uncertainty.posterior import Laplace, laplace
 from .uncertainty.prediction import LeftOut, leave_one_out
@@ -23,6 +24,7 @@ __all__ = [
     "leave_one_out",
     "parameters",
     "sample_posterior",
+    "shape_fit",
     "update",
     "with_value",
 ]

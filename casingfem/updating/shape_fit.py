@@ -90,7 +90,10 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class ShapeFit(Reported):
-    """The measured shapes against the models before and after an update."""
+    """The measured shapes against the models before and after an update; made by `shape_fit`.
+
+    A row for each shape: the mode with which it pairs, and its MAC with this mode and with its plane, before and after.
+    """
 
     COLUMNS: ClassVar = COLUMNS
 
@@ -135,7 +138,21 @@ class ShapeFit(Reported):
 
 
 def shape_fit(fit: UpdateResult) -> ShapeFit | None:
-    """Compare the shapes of an update with both its models; return None if it has no shapes."""
+    """Compare the shapes of an update with both its models; return None if it has no shapes.
+
+    >>> import casingfem as cf
+    >>> ring = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), thickness=2e-3, supports={"base": cf.Clamped()},
+    ...                 material=cf.Material(E=200e9, nu=0.3, rho=7800.0),
+    ...                 radius_defect=cf.FourierField.of({6: 1e-3}), mesh=cf.ShellMesh(order=5, rows=1, around=9))
+    >>> found = cf.modes(ring, 2)
+    >>> table = cf.FrequencyTable.from_arrays(freq_hz=1.01 * found.freq, sigma_hz=0.01)
+    >>> theta = np.linspace(0.0, 6.0, 20)
+    >>> blank = cf.updating.SensorShapes.on_edge(ring, "top", theta, np.ones((20, 1)), 0.01)
+    >>> shapes = cf.updating.SensorShapes.on_edge(ring, "top", theta, blank.readings(found), 0.01)
+    >>> fit = cf.update(ring, table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)], shapes=shapes)
+    >>> [round(row["mac_after"], 3) for row in cf.updating.shape_fit(fit).records()]
+    [1.0, 1.0]
+    """
     shapes = fit.given.shapes
     if shapes is None or not (isinstance(fit.before, Modes) and isinstance(fit.after, Modes)):
         return None

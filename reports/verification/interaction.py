@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 import contact as ct
-from contact.model.gaps.permanent import disk_contact
 from contact.stability.closed_contact import growth
 from contact.stability.coincidence import loaded
 from contact.stability.growth_map import StabilityMap
@@ -56,7 +55,7 @@ def rows(quick: bool) -> list[Row]:
             check(f"B6 pair {name}, peak growth [1/s]", "closed form", formula.growth, peak.peak_growth, 0.085)
         )
         lines.append(check(f"B6 pair {name}, speed [Hz]", "closed form", formula.speed_hz, peak.peak_speed_hz, 5e-4))
-    disk = disk_contact(
+    disk = ct.gaps.disk_contact(
         ct.gaps.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.gaps.ModalPair(n=5, freq_hz=120.0,
         modal_mass=1.0),
         stiffness=1e3, blades=22,

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.speed_ranges import DangerousSpeed, ranked
-from contact.speed_verdict import SpeedRun
 from tests.contact.synthetic_rim import blade, ring
 
 PAIR = ct.gaps.HandPair(
@@ -145,20 +143,26 @@ def test_rows_are_ranked_by_verdict_and_by_what_the_runs_show(psi, unstable, slo
         assert row.at.growth == max(run.growth for run in own)
 
 
-@pytest.mark.parametrize(
-    ("verdict", "key"), [("unstable", "growth"), ("resonance", "amplitude_m"), ("safe", "closed"), ("slow", "closed")]
-)
-def test_rows_of_one_verdict_are_ranked_by_its_own_quantity(verdict, key):
-    """The other quantities have the opposite order."""
-    rows = []
-    for k in range(3):
-        sizes = {"closed": -1.0 * k, "growth": -1.0 * k, "amplitude_m": 1e-5 * (3 - k), key: 1.0 + k}
-        run = SpeedRun(
-            speed_hz=10.0 + k, verdict="unstable" if verdict == "slow" else verdict, low=-9.0, high=9.0,
-            half_wall_s=np.inf, n=3, wave="with", body="casing", slow=verdict == "slow", **sizes,
-        )  # fmt: skip
-        rows.append(DangerousSpeed(from_hz=9.5 + k, to_hz=10.5 + k, at=run, peak=None))
-    assert [row.at.speed_hz for row in ranked(rows)] == [12.0, 11.0, 10.0]
+@pytest.mark.slow
+def test_rows_of_one_verdict_are_ranked_by_its_own_quantity():
+    """After a row whose run grows: slow ones by closed contact, then resonances by amplitude, not by growth."""
+    rim = ct.RotatingRim(
+        replace(ring(zeta=5e-4), thickness=1e-6), blade(psi=0.5, S=2e-5, zeta=5e-4), clearance=-1e-5, speed_hz=5.0,
+        lean_deg=45.0,
+    )  # fmt: skip
+    scene = ct.Scene(what=rim, t_end=0.6, dt=1e-4, on_limit="flag")
+    found = ct.interactions(scene, np.linspace(85.0, 140.0, 56), runs=8)
+    fast, slow, resonances = (
+        [row.at for row in found.rows if (row.at.verdict, row.at.slow) == kind]
+        for kind in (("unstable", False), ("unstable", True), ("resonance", False))
+    )
+    assert [row.at for row in found.rows] == [*fast, *slow, *resonances]
+    assert len(fast) == 1
+    for rows, key in ((slow, "closed"), (resonances, "amplitude_m")):
+        sizes, growth = ([getattr(at, name) for at in rows] for name in (key, "growth"))
+        assert len(rows) > 2
+        assert sizes == sorted(sizes, reverse=True)
+        assert growth != sorted(growth, reverse=True)
 
 
 def test_a_growth_too_slow_for_the_runs_is_that_of_closed_contact():

@@ -2,7 +2,7 @@ from .bladed_disk import BladedDisk, pair_rim
 from .body_force import BodyForce
 from .gap import PointGap, RotatingRim, Side
 from .modal_system import ModalSystem, point_system
-from .permanent import HandPair, ModalPair, rim_contact
+from .permanent import HandPair, ModalPair, disk_contact, rim_contact
 from .rod_modes import Cantilever, rod_modes
 from .rub import ContactPoint, Rub, Start, Stiffening
 from .rub_laws import Closing, RimProfile, Whirl
@@ -25,6 +25,7 @@ __all__ = [
     "Start",
     "Stiffening",
     "Whirl",
+    "disk_contact",
     "pair_rim",
     "point_system",
     "rim_contact",

@@ -236,6 +236,13 @@ def disk_contact(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades
 
     Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips distinguish cosine from
     sine.
+
+    >>> import contact as ct
+    >>> casing, disk = ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ModalPair(n=5, freq_hz=120.0, modal_mass=1.0)
+    >>> contact = disk_contact(casing, disk, stiffness=1e3, blades=22)
+    >>> found = ct.stability.of_contact(contact, np.linspace(80.0, 88.0, 9))
+    >>> round(found.peak_speed_hz, 2)  # (300 + 120)/5 = 84 without contact
+    84.28
     """
     require_waves(casing, disk, stiffness=stiffness, blades=blades)
     omega, zeta = ([getattr(body, name) for body in (casing, disk) for _ in range(2)] for name in ("omega", "zeta"))

@@ -19,7 +19,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, new_figure, png, styled
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.bladed_disk import two_dimensional
-from contact.model.gaps.permanent import disk_contact, rub_contact
+from contact.model.gaps.permanent import rub_contact
 from contact.stability.closed_contact import growth
 from reports.tables import Row, command_line, show, write
 from reports.verification.rubs.bases import make_casing
@@ -97,7 +97,7 @@ def two_modes_each(n_values: tuple[int, ...], spread: FloatArray, out: Path) -> 
         free = (CASING_HZ[n] + DISK_HZ[n]) / n
         speed = free * (1.0 + spread)
         rates = seen(n, speed)
-        contact = disk_contact(*pairs(n), stiffness=STIFFNESS, blades=BLADES)
+        contact = ct.gaps.disk_contact(*pairs(n), stiffness=STIFFNESS, blades=BLADES)
         found = ct.stability.of_contact(contact, np.linspace(speed[0], speed[-1], 401))
         at, most = peak(speed, rates)
         rows.append(

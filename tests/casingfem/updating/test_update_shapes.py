@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.updating.shape_fit import shape_fit
 
 MESH = cf.ShellMesh(order=5, rows=1, around=9)
 COUNT, ROWS = 16, 8
@@ -54,7 +53,7 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     assert (np.abs(np.subtract(fit.value, [0.0025, 0.4])) < 3.5 * fit.sigma).all()
     assert 0.8 < fit.misfit < 1.2
     assert fit.free == fit.residuals - 2 * ROWS - 2  # two modes a shape, two parameters
-    compared = shape_fit(fit)
+    compared = cf.updating.shape_fit(fit)
     first, *others = compared.before.found
     without = replace(compared, before=replace(compared.before, found=(first._replace(mode=None), *others)))
     numbers = [None, *(match.mode + 1 for match in others)]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.permanent import disk_contact
 from tests.contact.synthetic_rim import blade, ring
 
 
@@ -28,7 +27,7 @@ def test_poles_of_a_disk_in_a_casing_are_those_of_two_coupled_waves(speed_hz):
     one = np.poly1d([1.0, -2.0 * turn, turn**2 + casing.omega**2 + K / casing.modal_mass])
     two = np.poly1d([1.0, 0.0, disk.omega**2 + K / disk.modal_mass])
     expected = (one * two - K**2 / (casing.modal_mass * disk.modal_mass)).roots
-    found = ct.stability.poles(disk_contact(casing, disk, stiffness=2e4, blades=10), [speed_hz])[0]
+    found = ct.stability.poles(ct.gaps.disk_contact(casing, disk, stiffness=2e4, blades=10), [speed_hz])[0]
     off = np.abs(np.r_[expected, expected.conj()][:, None] - found).min(axis=1)
     assert len(found) == 8
     assert off.max() < 1e-5 * np.abs(found).max()  # equal poles at rest are split by round-off
