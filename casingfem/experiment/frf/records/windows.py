@@ -53,6 +53,12 @@ def ringing_left(response: FloatArray, pulse: Pulse) -> float:
     >>> ring = np.where(t > 0.0, np.exp(-0.5 * t) * np.sin(700.0 * t), 0.0)
     >>> round(ringing_left(ring[None], Pulse(100, 105, 1.0)), 2)  # exp(-0.5 * 3.9) = 0.142
     0.14
+
+    Eight channels of white noise that is larger than the ringing at the end:
+
+    >>> noise = 0.16 * np.random.default_rng(2).standard_normal((8, 4096))
+    >>> 0.1 < ringing_left(ring + noise, Pulse(100, 105, 1.0)) < 0.18
+    True
     """
     samples = response.shape[1]
     length = max(4, round(PART * samples))

@@ -1,5 +1,8 @@
 """Surveys: the fit gives back what was measured, and says no to what it cannot use."""
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 
@@ -241,6 +244,30 @@ def test_a_robust_fit_that_keeps_one_of_two_heights_is_refused(spread):
 def test_a_plain_fit_whose_stray_points_are_a_height_has_no_fit_without_them():
     survey = cf.SurveyField.from_points(*one_height_and_four_points(), n_max=1, degree=1)
     assert (survey.heights, survey.without, survey.doubted) == (2, None, ())
+
+
+@pytest.mark.parametrize(
+    ("second", "words"),
+    [
+        (lambda random, theta: 5e-6 * random.standard_normal(theta.size), None),
+        (lambda random, theta: 8e-6 + 5e-6 * random.standard_normal(theta.size), r"by \+[78](\.\d+)? um on average"),
+        (lambda random, theta: -8e-6 + 5e-6 * random.standard_normal(theta.size), r"by -[78](\.\d+)? um on average"),
+        (lambda random, theta: 2e-5 * np.cos(3 * theta), r"by 14\.\d um \(rms\), and not at random"),
+    ],
+)
+def test_a_second_measurement_that_differs_by_more_than_its_scatter_is_reported(second, words):
+    theta, z = (part.ravel() for part in np.meshgrid(2 * np.pi * np.arange(36) / 36, [0.0, 0.1], indexing="ij"))
+    random = np.random.default_rng(4)
+    first = 0.5 + 1e-3 * np.cos(2 * theta)
+    both = np.r_[first, first + second(random, theta)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        cf.SurveyField.from_points(np.tile(theta, 2), np.tile(z, 2), both, n_max=4)
+    told = [str(one.message) for one in caught if "survey-passes" in str(one.message)]
+    assert len(told) == (words is not None)
+    if words:
+        assert "72 places were measured twice; the second measurements differ from the first" in told[0]
+        assert re.search(words, told[0])
 
 
 def test_repeats_give_the_noise_whatever_the_fit():

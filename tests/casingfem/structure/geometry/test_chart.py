@@ -190,3 +190,59 @@ def test_a_diaphragm_on_a_chart_whose_lines_are_not_orthogonal(steel):
 def test_something_else_is_no_chart():
     assert not isinstance(object(), cf.geometry.Chart)
     assert all(isinstance(chart, cf.geometry.Chart) for chart in CHARTS.values())
+
+
+class Faulty:
+    """A cylinder with some attributes exchanged, and a change of its surface."""
+
+    def __init__(self, change=lambda surface, a, b: surface, **other):
+        self.inner, self.change = cf.Cylinder(radius=0.4, height=0.6), change
+        for name in ("bounds", "edges", "periodic", "axisymmetric"):
+            setattr(self, name, other.get(name, getattr(self.inner, name)))
+
+    def surface(self, a, b, defect):
+        return self.change(self.inner.surface(a, b, defect), a, b)
+
+    def directions(self, a, b):
+        return self.inner.directions(a, b)
+
+
+@pytest.mark.parametrize(
+    ("chart", "code", "words"),
+    [
+        (Faulty(bounds=((0.0, 0.0), (0.0, 2.0 * np.pi))), "chart-bounds", r"found \(\(0.0, 0.0\)"),
+        (Faulty(bounds=((0.0, 0.6), (1.0, 1.0))), "chart-bounds", "chart.bounds: found"),
+        (Faulty(bounds=((0.0, np.inf), (0.0, 2.0 * np.pi))), "chart-bounds", "inf"),
+        (Faulty(bounds=((0.0, 0.6), (0.0, 6.0))), "chart-turn", "from 0 to 6 on a closed chart, expected a range of 2"),
+        (Faulty(edges={"base": (0, 2)}), "chart-edge", r"'base' is \(0, 2\)"),
+        (Faulty(lambda s, a, b: s._replace(x22=np.nan * s.x22)), "chart-not-finite", "not finite somewhere"),
+        (Faulty(lambda s, a, b: s._replace(x2=0.0 * s.x2)), "chart-fold", r"parallel or zero at \(0, 0\)"),
+        (Faulty(lambda s, a, b: s._replace(x1=2.0 * s.x1)), "chart-derivatives", r"x1 is not the derivative of its x"),
+        (Faulty(lambda s, a, b: s._replace(x2=-s.x2)), "chart-derivatives", r"x2 is not the derivative of its x"),
+        (
+            Faulty(lambda s, a, b: s._replace(x11=s.x11 + 1.0)),
+            "chart-derivatives",
+            r"x11 is not the derivative of its x1",
+        ),
+        (
+            Faulty(lambda s, a, b: s._replace(x12=s.x12 + 0.1)),
+            "chart-derivatives",
+            r"x12 is not the derivative of its x2",
+        ),
+        (Faulty(lambda s, a, b: s._replace(x22=-s.x22)), "chart-derivatives", r"x22 is not the derivative of its x2"),
+        (
+            Faulty(
+                lambda s, a, b: s._replace(x=s.x + 0.1 * b * np.eye(3)[:, 2:], x2=s.x2 + 0.1 * np.eye(3)[:, 2:]),
+                axisymmetric=False,
+            ),
+            "chart-open-seam",
+            r"declared periodic, but its ends are 0\.628 m apart",
+        ),
+        (Faulty(periodic=False), "chart-axisymmetric", "periodic = False, expected both True"),
+    ],
+)
+def test_a_users_chart_is_checked_for_bounds_edges_derivatives_and_its_seam(steel, chart, code, words):
+    cf.Shell(chart=Faulty(), thickness=2e-3, material=steel)
+    with pytest.raises(cf.errors.ModelError, match=words) as refused:
+        cf.Shell(chart=chart, thickness=2e-3, material=steel)
+    assert code in str(refused.value)

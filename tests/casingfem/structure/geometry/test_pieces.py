@@ -125,6 +125,7 @@ def test_pieces_that_do_not_join_are_named(pieces, given, words):
 def test_a_meridian_that_reaches_the_axis_is_refused():
     with pytest.raises(cf.errors.ModelError, match="meridian-axis"):
         meridian(cf.geometry.Piece(to=(0.0, 0.1)))
+    assert meridian(cf.geometry.Piece(to=(1e-5, 0.1))).at(np.array([0.0, 1e9])).r.min() < 1e-4
 
 
 @pytest.mark.parametrize("fillet", [1e-6, 3.9e-3])

@@ -117,6 +117,7 @@ def test_blocks_of_nodes_end_in_two_ways(end, tmp_path):
         ([*PART, "CMBLOCK,a,NODE,3", "(8i10)", f"{21:10d}{22:10d}"], "line 18: found 2 numbers, expected 3"),
         ([*PART, "CMBLOCK,a,NODE,1", "(8i10)", f"{21:10d}{22:10d}"], "line 18: found 2 numbers, expected 1"),
         ([*PART, "N,9,1.,2.,3."], "line 18: found the command N for a single node or element, expected blocks"),
+        ([*PART, "N,9,1."], "line 18: found the command N for a single node or element"),
         ([*PART, "E,1,2,3,4"], "line 18: found the command E for a single node or element"),
         ([*PART, "en,9,1,2,3,4"], "line 18: found the command EN for a single node or element"),
         ([*PART, "ET,x,185"], "line 18: found 'X', expected a whole number"),
