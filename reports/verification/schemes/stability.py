@@ -2,12 +2,14 @@
 
 `python -m reports.verification.schemes.stability [--quick] [--out DIR]` prints and writes stability.csv. "refused": an
 error with numbers before the first step; "degraded": contact or scheme added more than 1 % of the run's largest energy,
-or the complementarity residual exceeds 1e-10 of the scene's length; the table states which, and by how much. "NaN" must
-never occur. A penetration of penalty runs is part of their law.
+or the complementarity residual exceeds 1e-10 of the scene's length; the table states which, and by how much. "stopped":
+the run ended with an error whose code names the reason, such as energy that contact added; "failed": with any other
+error. "NaN" and "failed" must never occur. A penetration of penalty runs is part of their law.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -69,7 +71,8 @@ def tried(scene: Scene, method: Method) -> tuple[str, ct.Result | None]:
     except ct.InputError:
         return "refused", None
     except ct.NumericsError as error:
-        return f"failed: {str(error)[:40]}", None
+        code = re.search(r" \[([a-z-]+)\]$", str(error))
+        return (f"stopped: {code[1]}" if code else f"failed: {str(error)[:40]}"), None
     energy = result.energy
     if not (np.isfinite(result.force).all() and np.isfinite(energy.end.total)):
         return "NaN", result

@@ -80,9 +80,10 @@ def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
     assert all(", law violated by" in word or word[10:].startswith("gains") or word[10:].startswith("law violated")
                for word in found if word.startswith("degraded: "))  # fmt: skip
     words = {word.partition(":")[0] for word in found}
-    assert words == {"survived", "refused", "degraded"}
-    for row in rows:
-        assert row["Moreau-Jean, theta = 1/2"] == "survived"
+    assert words == {"survived", "refused", "degraded", "stopped"}
+    for row in rows:  # at Courant 30 the rods approach by 0.6 of their length in a step
+        expected = "stopped: penetration" if row["scene"] == "Courant 30" else "survived"
+        assert row["Moreau-Jean, theta = 1/2"] == expected
         assert row["forward Lagrange"] in ("survived", "refused")
         assert row["massless boundary"] in ("survived", "refused")
         assert row["event-driven"] in ("survived", "refused")
