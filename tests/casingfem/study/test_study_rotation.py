@@ -53,6 +53,7 @@ def test_the_angles_of_a_dome_stay_within_one_turn(tmp_path):
         ((-360.5, -300.0), "chart.start_deg: found -360.5"),
         ((300.0, 360.5), "chart.end_deg: found 360.5"),
         ((-300.0, -360.5), "chart.end_deg: found -360.5"),
+        ((30.0, 30.0), "start_deg = 30 and end_deg = 30, expected two different angles"),
     ):
         with pytest.raises(cf.errors.InputError, match=message):
             loaded(tmp_path, domed(*ends))

@@ -135,6 +135,22 @@ def test_a_rig_has_frequencies_in_hz_and_may_have_two_alike():
     assert not rig.rows.flags.writeable
 
 
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: cf.rig.Place(at=(0.1, 0.2), mass=-1e-3), "mass: found -0.001 kg, expected 0 or more"),
+        (
+            lambda: cf.rig.Place(at=(0.1, 0.2), direction="up"),
+            "direction: found 'up', expected one of radial, hoop, axial, x, y, z, normal",
+        ),
+    ],
+)
+def test_a_place_that_cannot_be_is_refused(made, words):
+    assert cf.rig.Place(at=(0.1, 0.2), mass=0.0).mass == 0.0
+    with pytest.raises(cf.errors.InputError, match=words):
+        made()
+
+
 def test_a_loose_body_is_refused(frustum, coarse):
     loose = cf.modes(frustum(mesh=coarse, supports={}), 8, method="shell")
     with pytest.raises(cf.errors.InputError, match="6 rigid motions"):

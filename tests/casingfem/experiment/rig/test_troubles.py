@@ -118,3 +118,12 @@ def test_half_a_rim_local_modes_and_phases():
 def test_refuses_troubles_out_of_range(wrong):
     with pytest.raises(cf.errors.InputError, match=next(iter(wrong))):
         cf.rig.Troubles(**wrong)
+
+
+def test_some_channels_are_left_alive():
+    channels = len(EXACT)
+    assert len(made(dead=channels - 1).frfs) == channels
+    with pytest.raises(
+        cf.errors.InputError, match=f"troubles.dead: found {channels}; expected less than the {channels}"
+    ):
+        made(dead=channels)

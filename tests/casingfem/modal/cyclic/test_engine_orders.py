@@ -124,6 +124,10 @@ def test_amplification_comes_near_whiteheads_bound_and_does_not_pass_it():
         ),
         (lambda: cf.modal.Influence(offset=[0, 0], stiffness=[1.0, 1.0], damping=[0.0, 0.0]), "each offset once"),
         (lambda: cf.modal.Influence(offset=[0], stiffness=[np.nan], damping=[0.0]), "influence.stiffness"),
+        (lambda: cf.modal.BladedWheel.chain(blades=1, freq_hz=10.0, mass=1.0, coupling=0.1), "chain: found blades = 1"),
+        (lambda: cf.modal.BladedWheel.chain(blades=5, freq_hz=0.0, mass=1.0, coupling=0.1), "freq_hz = 0, mass = 1"),
+        (lambda: cf.modal.BladedWheel.chain(blades=5, freq_hz=10.0, mass=0.0, coupling=0.1), "freq_hz = 10, mass = 0"),
+        (lambda: cf.modal.BladedWheel.chain(blades=5, freq_hz=10.0, mass=1.0, coupling=-0.1), "coupling = -0.1"),
         (lambda: cf.modal.amplification(chain(), 3, sigma=0.0, draws=5, seed=1, zeta=ZETA), "sigma = 0"),
         (
             lambda: cf.modal.BladedWheel.of(bladed_disk(4, (1, 1, 2, 1)), cf.TipNodes("tip", 1), channel="twist"),

@@ -80,6 +80,8 @@ def test_sums_merge_on_one_spline_only():
         total = (a + b).derivatives(Z, 0.3).value
         np.testing.assert_allclose(total, cf.field.SumField((a, b)).derivatives(Z, 0.3).value, atol=1e-13)
     assert isinstance(one + other, cf.field.SumField)
+    with pytest.raises(cf.errors.ModelError, match="found no fields, expected at least one"):
+        cf.field.SumField(())
     turned = one.rotated(0.2).derivatives(Z, 0.5).value
     np.testing.assert_allclose(turned, one.derivatives(Z, 0.3).value, atol=1e-13)
 

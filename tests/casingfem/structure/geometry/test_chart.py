@@ -83,6 +83,10 @@ def test_refuses_dimensions_that_are_not_positive(name, value):
 
 
 def test_a_panel_must_stay_open():
+    arc = cf.geometry.Arc(radius=0.4, start=0.2, end=-1.2)
+    with pytest.raises(cf.errors.ModelError, match=r"chart\.angle must be below 2 pi, found 6\.2831"):
+        cf.geometry.RevolvedPanel(profile=arc, angle=2.0 * np.pi)
+    assert cf.geometry.RevolvedPanel(profile=arc, angle=6.283).angle == 6.283
     with pytest.raises(ValueError, match="closed casing use a Cylinder"):
         cf.Panel(radius=1.0, length=1.0, angle=2 * np.pi)
 

@@ -145,6 +145,32 @@ def test_double_hits_are_left_out_with_their_size_and_delay():
         cf.frf.estimate(long)
 
 
+def test_a_take_has_even_times_forces_and_responses_at_one_clock():
+    take = tapped(blocks=1)
+    x = take.response.x
+    for given, words in (
+        ({"force": replace(take.force, x=x + 0.5 / FS)}, "forces and responses at the same instants"),
+        ({"response": cut(take, 0, 100).response}, f"found 100 samples of the responses, {len(x)} of the forces"),
+        ({part: replace(getattr(take, part), x=x**1.001) for part in ("force", "response")}, "expected even steps"),
+        ({"force": RIG.frfs(x[1:], sensors=[0], drives=[0])}, "found a set of kind 'frf'; expected time records"),
+    ):
+        with pytest.raises(cf.errors.InputError, match=words):
+            replace(take, **given)
+    assert len(cut(take, 0, 16)) == 16
+    with pytest.raises(cf.errors.InputError, match="found 15 samples; expected 16 or more"):
+        cut(take, 0, 15)
+
+
+def test_a_hammer_has_one_force_and_there_is_a_take():
+    take = tapped(blocks=1)
+    two = np.repeat(take.force.responses, 2, axis=0)
+    force = cf.frf.FrfSet.from_arrays(kind="time", x=take.force.x, responses=two, unit="N", response_point=[1, 2])
+    with pytest.raises(cf.errors.InputError, match="found 2 forces at once; expected one force channel of a hammer"):
+        cf.frf.estimate(replace(take, force=force), test="hammer")
+    with pytest.raises(cf.errors.InputError, match="takes: found none; expected one take or more"):
+        cf.frf.estimate([])
+
+
 @pytest.mark.parametrize(
     ("start", "words"),
     [(round(DELAY * FS) + 4, "the record begins after the start of the pulse"), (-BLOCK, "second half of the record"),

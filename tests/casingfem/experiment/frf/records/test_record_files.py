@@ -197,6 +197,8 @@ def test_tables_of_channels_are_checked(rows, words, take, tmp_path):
         ("a.csv", "force [N],response [m]\n1,2\n", "a column of times first"),
         ("b.csv", "time [s],force [N],response [m]\n0,1,2\n0.1,1,2\n0.9,1,2\n", "expected even steps"),
         ("c.csv", "time [h],force [N],response [m]\n0,1,2\n", "expected s or ms"),
+        ("d.csv", "time [s],force [N],response [m]\n0,1,2\n", "found 1 rows; expected times that ascend"),
+        ("e.csv", "time [s],force [N],response [m]\n0.1,1,2\n0.1,1,2\n", "found 2 rows; expected times that ascend"),
         ("d.txt", "", "ending '.txt'"),
     ],
 )
