@@ -50,6 +50,15 @@ def test_a_system_in_a_cylindrical_one(tmp_path):
     np.testing.assert_allclose(mesh.points[0], [0.0, 2.5, 4.0], atol=1e-12)
 
 
+def test_a_system_in_one_by_grids_of_a_third(tmp_path):
+    """System 3 is 2 m along y of system 2, by grids of system 4, whose origin is 1 m along x."""
+    upright = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    text = "GRID,1,3,.5,.5,.5\n" + system("R", 3, upright + np.array([0.0, 2.0, 0.0]), within=2) + "CORD1R,2,11,12,13\n"
+    text += "".join(f"GRID,{k},4,{fields(row)}\n" for k, row in enumerate(upright, 11))
+    mesh = read(tmp_path, text + system("R", 4, upright + np.array([1.0, 0.0, 0.0])))
+    np.testing.assert_allclose(mesh.points[0], [1.5, 2.5, 0.5], atol=1e-12)
+
+
 def test_systems_by_grids_in_systems_by_grids(tmp_path):
     """Grid 4 in system 1 by grids 1 to 3, grid 7 in system 2 by grids 4 to 6; the cards come the other way round."""
     grids = {7: (2, 2.0, 90.0, 0.5), 4: (1, 1.0, 2.0, 3.0), 1: (0, 10.0, 0.0, 0.0), 2: (0, 10.0, 0.0, 1.0),
