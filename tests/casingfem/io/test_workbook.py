@@ -119,6 +119,51 @@ def test_what_is_no_workbook_is_refused(tmp_path):
     refused(path, "found no readable workbook (")
 
 
+BARE = [[cell for cell in row[:4]] for row in TABLE]
+
+
+def with_part(path, part, old, new):
+    """Change the text of one part of a workbook."""
+    with ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    assert old in parts[part]
+    parts[part] = parts[part].replace(old, new)
+    with ZipFile(path, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+
+
+@pytest.mark.parametrize(
+    ("part", "old", "new", "words"),
+    [
+        ("xl/workbook.xml", b'state="visible"', b'state="hidden"', "found no visible sheet; expected a sheet with a"),
+        ("xl/worksheets/sheet1.xml", b'<row r="7"', b'<row r="1048577"', "found row 1048577; expected at most 1048576"),
+        (
+            "xl/worksheets/sheet1.xml", b"<worksheet", b"<!DOCTYPE a><worksheet",
+            "found a document type or UTF-16 in its part 'xl/worksheets/sheet1.xml'",
+        ),
+        ("xl/worksheets/sheet1.xml", b"<worksheet", b"\0<worksheet", "found a document type or UTF-16 in its part"),
+    ],
+)  # fmt: skip
+def test_workbooks_that_no_program_writes_are_refused(tmp_path, part, old, new, words):
+    path = saved(tmp_path / "t.xlsx", table=BARE)
+    assert len(cf.FrequencyTable.from_csv(path)) == 3
+    with_part(path, part, old, new)
+    refused(path, words)
+
+
+def test_a_workbook_that_unpacks_to_more_than_256_mb_is_refused_before_it_is_unpacked(tmp_path):
+    path = saved(tmp_path / "t.xlsx", table=BARE)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"PK\x01\x02") + 24  # of the first entry of the directory: its size when unpacked
+    data[at : at + 4] = (300_000_000).to_bytes(4, "little")
+    path.write_bytes(data)
+    refused(path, "found a workbook that unpacks to 300.0")
+    data[at : at + 4] = (255_000_000).to_bytes(4, "little")
+    path.write_bytes(data)
+    assert len(cf.FrequencyTable.from_csv(path)) == 3
+
+
 STUDY = """
 material = { E = 210e9, nu = 0.3, rho = 7800.0 }
 chart = { kind = "frustum", r_base = 0.5, r_top = 0.5, height = 0.2 }

@@ -54,6 +54,10 @@ DISK = R.Rotor(body=BODY, speed=ct.Speed.constant(1.0), at="disk")
             lambda: R.Rotor.of(replace(BODY, channels=("disk.x", "ring.y")), 1.0),
             "found disk.x, ring.y, expected x and y",
         ),
+        (
+            lambda: R.Shaft(pieces=[R.Piece(length=0.4, diameter=0.03, elements=400)], bearings=ENDS),
+            "found 401 nodes, expected at most 400",
+        ),
         (lambda: SHAFT.node(0.3), "at: found 0.3 m, expected a node: 0, 0.2, 0.4 m"),
         (lambda: R.Rotor.of(SHAFT, 1.0, modes=13), "modes: found 13, expected 1 to 12, the modes of the shaft"),
         (lambda: R.Rotor.of(SHAFT, 1.0, modes=0), "modes: found 0, expected 1 to 12, the modes of the shaft"),
@@ -61,5 +65,6 @@ DISK = R.Rotor(body=BODY, speed=ct.Speed.constant(1.0), at="disk")
     ],
 )
 def test_rotors_that_cannot_be_are_refused(made, words):
+    assert R.Shaft(pieces=[R.Piece(length=0.4, diameter=0.03, elements=399)], bearings=ENDS).nodes.size == 400
     with pytest.raises(ct.InputError, match=words):
         made()
