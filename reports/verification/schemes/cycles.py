@@ -217,7 +217,8 @@ def times(quick: bool) -> list[Row]:
         orbit = ct.cycles.orbit(family, 1.001 * value, guess=guess, start=start)
         spent = best(lambda: ct.cycles.orbit(family, 1.001 * value, guess=guess, start=start))  # noqa: B023
         rows.append({"what": f"an orbit: {name}", "orbits": 1, "Newton steps": orbit.iterations,
-                     "events": 2 * sum(orbit.closings), "ms": spent, "allowed ms": allowed})  # fmt: skip
+                     "events": 2 * sum(orbit.closings), "ms": spent, "ms an orbit": spent,
+                     "allowed ms": allowed})  # fmt: skip
     for modes, allowed in BRANCHES:
         rows.append(of_branch(modes, 1 if quick else 3) | {"allowed ms": allowed})
     show("Processor time", rows)
