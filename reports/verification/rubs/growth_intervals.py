@@ -22,6 +22,7 @@ LEAST, MOST = 0.3, 4.5  # e-folds by which a run grows
 CLOSED = 0.99
 SHARE = (92.0, 97.0)  # per cent
 HALF = 0.5  # s: runs are short or long
+QUICK = 24  # draws; about one in four gives a run that is compared
 
 
 def drawn(seed: int) -> tuple[ct.Rub, float, float]:
@@ -77,7 +78,7 @@ def _share(name: str, rows: list[Row], quick: bool) -> Row:
 
 def main(out: Path, quick: bool = False, count: int = 260, first: int = 0) -> list[Row]:
     """Print the share of runs whose interval contains the pole; write a row for each."""
-    found = [compared(seed) for seed in range(first, first + (min(count, 12) if quick else count))]
+    found = [compared(seed) for seed in range(first, first + (min(count, QUICK) if quick else count))]
     rows = [row for row in found if row is not None]
     write(out / "growth_intervals.csv", rows)
     parts = {
