@@ -4,7 +4,11 @@
 casing is clamped at its base; the two others are meshed as a narrow sector of a wheel (`cyclic_modes`), quadrilaterals
 of nine nodes on the chart's own mid-surface, bricks of 27 nodes half the wall to each side of it. Frequencies of the
 two lowest modes of each nodal diameter 0 to 8 are compared, chart over the other less one, and the chart's with a
-corner of half the radius. --quick takes one casing and coarser meshes.
+corner of half the radius. --quick takes two casings and coarser quadrilaterals.
+
+Bricks are stiff in bending, by an error that falls with the square of their length. At the bend of 30 degrees the
+largest difference is 0.153, 0.098 and 0.056 % with bricks of 8, 6 and 4 mm, so it tends to 0.02 %. The chart's own
+error is 5e-4 %.
 """
 
 from itertools import pairwise
@@ -30,6 +34,7 @@ from reports.tables import Row, command_line, show, write
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 WALL, HIGHEST = 3e-3, 8  # thickness [m], nodal diameters
+BRICK = 4e-3  # longest brick [m]
 Walls = dict[int, float]  # number of a piece, from 0, -> its own thickness [m]
 CASINGS: dict[str, tuple[tuple[Piece, ...], Walls]] = {
     "cylinder and cone of 30 degrees": ((Piece(to=(0.3, 0.15)), Piece(to=(0.3 - 0.15 * 3**-0.5, 0.30))), {}),
@@ -130,7 +135,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         row: Row = {"casing": name, "modes": sum(map(len, own.values()))}
         compared = {"quadrilaterals": errors(own, cyclic_modes(quads, 2, diameters=range(HIGHEST + 1)))}
         if not walls:  # a step of the wall is no bend of bricks
-            bricks = sector(shell, rows=stations(shell, 0.008 if quick else 0.004, 8), sectors=400, solid=True)
+            bricks = sector(shell, rows=stations(shell, BRICK, 8), sectors=400, solid=True)
             compared["3-D"] = errors(own, cyclic_modes(bricks, 2, diameters=range(HIGHEST + 1)))
             compared["half the fillet"] = errors(own, lowest(chart_shell(pieces, walls, 0.5 * fillet)))
         for what in ("quadrilaterals", "3-D", "half the fillet"):
