@@ -24,3 +24,12 @@ def test_growth_is_that_of_a_dense_model_and_needs_the_matrices_of_rotation(tmp_
 def test_runs_have_the_impulse_of_runge_kutta_and_a_closed_ledger(tmp_path):
     rows = turning.main(tmp_path, quick=True)
     assert {row["verdict"] for row in rows} == {"pass"}
+
+
+@pytest.mark.campaign
+def test_impulse_comes_to_that_of_runge_kutta_with_the_square_of_the_step():
+    casing, blade = turning.bodies()
+    whole = turning.runs(casing, blade, 400)
+    half = turning.runs(casing, blade, 800, 0.5 * turning.STEP)
+    for row, finer in zip(whole, half, strict=True):
+        assert row["off"] / finer["off"] == pytest.approx(4.0, rel=0.02)
