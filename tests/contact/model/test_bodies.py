@@ -74,6 +74,22 @@ MASS = ct.PointMass(mass=1.0, x=1.0)
             r"x: body 2 \(rod at x = 1\) and body 1 \(pointmass at x = 3\.5\) overlap by 0\.5 m, expected a gap >= 0",
         ),
         (
+            [ct.PointMass(mass=1.0, x=9.0), ct.PointMass(mass=1.0, x=3.5), ROD],  # the first and the last pair
+            r"x: body 3 \(rod at x = 1\) and body 2 \(pointmass at x = 3\.5\) overlap by 0\.5 m",
+        ),
+        (
+            [ROD, ct.PointMass(mass=1.0, x=0.5), ct.PointMass(mass=1.0, x=3.5)],
+            r"x: body 1 \(rod at x = 1\) and body 3 \(pointmass at x = 3\.5\) overlap by 0\.5 m",
+        ),
+        (
+            [
+                ct.PointMass(mass=1.0, x=9.0),
+                ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", x=0.5),
+                ct.Wall(),
+            ],
+            r"between body 3 \(wall at x = 0\) and body 2 \(rod at x = 0\.5\)",
+        ),
+        (
             [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", x=0.5), ct.Wall()],
             r"between body 2 \(wall at x = 0\) and body 1 \(rod at x = 0\.5\)",
         ),

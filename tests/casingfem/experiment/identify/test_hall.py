@@ -97,6 +97,8 @@ def test_lines_that_are_not_coherent_weigh_less(windowed, plain):
     gamma2 = replace(frfs, kind="spectrum", responses=told, unit="")
     errors = [abs(cf.identify(frfs, coherence=each).zeta[0] / plain.zeta[0] - 1.0) for each in (None, gamma2)]
     assert errors[1] < 0.5 * errors[0]
+    other = replace(gamma2, reference_point=np.full(4, 99))  # the only one of each sensor applies to all references
+    assert abs(cf.identify(frfs, coherence=other).zeta[0] / plain.zeta[0] - 1.0) == errors[1]
     with pytest.raises(cf.errors.InputError, match="the lines of the responses"):
         cf.identify(frfs, coherence=replace(gamma2, x=X + 0.05))
     with pytest.raises(cf.errors.InputError, match="coherence of other channels"):
