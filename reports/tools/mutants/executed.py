@@ -48,11 +48,12 @@ class Executed:
     def first(self, tests: Iterable[str], running: Container[str]) -> list[str]:
         """Tests in another order: short ones that run the function, long ones that do, then the others.
 
-        A fixture or a cached result may run the function for a test that was recorded without it.
+        A test that is newer than the record may run it. A fixture or a cached result may run it for a test that was
+        recorded without it.
         """
 
         def late(test: str) -> tuple[bool, bool]:
-            return test not in running, self.seconds.get(test, 0.0) > SHORT
+            return test in self.seconds and test not in running, self.seconds.get(test, 0.0) > SHORT
 
         return sorted(tests, key=late)
 

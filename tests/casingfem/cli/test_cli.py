@@ -158,6 +158,18 @@ def test_update_judges_itself_when_asked(study):
 
 
 @pytest.mark.slow
+def test_an_update_that_cannot_leave_a_row_out_states_so_with_its_file(study):
+    table, text = study.with_name("table.csv"), study.read_text()
+    lines = table.read_text().splitlines(keepends=True)
+    head = next(k for k, line in enumerate(lines) if line.startswith("mode,"))
+    count = text.count("[[update.parameter]]")
+    table.write_text("".join(lines[: head + 1 + count]))
+    result = invoke("update", study, "--json", "--leave-one-out")
+    assert result.exit_code == 2
+    assert f"{study}: update: {table}: without mode 1 and 2: found no other row" in result.stderr
+
+
+@pytest.mark.slow
 def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path):
     result = invoke("update", study, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr

@@ -294,6 +294,10 @@ def test_tests_that_run_the_changed_function_come_first_and_the_rest_of_their_fi
     assert [tests[:2] for tests in campaign.tests(campaign.mutants()).values()] == [[only_named, run]] * 2
     record(campaign, campaign.trees)
     assert list(campaign.tests(campaign.mutants()).values()) == [[run, only_named]] * 2
+    near = campaign.root / "tests/test_near.py"
+    near.write_text(near.read_text() + "def test_newer():\n    assert asked(1) == 2\n")
+    newer = "tests/test_near.py::test_newer"
+    assert list(campaign.tests(campaign.mutants()).values()) == [[newer, run, only_named]] * 2
 
 
 @pytest.mark.campaign
