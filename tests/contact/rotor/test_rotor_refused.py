@@ -68,3 +68,41 @@ def test_rotors_that_cannot_be_are_refused(made, words):
     assert R.Shaft(pieces=[R.Piece(length=0.4, diameter=0.03, elements=399)], bearings=ENDS).nodes.size == 400
     with pytest.raises(ct.InputError, match=words):
         made()
+
+
+def test_forces_of_supports_and_growth_of_rotors_need_participations_states_and_speeds():
+    rotor = R.Rotor.of(R.Jeffcott(mass=1.0, stiffness=1e4, zeta=0.1), 10.0)
+    casing = R.rigid_casing(radius=0.25, mass=20.0, stiffness=2e8)
+    rub = R.rotor_rub(rotor, casing, [R.rigid_tip()], clearance=0.02)
+    bare, dense = replace(rub, casing=replace(rub.casing, participation=None)), ct.Record(state_every=1)
+    some, none = (ct.run(rub, t_end=1e-3, dt=1e-4, record=record) for record in (dense, ct.Record()))
+    still = ct.Scene(what=replace(rotor, speed=ct.Speed.constant(0.0)), t_end=1.0)
+    assert len(ct.recovery.support_forces(rub, some)["bearings"]) == len(some.state)
+    for made, words in (
+        (lambda: ct.recovery.support_forces(bare, some), "participation: found none in the bases of rotor and casing"),
+        (lambda: ct.recovery.support_forces(rub, none), "state: found none in the result"),
+        (lambda: ct.interactions(still), "speed_hz: found none for a scene at rest"),
+        (
+            lambda: ct.interactions(replace(still, what=rotor), [0.0, 10.0]),
+            "speed_hz: found 0 Hz, expected speeds above",
+        ),
+    ):
+        with pytest.raises(ct.InputError, match=words):
+            made()
+
+
+def test_states_are_stored_by_default_of_rotors_and_rubs_alone():
+    rotor = R.Rotor.of(R.Jeffcott(mass=1.0, stiffness=1e4, zeta=0.1), 10.0)
+    patch = ct.Patch(body=BODY, normal=("disk.x",), clearance=0.1)
+    assert len(ct.run(patch, t_end=0.1, dt=1e-3).state) == 0
+    assert len(ct.run([ct.PointMass(mass=1.0, x=1.0), ct.Wall()], t_end=0.1, dt=1e-3).state) == 0
+    assert len(ct.run(rotor, t_end=0.1, dt=1e-3).state) > 10
+
+
+@pytest.mark.parametrize(("mass", "taken"), [(1e60, True), (1.01e60, False), (1.01e-60, True), (0.99e-60, False)])
+def test_positive_numbers_are_small_and_large_enough_to_multiply(mass, taken):
+    if taken:
+        assert ct.PointMass(mass=mass, x=0.0).mass == mass
+        return
+    with pytest.raises(ct.InputError, match=r"mass: found .*, expected a number between 1e-60 and 1e\+60"):
+        ct.PointMass(mass=mass, x=0.0)
