@@ -47,6 +47,7 @@ friction = 0.1
 out_of_roundness = [{{p = 2, cos = 2e-4}}]
 [speed]
 hz = 20.0
+turning = "blades"
 [scheme]
 kind = "exact-modal"
 dt = 2e-5
