@@ -121,7 +121,7 @@ SHAFT = (
     + "cyx = -1.0\nk_tilt = 1e3\n[[bearing]]\nat = 0.5\nkxx = 1e7\nkyy = 2e7\n[gravity]\nsettled = true\n"
 )
 TURNS = (
-    "[unbalance]\nmoment = 1e-3\nrelease = {time = 0.01, moment = 5e-2, angle_deg = 90.0}\n[speed]\nhz = 80.0\n"
+    "[unbalance]\nmoment = 1e-3\nrelease = {time = 0.01, moment = 5e-3, angle_deg = 90.0}\n[speed]\nhz = 80.0\n"
     + '[scheme]\nkind = "exact-modal"\ndt = 1e-4\n'
 )
 
