@@ -41,6 +41,7 @@ from reports.verification.robustness.sample_files import READERS, Reader, write_
 COUNT, QUICK = 100_000, 20
 SECONDS, WALL, BYTES = 10, 60, 2e9
 OWN = (ct.InputError, ct.NumericsError, cf.errors.InputError, cf.errors.NumericsError)
+OWN_WARNINGS = (cf.errors.ModelWarning, ct.scene.SceneWarning)
 OUTCOMES = ("refused", "same", "differs, warned", "differs", "TRACEBACK", "HANG OR DEATH")
 Mutant = tuple[str, bytes]
 Verdict = tuple[str, str, str]
@@ -90,7 +91,7 @@ def judged(reader: Reader, path: Path, whole: dict[str, object]) -> tuple[str, s
         if isinstance(error, OSError) and error.filename is not None:
             return "refused", ""
         return "TRACEBACK", f"{type(error).__name__}: {ascii(str(error))[1:-1][:80]}"
-    stray = [entry for entry in caught if not isinstance(entry.message, cf.errors.ModelWarning)]
+    stray = [entry for entry in caught if not isinstance(entry.message, OWN_WARNINGS)]
     if stray:
         return "TRACEBACK", f"{stray[0].category.__name__}: {ascii(str(stray[0].message))[1:-1][:80]}"
     if found == whole:

@@ -5,11 +5,14 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
+import casingfem as cf
+import contact as ct
 from reports.tables import ROOT
 from reports.verification.robustness import diverging, file_mutations, schema, schema_bases, stray_points, sweep_kills
 from reports.verification.robustness.sample_files import READERS, write_tests
@@ -109,6 +112,21 @@ def test_the_judge_of_damaged_files_sees_what_differs(tmp_path):
     assert file_mutations.judged(unnamed, path, whole) == ("TRACEBACK", "OSError: no file")
     damaged = file_mutations.mutants(data, "table.csv", 60, 1)
     assert len({mutant for _, mutant in damaged}) > 40
+
+
+@pytest.mark.parametrize(
+    ("warning", "verdict"),
+    [
+        (ct.scene.SceneWarning("turning-unstated", "a.toml: speed.turning: missing"), "differs, warned"),
+        (cf.errors.ModelWarning("mesh-coarse", "found 1 element"), "differs, warned"),
+        (RuntimeWarning("overflow"), "TRACEBACK"),
+    ],
+)
+def test_the_judge_of_damaged_files_accepts_warnings_of_the_project_only(tmp_path, warning, verdict):
+    def reader(_):
+        warnings.warn(warning, stacklevel=2)
+
+    assert file_mutations.judged(reader, tmp_path / "a.toml", {"": "1"})[0] == verdict
 
 
 @pytest.mark.slow
