@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -147,6 +148,11 @@ def test_out_keeps_a_picture_and_the_forces_and_the_report_has_all(tmp_path):
     html = (out / "report.html").read_text()
     for words in ("Dangerous speeds", "Orbits of the first tip", "runs of the scene at", "kind = &#34;rim&#34;"):
         assert words in html
+    numbers = dict(re.findall(r"<tr><td>(.*?)</td><td[^>]*>(.*?)</td></tr>", html))
+    stated = [numbers[name] for name in ("speed", "time simulated [s]", "time step [s]", "steps")]
+    assert stated == ["1,200 rpm (20 Hz)", "0.1", "2 × 10⁻⁵", "5,000"]
+    assert f"impulse {kept.impulse.sum():.4g} N s" in html
+    assert "The law of contact and the balance of energy are satisfied to rounding." in html
     # gap and force, contact angle, energy, orbits, two spectra, waves; the Campbell diagram and the interaction map
     assert html.count("<img") == 9
 
