@@ -228,3 +228,24 @@ def test_the_table_is_the_same_from_two_processes(monkeypatch):
     speeds = np.linspace(125.0, 145.0, 11)
     alone, shared = (ct.interactions(disk_scene(), speeds, runs=5, processes=k) for k in (1, 2))
     assert shared.to_dict() == alone.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("run", "wave", "n", "body"),
+    [
+        ({"verdict": "unstable", "wave": "against", "n": 5, "body": "blades"}, "against", 5, "blades"),
+        ({"verdict": "unstable", "wave": "", "n": 8}, "with", 8, "casing"),  # not shown by the run: from the pole
+        ({"verdict": "unstable", "wave": "", "n": 5}, "", 5, "casing"),  # another motion than that of the pole
+        ({"verdict": "safe", "wave": "against", "n": 5, "body": "blades"}, "with", 8, "casing"),
+        ({"verdict": "safe", "wave": "", "n": 5, "body": "rotor"}, "with", 8, "rotor"),
+    ],
+)
+def test_the_run_that_decided_states_the_motion_and_the_pole_where_no_run_grew(run, wave, n, body):
+    pair = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+        blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4,
+    )  # fmt: skip
+    (row,) = ct.interactions(pair, [50.0, 52.5, 53.0, 55.0]).rows
+    found = replace(row, at=replace(row.at, **run))
+    assert (found.wave, found.n, found.body) == (wave, n, body)
+    assert replace(found, peak=None).wave == run["wave"]
