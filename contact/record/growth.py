@@ -22,8 +22,8 @@ STANDS = 0.3  # share of one travelling wave below which the motion is a standin
 def size_words(largest: float, steady: float) -> str:
     """Size [mm] of a bounded motion from its largest deflection [m] and the relative scatter of windows of it.
 
-    >>> size_words(4e-5, 0.05), size_words(4e-5, 0.75)
-    ('0.04 mm, steady within 5 %', '0.01 to 0.04 mm')
+    >>> size_words(4e-5, 0.25), size_words(4e-5, 0.75)
+    ('0.04 mm, steady within 25 %', '0.01 to 0.04 mm')
     """
     if steady > VARIES:
         return f"{1e3 * (1.0 - steady) * largest:.2g} to {1e3 * largest:.2g} mm"

@@ -154,6 +154,7 @@ def test_a_run_that_ends_early_is_checked_from_its_start():
     result = diverging(rim(20.0)).result
     assert result.growth.check == "depends on the step"
     assert result.growth.half_step == pytest.approx(8.4, rel=0.1)
+    assert result.growth.check_share == 2.0 + 3.0  # the whole run at half the step, and three times at the same step
     assert [flag.code for flag in result.flags] == ["wall-deflection", "growth-numerical"]
 
 

@@ -202,6 +202,7 @@ def test_nodes_in_the_global_system_by_another_number_pass_and_others_are_refuse
     (nodes([*SQUARE, SQUARE[0]], [1, 2, 3, 4, 5, 1]) + elements(44, [[1, 2, 3, 4]]), r"node 1 twice"),
     (PLATE + elements(44, [[1, 2, 3, 4]]), r"element 1 twice"),
     (PLATE + group("g", [77], 8), r"element 77, although it is used"),
+    (PLATE + data_set(2467, "1 0 0 0 0 0 0 9"), r"found the end of set 2467 within a group"),
     (PLATE + data_set(2467, "1 0 0 0 0 0 0 9", "g", "7 1 0 0"), r"set 2467 within group 'g'"),
     (PLATE + data_set(164, "5 mm", "0.0 1.0 1.0"), r"found 0 as the factor of lengths, expected a number above 0"),
 ])  # fmt: skip
