@@ -265,3 +265,11 @@ def test_radial_sensors_have_direction_r_and_a_force_without_a_unit_is_taken_for
         [9],
     )
     assert any("N is assumed" in note for note in found.notes)
+
+
+def test_a_table_has_the_sampling_rate_of_all_its_times(tmp_path):
+    rows = "\n".join(f"{k / 64},{float(k == 5)},{k % 3}" for k in range(32))
+    (tmp_path / "a.csv").write_text(f"time [s],force 1 x [N],response 2 x [m/s^2]\n{rows}\n")
+    (take,) = cf.frf.read_records(tmp_path / "a.csv")
+    assert (len(take), take.fs) == (32, 64.0)
+    np.testing.assert_array_equal(take.response.x, np.arange(32) / 64)
