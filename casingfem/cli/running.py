@@ -77,8 +77,9 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
 def what_is_safe(command: str | None, out: object) -> str:
     """One sentence after Ctrl-C: which results are stored, and how to continue."""
     store = STORES.get(command or "")
-    if isinstance(out, Path) and store:
-        return f"stopped: finished results are stored in {out / store}; the same command continues from them"
+    kept = sorted(out.glob(f"*{store}")) if isinstance(out, Path) and store else []  # a report has one for each scene
+    if kept:
+        return f"stopped: finished results are stored in {kept[0]}; the same command continues from them"
     if isinstance(out, Path):
         return f"stopped: no file in {out} is half written; run the same command again"
     return "stopped: no results were stored; run the same command again" + (

@@ -42,7 +42,7 @@ def wanted(scene: Example) -> float | None:
 
 def scenes(quick: bool) -> list[Example]:
     """The scenes of the table."""
-    known = [e for e in examples().values() if "scene" in e.tables]
+    known = [e for e in examples().values() if isinstance(e, Example) and "scene" in e.tables]
     if quick:
         return [e for e in known if e.name in QUICK]
     return [e for e in known if e.name in OF_THEM or not e.name.startswith(LIKE_OTHERS)]

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
+from tests.casingfem.study.study_texts import THICK
 
 STUDY = """[material]
 E = 2e11
@@ -141,6 +142,22 @@ def test_results_are_not_written_over_a_file(tmp_path, command):
     assert result.exit_code == 2
     assert f"'{tmp_path / 'out'}' is a file" in result.stderr
     assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timers that interrupt")
+def test_ctrl_c_in_the_report_on_a_study_does_not_claim_stored_results(tmp_path):
+    file, out = tmp_path / "casing.toml", tmp_path / "out"
+    file.write_text(THICK.replace("order = 5", "order = 10").replace("around = 9", "around = 31"))
+    listening = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        result = CliRunner().invoke(main, ["report", str(file), "--out", str(out)])
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, listening)
+    assert result.exit_code == 130
+    assert result.stderr.endswith(f"stopped: no file in {out} is half written; run the same command again\n")
+    assert not out.exists()
 
 
 @pytest.mark.slow
