@@ -14,6 +14,7 @@ nu = -|a|/S.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -93,19 +94,11 @@ def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, 
     a wave of n diameters coincides only with a tuned disk's modes of n diameters. The poles decide whether the motion
     grows there.
     """
-    seen, found = waves_of(contact), []
-    for sense in (1.0, -1.0):
-        speeds = 2.0 * math.pi * np.abs(speed_hz[np.sign(speed_hz) == sense])
-        if not speeds.size:
-            continue
-        crossings = _crossings(seen, sense, REACH * float(speeds.max()), modes=True)
-        speed = np.array([crossing[0] for crossing in crossings])
-        below, free, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0 - STEP, 1.0, 1.0 + STEP))
-        for k, (at, wave, mode) in enumerate(crossings):
-            here = free[k]
-            if here is not None and _met(here, wave, mode):
-                slope = _slope(below[k], above[k], at, wave, mode)
-                found.append(_meeting(contact, here, wave, mode, at, slope))
+    found = [
+        _meeting(contact, free, wave, mode, at, slope)
+        for at, wave, mode, free, slope in _places(contact, speed_hz, modes=True)
+        if _met(free, wave, mode)
+    ]
     return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
@@ -116,20 +109,36 @@ def overtaken_speeds(contact: ClosedContact, speed_hz: Array) -> Array:
     the force that drives it pushed. With g = pushed S^-1 seen the wave has the frequency nu + |g|, and it may grow by
     at most |h|, h = pushed S^-1 seen* from its conjugate: 0 for a tuned disk, unless its blades see both alike.
     """
-    seen, found = waves_of(contact), [np.zeros(0)]
+    found = [np.zeros(0)]
+    for at, wave, _, free, slope in _places(contact, speed_hz, modes=False):
+        centre, half = _overtaken(contact.compliance(math.copysign(1.0, at)), free, wave)
+        found.append((at + (centre + half * WITHIN) / slope) / (2.0 * math.pi))
+    return np.concatenate(found)
+
+
+class Place(NamedTuple):
+    """A speed [rad/s] where a wave meets a mode, the free poles there, and the slope of their difference by speed."""
+
+    at: float
+    wave: int
+    mode: int
+    free: FreePoles
+    slope: float
+
+
+def _places(contact: ClosedContact, speed_hz: Array, *, modes: bool) -> Iterator[Place]:
+    """Where waves meet modes or, without `modes`, stand still, in the senses of rotation of these speeds [Hz]."""
+    seen = waves_of(contact)
     for sense in (1.0, -1.0):
         speeds = 2.0 * math.pi * np.abs(speed_hz[np.sign(speed_hz) == sense])
         if not speeds.size:
             continue
-        crossings = _crossings(seen, sense, REACH * float(speeds.max()), modes=False)
-        speed = np.array([crossing[0] for crossing in crossings])
-        below, here, above = (list(seen.poles_each(speed * by, sense)) for by in (1.0 - STEP, 1.0, 1.0 + STEP))
-        for k, (at, wave, _) in enumerate(crossings):
-            free, slope = here[k], _slope(below[k], above[k], at, wave, STILL)
-            if free is not None and np.isfinite(slope):
-                centre, half = _overtaken(contact.compliance(math.copysign(1.0, at)), free, wave)
-                found.append((at + (centre + half * WITHIN) / slope) / (2.0 * math.pi))
-    return np.concatenate(found)
+        crossings = _crossings(seen, sense, REACH * float(speeds.max()), modes=modes)
+        speed = np.array([at for at, _, _ in crossings])
+        near = (seen.poles_each(speed * by, sense) for by in (1.0 - STEP, 1.0, 1.0 + STEP))
+        for (at, wave, mode), below, here, above in zip(crossings, *near, strict=True):
+            if here is not None:
+                yield Place(at, wave, mode, here, _slope(below, above, at, wave, mode))
 
 
 def _overtaken(compliance: Array, free: FreePoles, wave: int) -> tuple[float, float]:
