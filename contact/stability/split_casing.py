@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
+from contact.base.groups import joined_groups
 from contact.base.remembered import remembered
 from contact.io.progress import as_part, tell
 from contact.io.threads import with_one_thread
@@ -28,7 +29,7 @@ from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
 from contact.model.gaps.rub import Rub, Start, rub_of
 from contact.model.gaps.rub_system import matrices_of
 from contact.scheme.modal.blocks import row_blocks, whole
-from contact.stability.waves import COUPLED, joined_groups
+from contact.stability.waves import COUPLED
 
 if TYPE_CHECKING:
     from contact.loop.revolve import Drifts, TurnRows

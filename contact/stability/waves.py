@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices
+from contact.base.groups import joined_groups
 from contact.base.remembered import remembered
 from contact.model.gaps.permanent import ClosedContact, equal_modes, powers
 
@@ -135,14 +136,6 @@ def waves_of(contact: ClosedContact) -> Waves:
         joined |= size > COUPLED * float(size.max(initial=0.0))
     joined &= order[:, None] == order
     return Waves(contact, U, order, joined_groups(joined), (C, K))
-
-
-def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:
-    """Group numbers of items that are connected, directly or through others."""
-    from scipy.sparse.csgraph import connected_components
-
-    _, label = connected_components(joined, directed=False)
-    return tuple(np.flatnonzero(label == one) for one in range(int(label.max(initial=-1)) + 1))
 
 
 def _blocks(C: Complex, K: Complex, rate: Array) -> tuple[Complex, Complex, Complex] | None:

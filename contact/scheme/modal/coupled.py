@@ -26,8 +26,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, readonly
+from contact.base.groups import joined_groups
 from contact.model.gaps.modal_system import NOISE
 
 FALSE = 1e-8
@@ -85,25 +87,17 @@ def couplings(C: Array, K: Array) -> list[Indices]:
     >>> couplings(np.array([[0.0, 0.0, 2.0], [0.0, 0.1, 0.0], [-2.0, 0.0, 0.0]]), np.diag([1.0, 2.0, 3.0]))
     [array([0, 2]), array([1])]
     """
-    return _components(_joined(C, K))
+    return list(joined_groups(_joined(C, K)))
 
 
-def _components(joined: Array) -> list[Indices]:
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
-    _, label = connected_components(csr_array(joined), directed=False)
-    return [np.flatnonzero(label == number) for number in range(int(label.max(initial=-1)) + 1)]
-
-
-def _joined(C: Array, K: Array) -> Array:
+def _joined(C: Array, K: Array) -> NDArray[np.bool_]:
     """Whether C or K couples two modes, (m, m)."""
     stiff = np.sqrt(np.abs(np.diag(K)))
     off = np.abs(K - np.diag(np.diag(K)))
     floor = np.maximum(NOISE * off.max(initial=0.0), FAINT * np.multiply.outer(stiff, stiff))
     turning = np.abs(C - np.diag(np.diag(C)))
     turning_floor = np.maximum(NOISE * np.abs(C).max(initial=0.0), FAINT * np.sqrt(np.multiply.outer(stiff, stiff)))
-    return np.asarray((off > floor) | (turning > turning_floor), dtype=float)
+    return np.asarray((off > floor) | (turning > turning_floor))
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -130,11 +124,11 @@ def form(matrices: Sequence[tuple[Array, Array]], omega: Array, zeta: Array) -> 
     >>> found.omega.tolist(), found.zeta.tolist(), found.modes.tolist()  # the third has zeta = 1.125
     ([2.0, 3.0, 0.0], [0.05, 0.0, 0.0], [2])
     """
-    joined = np.max([_joined(C, K) for C, K in matrices], axis=0)
+    joined = np.any([_joined(C, K) for C, K in matrices], axis=0)
     C, K = (np.array([np.diag(pair[k]) for pair in matrices]) for k in (0, 1))
     alone = np.ptp(C, axis=0) + np.ptp(K, axis=0) == 0.0
     alone &= ((K[0] > 0.0) & (C[0] ** 2 < 4.0 * K[0]) & (C[0] >= 0.0)) | ((K[0] == 0.0) & (C[0] == 0.0))
-    blocks = [block for block in _components(joined) if block.size > 1 or not alone[block[0]]]
+    blocks = [block for block in joined_groups(joined) if block.size > 1 or not alone[block[0]]]
     modes = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *blocks]))
     single = np.ones(omega.size, dtype=bool)
     single[modes] = False
