@@ -246,7 +246,7 @@ class Faulty:
     ],
 )
 def test_a_users_chart_is_checked_for_bounds_edges_derivatives_and_its_seam(steel, chart, code, words):
-    for size in (1e-5, 1.0, 1e5):  # of the area of a tangent plane, which says nothing of a fold
+    for size in (1e-5, 1.0, 1e5):  # of the area of the tangent plane, which does not show a fold
         cf.Shell(chart=cf.Cylinder(radius=size, height=3.0 * size), thickness=1e-3 * size, material=steel)
     cf.Shell(chart=Faulty(), thickness=2e-3, material=steel)
     with pytest.raises(cf.errors.ModelError, match=words) as refused:
