@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.experiment.identify.held_modes import numbers_of_modes
 
 THETA = 2.0 * np.pi * np.arange(16) / 16 + 0.03
 ANGLES = dict(enumerate(np.degrees(THETA)))
@@ -20,7 +21,7 @@ def receptances(x, poles, noise=0.0, seed=1, **places):
     return cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", **given)
 
 
-def test_one_mode_gives_its_pole_and_its_residues():
+def test_one_mode_gives_its_pole_and_its_residues(held):
     residues = np.array([1.0, -0.5, 0.25])
     found = cf.identify(receptances(np.arange(80.0, 120.0, 0.1), [(100.0, 0.004, residues)], noise=1e-3))
     assert found.freq == pytest.approx([100.0], abs=5 * found.sigma_freq[0])
@@ -28,20 +29,22 @@ def test_one_mode_gives_its_pole_and_its_residues():
     np.testing.assert_allclose(found.residues[:, 0, 0], residues, atol=1e-3)
     assert found.sure.tolist() == [True]
     assert found.diagram.stable.any()
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.parametrize("lines", [0.1, 0.5, 2.0])
-def test_a_mode_narrower_than_the_lines_is_found_with_an_honest_damping(lines):
+def test_a_mode_narrower_than_the_lines_is_found_with_an_honest_damping(lines, held):
     """Bandwidths of 0.1, 0.5 and 2 lines: 1/T over the bandwidth says how long a record was."""
     x = np.arange(80.0, 120.0, 0.1)
     zeta = 0.5 * lines * 0.1 / 100.03
     found = cf.identify(receptances(x, [(100.03, zeta, np.array([1.0, -0.6, 0.4, 0.8]))], noise=1e-2))
     assert len(found) == 1
+    held(1e-4, **numbers_of_modes(found))
     assert abs(found.freq[0] - 100.03) < 5 * found.sigma_freq[0] + 1e-4
     assert abs(found.zeta[0] - zeta) < 5 * found.sigma_zeta[0]
 
 
-def test_a_perfect_pair_is_one_mode_with_one_reference_and_an_unresolved_pair_with_two():
+def test_a_perfect_pair_is_one_mode_with_one_reference_and_an_unresolved_pair_with_two(held):
     x, one, two = np.arange(190.0, 210.0, 0.05), np.cos(3 * THETA), np.sin(3 * THETA)
     single = cf.identify(receptances(x, [(200.0, 0.003, one + 0.5 * two)], noise=1e-2), angles=ANGLES)
     assert single.n.tolist() == [3]
@@ -53,9 +56,11 @@ def test_a_perfect_pair_is_one_mode_with_one_reference_and_an_unresolved_pair_wi
     assert double.unresolved == (0,)
     assert "pair at 200.00 Hz, unresolved" in " ".join(double.notes)
     assert double.freq == pytest.approx([200.0], abs=1e-2)
+    two = {f"two {name}": column for name, column in numbers_of_modes(double).items()}
+    held(1e-4, **numbers_of_modes(single), **two)
 
 
-def test_a_tone_of_one_line_is_in_the_answer_and_doubtful():
+def test_a_tone_of_one_line_is_in_the_answer_and_doubtful(held):
     x = np.arange(20.0, 80.0, 0.1)
     frfs = receptances(x, [(40.0, 0.004, np.array([1.0, -0.5, 0.25, 0.7]))], noise=1e-2)
     H = frfs.responses.copy()
@@ -64,9 +69,10 @@ def test_a_tone_of_one_line_is_in_the_answer_and_doubtful():
     assert found.freq == pytest.approx([40.0, 50.0], abs=0.1)
     assert found.sure.tolist() == [True, False]
     assert "hum" in found.reasons[1]
+    held(1e-4, **numbers_of_modes(found))
 
 
-def test_a_mode_that_one_weak_channel_alone_sees_is_found():
+def test_a_mode_that_one_weak_channel_alone_sees_is_found(held):
     x, noise = np.arange(80.0, 160.0, 0.1), np.random.default_rng(7)
     strong, weak = np.array([1.0, -0.5, 0.8, 0.0]), np.array([0.0, 0.0, 0.0, 1e-3])
     frfs = receptances(x, [(100.0, 0.004, strong), (140.0, 0.004, weak)])
@@ -74,10 +80,11 @@ def test_a_mode_that_one_weak_channel_alone_sees_is_found():
     H = frfs.responses + size * (noise.standard_normal((4, len(x))) + 1j * noise.standard_normal((4, len(x))))
     found = cf.identify(replace(frfs, responses=H))
     assert found.freq == pytest.approx([100.0, 140.0], abs=0.05)
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
-def test_every_visible_peak_of_many_is_in_the_answer_once():
+def test_every_visible_peak_of_many_is_in_the_answer_once(held):
     rng = np.random.default_rng(17)
     x = np.arange(100.0, 400.0, 0.1)
     freqs = 110.0 * np.cumprod(np.r_[1.0, rng.uniform(1.02, 1.08, 20)])
@@ -85,6 +92,7 @@ def test_every_visible_peak_of_many_is_in_the_answer_once():
     found = cf.identify(receptances(x, poles, noise=0.5))
     assert found.freq == pytest.approx(freqs[freqs < 395.0], rel=1e-4)
     assert found.sure.all()
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.parametrize("seeds", [3, pytest.param(24, marks=pytest.mark.campaign)])
@@ -105,7 +113,7 @@ def test_noise_that_channels_share_makes_no_mode_and_its_intervals_keep(seeds):
 
 
 @pytest.mark.slow
-def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencies():
+def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencies(held):
     at = np.r_[THETA, 0.4]
     orders = (4, 4, 2, 2, 5, 5)
     freqs = np.array([300.0, 301.5, 320.0, 321.0, 345.0, 347.0])
@@ -121,6 +129,7 @@ def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencie
     assert np.all(np.abs(found.freq - mean) < 5.0 * found.sigma_freq + 1e-3)
     assert 3e-4 < found.shift < 3e-3
     assert "different frequencies in 3 groups of channels" in " ".join(found.notes)
+    held(1e-4, **numbers_of_modes(found))
 
 
 def roving(modes, setups, shift, sensors=12, **places):
@@ -136,7 +145,7 @@ def roving(modes, setups, shift, sensors=12, **places):
     return receptances(x, poles, noise=0.3, **{key: value(part) for key, value in places.items()})
 
 
-def test_a_mode_that_one_set_up_does_not_see_has_the_mean_frequency_of_all_set_ups():
+def test_a_mode_that_one_set_up_does_not_see_has_the_mean_frequency_of_all_set_ups(held):
     """Each set-up lowers all modes by 0.1 % more than the one before; the last does not see the second mode."""
     rng, part = np.random.default_rng(71), np.arange(12) % 3
     freqs, zeta = np.array([120.0, 140.0, 160.0]), 3e-3
@@ -147,21 +156,24 @@ def test_a_mode_that_one_set_up_does_not_see_has_the_mean_frequency_of_all_set_u
     ]
     found = cf.identify(receptances(np.arange(110.0, 170.0, 0.1), poles, noise=0.3))
     np.testing.assert_allclose(found.freq, freqs * (1.0 - 1e-3), rtol=1e-4)
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
-def test_a_mode_that_a_roving_mass_shifts_by_a_quarter_of_a_bandwidth_is_given_once():
+def test_a_mode_that_a_roving_mass_shifts_by_a_quarter_of_a_bandwidth_is_given_once(held):
     found = cf.identify(roving(6, 6, 0.25, 6))
     assert len(found) == 6
+    held(1e-4, **numbers_of_modes(found))
     assert found.sure.all()
     assert "different frequencies in 6 groups of channels" in " ".join(found.notes)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("setups", [2, 12])
-def test_one_mode_whose_frequency_differs_between_channels_is_given_once(setups):
+def test_one_mode_whose_frequency_differs_between_channels_is_given_once(setups, held):
     found = cf.identify(roving(1, setups, 0.5 / setups))
     assert found.sure.tolist() == [True]
+    held(1e-4, **numbers_of_modes(found))
     assert "differs between channels" in "".join(found.notes)
     one = cf.identify(roving(1, 1, 0.0))
     assert abs(found.freq[0] - one.freq[0]) < one.zeta[0] * one.freq[0]
@@ -169,15 +181,16 @@ def test_one_mode_whose_frequency_differs_between_channels_is_given_once(setups)
 
 
 @pytest.mark.slow
-def test_modes_of_two_directions_are_not_one_mode_in_two_set_ups():
+def test_modes_of_two_directions_are_not_one_mode_in_two_set_ups(held):
     """A beam bends in both directions at nearly the same frequencies."""
     found = cf.identify(roving(4, 2, 1.0, response_direction=lambda part: 1 + part))
     assert len(found) == 8
+    held(1e-4, **numbers_of_modes(found))
     assert found.sure.all()
 
 
 @pytest.mark.slow
-def test_intervals_of_orientations_keep_where_waves_finer_than_the_sensors_resolve_turn_them():
+def test_intervals_of_orientations_keep_where_waves_finer_than_the_sensors_resolve_turn_them(held):
     """On 24 even sensors n = 20 and 28 resemble n = 4: the other waves show their size."""
     theta, rng = np.arange(24) * np.pi / 12, np.random.default_rng(2)
     order = np.setdiff1d(np.arange(2, 41), [4])
@@ -190,12 +203,13 @@ def test_intervals_of_orientations_keep_where_waves_finer_than_the_sensors_resol
         receptances(np.arange(190.0, 330.0, 0.1), poles, 0.05), angles=dict(enumerate(np.degrees(theta)))
     )
     assert found.n.tolist() == [4] * 24
+    held(1e-4, **numbers_of_modes(found))
     error = np.degrees(np.arcsin(np.sin(4.0 * np.radians(found.angle_deg - turn)))) / 4.0
     assert np.sum(np.abs(error) < 1.96 * found.sigma_angle) >= 21
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_strong_modes_just_beyond_the_band_do_not_move_those_inside(seed):
+def test_strong_modes_just_beyond_the_band_do_not_move_those_inside(seed, held):
     """In a window of 30 Hz, peaks 8 Hz outside leave a residual that is not a parabola."""
     rng = np.random.default_rng(seed)
     inside = [(94.0, 0.01, rng.normal(size=8)), (96.0, 0.012, rng.normal(size=8)), (105.0, 0.01, rng.normal(size=8))]
@@ -203,11 +217,12 @@ def test_strong_modes_just_beyond_the_band_do_not_move_those_inside(seed):
     found = cf.identify(receptances(np.arange(85.0, 115.0, 0.05), [*inside, *outside], noise=0.2, seed=seed))
     np.testing.assert_allclose(found.freq, [freq for freq, _, _ in inside], atol=0.01)
     np.testing.assert_allclose(found.zeta, [zeta for _, zeta, _ in inside], rtol=0.02)
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shift", [0.0, 1e-3])
-def test_channels_are_of_two_set_ups_only_where_their_poles_are_shifted(shift):
+def test_channels_are_of_two_set_ups_only_where_their_poles_are_shifted(shift, held):
     """Bandwidths are 4e-3. Each half of the channels also sees a local mode that the other half does not see."""
     freqs, rng = 300.0 * 1.03 ** np.arange(7), np.random.default_rng(11)
     halves = rng.uniform(0.5, 1.5, (7, 2, 8)) * rng.choice([-1.0, 1.0], (7, 2, 8))
@@ -219,6 +234,7 @@ def test_channels_are_of_two_set_ups_only_where_their_poles_are_shifted(shift):
     poles += [(313.5, 2e-3, np.r_[local, none]), (332.6, 2e-3, np.r_[none, local])]
     found = cf.identify(receptances(np.arange(290.0, 370.0, 0.1), poles, noise=2e-2, seed=4))
     assert len(found) == 9
+    held(1e-4, **numbers_of_modes(found))
     at = [int(np.argmin(np.abs(found.freq - freq))) for freq in freqs]
     np.testing.assert_allclose(found.freq[at], freqs, atol=0.01)
     np.testing.assert_allclose(found.zeta[at], 2e-3, rtol=0.02)
@@ -277,7 +293,7 @@ def test_data_without_a_mode_have_no_sure_one(kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("alike", "sure"), [(0.8, [True, False]), (0.0, [True, True])])
-def test_of_two_modes_within_half_a_bandwidth_whose_shapes_are_alike_the_weaker_one_is_doubtful(alike, sure):
+def test_of_two_modes_within_half_a_bandwidth_whose_shapes_are_alike_the_weaker_one_is_doubtful(alike, sure, held):
     """A peak that moves from hit to hit leaves two poles of similar shape; normal modes differ in shape."""
     along = np.pi * np.linspace(0.05, 0.95, 8)
     one, other = np.sin(2.0 * along), np.sin(3.0 * along)
@@ -286,3 +302,4 @@ def test_of_two_modes_within_half_a_bandwidth_whose_shapes_are_alike_the_weaker_
     found = cf.identify(receptances(x, [(99.95, 2e-3, one), (100.07, 2e-3, weaker)], noise=0.1))
     assert found.freq == pytest.approx([99.95, 100.07], abs=0.01)
     assert found.sure.tolist() == sure
+    held(1e-4, **numbers_of_modes(found))

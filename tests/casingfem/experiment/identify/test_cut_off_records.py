@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.experiment.identify.held_modes import numbers_of_modes
 
 FS = 4096.0
 BEAM = (142.2, 278.7, 460.3, 687.2, 958.5)
@@ -37,17 +38,18 @@ BEAM_SIZES = np.transpose([(1, 0.4, -0.7), (1, -0.3, -0.9), (1, -0.9, 0.3), (1, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("before", [0.0, 0.02, 0.1])
-def test_five_modes_of_a_beam_whose_records_end_while_it_rings(before):
+def test_five_modes_of_a_beam_whose_records_end_while_it_rings(before, held):
     """At zeta = 3e-4 the ringing of the first mode has fallen to 77 % after 1 s; lines are 12 bandwidths apart."""
     found = cf.identify(accelerances(BEAM, BEAM_SIZES, 3e-4, seconds=1.0, before=before))
     assert found.freq == pytest.approx(BEAM, abs=2e-3)
     assert found.zeta == pytest.approx(np.full(5, 3e-4), rel=0.05)
     assert found.sure.all()
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("zeta", "before", "seconds"), [(1e-3, 0.05, 1.0), (3e-4, 0.05, 1.0), (1e-3, 0.05, 2.0)])
-def test_three_pairs_of_a_ring_whose_records_end_while_it_rings(zeta, before, seconds):
+def test_three_pairs_of_a_ring_whose_records_end_while_it_rings(zeta, before, seconds, held):
     theta = 2.0 * np.pi * np.arange(24) / 24
     sizes = np.array([np.cos(n * (theta - a)) * np.cos(n * (0.05 - a)) for _, n, a in RING]).T
     freqs = [freq for freq, _, _ in RING]
@@ -58,6 +60,7 @@ def test_three_pairs_of_a_ring_whose_records_end_while_it_rings(zeta, before, se
     assert found.doublets == ((0, 1), (2, 3), (4, 5))
     assert found.zeta == pytest.approx(np.full(6, zeta), rel=0.02)
     assert found.sure.all()
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.experiment.identify.held_modes import numbers_of_modes
 
 X = np.arange(90.0, 130.0, 0.1)
 TAU = 1.5
@@ -28,7 +29,7 @@ def plain(windowed):
 
 
 @pytest.mark.slow
-def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed, plain):
+def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed, plain, held):
     added = 1.0 / (TAU * 2 * np.pi * 110.0)
     assert plain.zeta[0] == pytest.approx(3e-3 + added, rel=5e-3)
     told = cf.identify(windowed, exponential=TAU)
@@ -42,6 +43,7 @@ def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowe
     wrong = cf.identify(windowed, exponential=0.3)  # would add more than there is
     assert wrong.zeta[0] == 0.0
     assert "0.48 % that the exponential window adds" in wrong.reasons[0]
+    held(1e-4, **numbers_of_modes(wrong))
 
 
 @pytest.mark.parametrize(("value", "card"), [(0.0, ()), (-1.0, ()), (None, ("exponential_window_s: two",))])
@@ -51,13 +53,14 @@ def test_a_window_without_a_time_constant_is_refused(windowed, value, card):
 
 
 @pytest.mark.slow
-def test_a_dead_channel_is_left_out_and_a_missing_unit_is_reported(windowed):
+def test_a_dead_channel_is_left_out_and_a_missing_unit_is_reported(windowed, held):
     rng = np.random.default_rng(42)
     H = np.array([[1.0], [0.0], [-0.6], [0.4]]) * X**2 / (110.0**2 - X**2 + 2j * 3e-3 * 110.0 * X)
     H = H * (1.0 + 1e-3 * rng.standard_normal(H.shape))
     found = cf.identify(replace(windowed, responses=H, unit=""))
     assert found.freq[found.sure] == pytest.approx([110.0], rel=1e-5)
     assert found.sensors.points.tolist() == [1, 3, 4]
+    held(1e-4, **numbers_of_modes(found))
     assert found.notes[0].startswith("the responses have no unit: taken for accelerance")
     assert found.notes[1] == "zero on every line: channel 2; left out: point 2"
     known = cf.identify(replace(windowed, responses=H, unit="(1/N)*(m/s²)"))
@@ -66,7 +69,7 @@ def test_a_dead_channel_is_left_out_and_a_missing_unit_is_reported(windowed):
 
 
 @pytest.mark.slow
-def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed, plain):
+def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed, plain, held):
     H = windowed.responses.copy()
     H[:, :3], H[1, [195, 196, 201, 202]], H[3, 100:200] = np.nan, np.nan, np.nan  # the peak is at line 200
     found = cf.identify(replace(windowed, responses=H))
@@ -76,6 +79,7 @@ def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed
     )
     assert found.lines[0] == pytest.approx(90.3)
     assert found.sensors.points.tolist() == [1, 2, 3]
+    held(1e-4, **numbers_of_modes(found))
     assert found.freq == pytest.approx(plain.freq, abs=3 * found.sigma_freq[0])
     assert found.zeta == pytest.approx(plain.zeta, abs=3 * found.sigma_zeta[0])
     lines = np.abs(found.lines[:, None] - X[[195, 196, 201, 202]]).min(axis=1) < 0.01
@@ -87,7 +91,7 @@ def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed
 
 
 @pytest.mark.slow
-def test_lines_that_are_not_coherent_weigh_less(windowed, plain):
+def test_lines_that_are_not_coherent_weigh_less(windowed, plain, held):
     """Every other stretch of 21 lines is noise like the signal, and the coherence states it."""
     rng = np.random.default_rng(59)
     spoilt, clean = (np.arange(X.size) // 21) % 2 == 0, windowed.responses
@@ -97,6 +101,7 @@ def test_lines_that_are_not_coherent_weigh_less(windowed, plain):
     gamma2 = replace(frfs, kind="spectrum", responses=told, unit="")
     errors = [abs(cf.identify(frfs, coherence=each).zeta[0] / plain.zeta[0] - 1.0) for each in (None, gamma2)]
     assert errors[1] < 0.5 * errors[0]
+    held(1e-4, **numbers_of_modes(cf.identify(frfs, coherence=gamma2)))
     other = replace(gamma2, reference_point=np.full(4, 99))  # the only one of each sensor applies to all references
     assert abs(cf.identify(frfs, coherence=other).zeta[0] / plain.zeta[0] - 1.0) == errors[1]
     with pytest.raises(cf.errors.InputError, match="the lines of the responses"):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.experiment.identify.held_modes import numbers_of_modes
 
 SEED = 1917
 
@@ -27,12 +28,6 @@ def measured(rig, lines, sensors, drives, snr=40.0, seed=SEED):
     return cf.rig.noisy(frfs, snr, seed=seed) if snr else frfs
 
 
-def numeric(result):
-    """The columns of a result that are numbers."""
-    columns = {str(name): np.asarray(column) for name, column in result.columns().items()}
-    return {name: column for name, column in columns.items() if column.dtype.kind in "iufb"}
-
-
 THETA = np.radians([0, 14, 31, 44, 62, 76, 88, 107, 119, 135, 152, 166, 181, 194, 212, 224, 241, 256, 271, 286])
 ANGLES = {k + 1: float(np.degrees(angle)) for k, angle in enumerate(THETA)}
 
@@ -53,7 +48,7 @@ def test_finds_every_member_of_split_pairs_and_nothing_else(drives, held):
     assert np.abs(error).max() < 1.0
     assert np.all(np.abs(error) < 5 * found.sigma_angle)
     assert np.all(np.abs(found.freq - rig.freq) < 5 * found.sigma_freq)
-    held(1e-4, **numeric(found))
+    held(1e-4, **numbers_of_modes(found))
 
 
 def mixed(near):
@@ -73,10 +68,11 @@ def mixed(near):
 
 
 @pytest.mark.slow
-def test_a_near_pair_that_looks_alike_at_the_sensors_makes_an_orientation_uncertain():
+def test_a_near_pair_that_looks_alike_at_the_sensors_makes_an_orientation_uncertain(held):
     near, far = mixed(306.0), mixed(360.0)
     assert near.n[:4].tolist() == far.n[:4].tolist() == [7] * 4  # 9 waves look like 7 at 16 even sensors
     assert near.sigma_angle[0] > 3.0 * far.sigma_angle[0] > 0.05
+    held(1e-4, **numbers_of_modes(near))
 
 
 @pytest.mark.campaign
@@ -99,7 +95,7 @@ def test_intervals_of_frequency_and_damping_keep():
 
 
 @pytest.mark.slow
-def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_given_as_one():
+def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_given_as_one(held):
     bandwidth = 2 * 0.002
     pairs = [(6, 330.0, 0.5 * bandwidth, 11.0), (5, 350.0, 0.002 * bandwidth, 4.0)]
     rig = ring_rig(pairs, theta=THETA, drives=[0.3, 2.0])
@@ -110,6 +106,7 @@ def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_given_as
     assert 0.002 * bandwidth < found.split_bound[2] < 0.5 * bandwidth
     assert "pair at 350.0" in found.notes[0]
     assert np.isnan(found.split_bound[:2]).all()
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
@@ -198,7 +195,7 @@ def test_refuses_what_cannot_be_identified(frfs, options, words):
 
 
 @pytest.mark.slow
-def test_responses_estimated_from_random_forces_of_two_shakers():
+def test_responses_estimated_from_random_forces_of_two_shakers(held):
     """Noise on the peaks, alike on neighbouring lines: no spurious modes, and sigma knows."""
     pairs = [(6, 130.0, 0.012, 11.0), (7, 145.0, 0.02, 3.0), (5, 152.0, 0.008, 20.0)]
     rig = ring_rig(pairs, theta=THETA, drives=[0.3, 2.0], zeta=0.004)
@@ -215,6 +212,7 @@ def test_responses_estimated_from_random_forces_of_two_shakers():
     assert np.abs(errors).max() < 5.0
     white = fit_of_white_noise(found)
     assert np.median(found.sigma_freq / white) > 2.0
+    held(1e-4, **numbers_of_modes(found))
 
 
 def fit_of_white_noise(found):

@@ -10,6 +10,7 @@ from scipy.signal import butter, lfilter
 
 import casingfem as cf
 from casingfem.cli import main
+from tests.casingfem.experiment.identify.held_modes import numbers_of_modes
 
 FS = 640.0
 THETA = np.radians(np.arange(16) * 22.5 + 3.0)
@@ -50,7 +51,7 @@ ANGLES = dict(enumerate(np.degrees(THETA), start=1))
 
 
 @pytest.mark.slow
-def test_pairs_closer_than_their_bandwidth_are_distinguished():
+def test_pairs_closer_than_their_bandwidth_are_distinguished(held):
     """The pair of n = 4 is 0.4 of a bandwidth apart."""
     found = cf.identify(records(driven(7, 300.0)), angles=ANGLES, band=(100.0, 230.0))
     assert found.n.tolist() == list(N)
@@ -64,10 +65,11 @@ def test_pairs_closer_than_their_bandwidth_are_distinguished():
     off = (found.angle_deg[:4] - np.degrees(ANTINODE[:4]) + period / 2) % period - period / 2
     assert (np.abs(off) < 3.5 * found.sigma_angle[:4]).all()
     assert found.deviation < 0.4
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
-def test_a_pair_without_a_split_is_one_unresolved_mode_or_a_doublet_with_a_note():
+def test_a_pair_without_a_split_is_one_unresolved_mode_or_a_doublet_with_a_note(held):
     """Its two shapes are arbitrary. If they are a quarter wave apart they form a doublet, else they are one mode."""
     freqs = np.array([120.0, 120.0, *FREQ[2:]])
     one, two = (
@@ -82,6 +84,8 @@ def test_a_pair_without_a_split_is_one_unresolved_mode_or_a_doublet_with_a_note(
     assert (two.n.tolist(), two.unresolved, two.doublets) == (list(N), (), ((0, 1), (2, 3)))
     (note,) = [note for note in two.notes if "below two standard deviations" in note]
     assert note.startswith("pair of n = 3 at 120.0")
+    two = {f"two {name}": column for name, column in numbers_of_modes(two).items()}
+    held(1e-4, **numbers_of_modes(one), **two)
 
 
 @pytest.mark.slow
@@ -103,7 +107,7 @@ def test_a_shell_under_random_loads_has_the_frequencies_and_damping_of_its_modes
 
 
 @pytest.mark.slow
-def test_a_spectrum_that_falls_by_many_decades_has_no_peaks_but_those_of_modes():
+def test_a_spectrum_that_falls_by_many_decades_has_no_peaks_but_those_of_modes(held):
     """Displacements of a long bridge in wind: the correlations have not decayed at the longest lag."""
     rng, count, fs = np.random.default_rng(9), 54_000, 15.0
     freqs = np.array([0.2, 0.32, 0.44, 0.86])
@@ -118,14 +122,16 @@ def test_a_spectrum_that_falls_by_many_decades_has_no_peaks_but_those_of_modes()
     assert np.abs(found.freq[found.sure][:, None] - freqs).min(axis=1).max() < 3e-3
     assert np.abs(found.freq[:, None] - freqs).min(axis=0).max() < 3e-3
     assert not [note for note in found.notes if "recurs" in note]
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.slow
-def test_a_tone_is_no_sure_mode():
+def test_a_tone_is_no_sure_mode(held):
     found = cf.identify(records(driven(3, 120.0, tone=0.5)), angles=ANGLES, band=(100.0, 230.0))
     assert not (found.sure & (np.abs(found.freq - 140.0) < 1.0)).any()
     assert "tone" in " ".join((*found.doubtful(), *found.notes))
     assert np.abs(found.freq[found.sure] - FREQ).max() < 0.2
+    held(1e-4, **numbers_of_modes(found))
 
 
 @pytest.mark.campaign
