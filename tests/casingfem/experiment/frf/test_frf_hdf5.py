@@ -1,6 +1,7 @@
 """Frequency responses in HDF5: the same bits back, and what is no such file refused in words."""
 
 import sys
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -16,7 +17,7 @@ def write_hdf5(frfs, path):
     with h5py.File(path, "w") as file:
         for name in ARRAYS:
             file[name] = getattr(frfs, name)
-        for name in ("kind", "unit"):
+        for name in ("kind", "unit", "form"):
             file.attrs[name] = getattr(frfs, name)
         file.attrs["card"] = list(frfs.card)
     return path
@@ -41,6 +42,10 @@ def test_every_bit_comes_back(two, tmp_path):
     back = cf.frf.read_frfs(write_hdf5(two, tmp_path / "f.h5"))
     assert all(np.array_equal(getattr(back, name), getattr(two, name)) for name in ARRAYS)
     assert (back.kind, back.unit, back.card) == (two.kind, two.unit, two.card)
+    stated = replace(two, kind="frf", form="accelerance", unit="")
+    again = cf.frf.read_frfs(write_hdf5(stated, tmp_path / "g.hdf5"))
+    assert all(np.array_equal(getattr(again, name), getattr(two, name)) for name in ARRAYS)
+    assert (again.kind, again.unit, again.form, again.card) == ("frf", "", "accelerance", two.card)
 
 
 def change(path, edit):

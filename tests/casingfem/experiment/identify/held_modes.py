@@ -1,12 +1,9 @@
 """Numbers of identified modes to hold: columns, shapes, residues, responses, and the numbers in notes and reasons."""
 
-import re
-
 import numpy as np
 
+from tests.casingfem.experiment.held_notes import numbers_of_notes
 from tests.probed import numbers_in, probed
-
-NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
 def numbers_of_modes(found):
@@ -14,7 +11,6 @@ def numbers_of_modes(found):
     columns = {str(name): np.asarray(column) for name, column in found.columns().items()}
     numeric = {name: column for name, column in columns.items() if column.dtype.kind in "iufb" and column.size}
     there = ~np.isnan(found.fitted).any(axis=0)
-    words = " ".join((*found.notes, *found.reasons))
     return {
         **numeric,
         "residue_scale": found.residue_scale,
@@ -25,5 +21,5 @@ def numbers_of_modes(found):
         "sigma_shapes": probed(found.sigma_shapes),
         "lines": [found.lines[0], found.lines[-1], len(found.lines), np.count_nonzero(there)],
         "responses": [np.linalg.norm(part[:, there]) for part in (found.fitted, found.measured)],
-        "words": [len(found.notes), *(float(text) for text in NUMBER.findall(words))],
+        "words": numbers_of_notes(*found.notes, *found.doubtful()),
     }

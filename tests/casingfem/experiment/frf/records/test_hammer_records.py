@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.casingfem.experiment.held_notes import numbers_of_estimate
 
 FS, BLOCK, DELAY = 2048.0, 4096, 0.05
 RIG = cf.rig.Rig.of(
@@ -52,7 +53,7 @@ def off(frfs, rig=RIG, quantity="accelerance"):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["receptance", "accelerance"])
-def test_a_long_record_is_cut_at_its_hits_and_gives_the_exact_responses(quantity):
+def test_a_long_record_is_cut_at_its_hits_and_gives_the_exact_responses(quantity, held):
     found = cf.frf.estimate(tapped(quantity=quantity), band=(20.0, 400.0))
     assert [hit.fault for hit in found.kept] == [""] * 4
     assert np.diff([hit.time for hit in found.hits]) == pytest.approx(2.0)
@@ -61,10 +62,11 @@ def test_a_long_record_is_cut_at_its_hits_and_gives_the_exact_responses(quantity
     assert off(found.frfs, quantity=quantity).max() < 2e-3
     assert found.coherence.responses.real.min() > 1.0 - 1e-3  # at antiresonances
     assert found.left < 0.01
+    held(1e-6, **numbers_of_estimate(found))
 
 
 @pytest.mark.slow
-def test_noise_on_the_responses_leaves_h1_exact_and_noise_on_the_force_h2():
+def test_noise_on_the_responses_leaves_h1_exact_and_noise_on_the_force_h2(held):
     """|H1| falls by the noise of the force, |H2| rises by that of the responses, Hv lies between them."""
     take, rng = tapped(blocks=60), np.random.default_rng(5)
     response = take.response.responses + 3.0 * rng.standard_normal(take.response.responses.shape)
@@ -79,16 +81,21 @@ def test_noise_on_the_responses_leaves_h1_exact_and_noise_on_the_force_h2():
     error = np.abs(found["H1"].frfs.responses - clean)
     assert np.mean((error / scatter) ** 2) == pytest.approx(1.0, abs=0.1)
     assert np.mean(second / np.abs(clean)) > 1.01
+    columns = {}
+    for name, each in found.items():
+        columns |= {f"{name} {key}": column for key, column in numbers_of_estimate(each).items()}
+    held(1e-6, **columns)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tau", [0.1, 0.5])
-def test_identify_takes_the_damping_of_an_exponential_window_off(tau, tmp_path):
+def test_identify_takes_the_damping_of_an_exponential_window_off(tau, tmp_path, held):
     """The window adds 4.3 % to the first mode's 0.2 % at 0.1 s; what is left is right to one per cent."""
     rig = replace(RIG, zeta=np.array([2e-3, 1e-3, 8e-4]))
     take = cut(tapped(blocks=1, rig=rig), 0, BLOCK)
     found = cf.frf.estimate(take, exponential=tau, band=(20.0, 400.0))
     assert found.left > 0.05
+    held(1e-6, **numbers_of_estimate(found))
     modes = cf.identify(found.frfs)
     np.testing.assert_allclose(modes.freq, rig.freq, rtol=1e-5)
     np.testing.assert_allclose(modes.zeta, rig.zeta, rtol=0.01)
@@ -106,7 +113,7 @@ def test_responses_of_windowed_records_are_those_at_a_shifted_frequency():
     assert "exponential_window_s: 0.4" in found.card
 
 
-def test_a_record_that_ends_while_it_rings_states_how_much_is_left():
+def test_a_record_that_ends_while_it_rings_states_how_much_is_left(held):
     rig = replace(RIG, zeta=np.full(3, 1e-3), rows=RIG.rows * [1.0, 0.0, 0.0])
     take = tapped(blocks=1, rig=rig, quantity="receptance")
     found = cf.frf.estimate(take)
@@ -116,6 +123,7 @@ def test_a_record_that_ends_while_it_rings_states_how_much_is_left():
     assert f"the response has decayed only to {100 * found.left:.0f} %" in found.notes[1]
     longer = cf.frf.estimate(take, exponential=0.4)
     assert not any("has decayed only" in note for note in longer.notes)
+    held(1e-6, **numbers_of_estimate(found))
 
 
 def second_pulse(take, delay, share):
@@ -129,7 +137,7 @@ def second_pulse(take, delay, share):
 
 
 @pytest.mark.slow
-def test_double_hits_are_left_out_with_their_size_and_delay():
+def test_double_hits_are_left_out_with_their_size_and_delay(held):
     whole = tapped()
     hits = [cut(whole, k * BLOCK, BLOCK, f"hit {k + 1}") for k in range(4)]
     hits[2] = second_pulse(hits[2], 0.03, 0.3)
@@ -138,6 +146,7 @@ def test_double_hits_are_left_out_with_their_size_and_delay():
     assert "double hit: a second pulse of 30 % comes 29.8 ms after the first" in found.hits[2].fault
     assert found.averages == 3
     assert off(found.frfs).max() < 2e-3
+    held(1e-6, **numbers_of_estimate(found))
     far = cf.frf.estimate([hits[0], second_pulse(hits[1], 1.0, 0.5)])  # a record of its own has one hit
     assert [hit.fault.partition(":")[0] for hit in far.hits] == ["", "double hit"]
     long = second_pulse(cut(whole, 0, 2 * BLOCK), 0.03, 0.3)
@@ -176,7 +185,7 @@ def test_a_hammer_has_one_force_and_there_is_a_take():
     [(round(DELAY * FS) + 4, "the record begins after the start of the pulse"), (-BLOCK, "second half of the record"),
      (300, "no hit: the largest force is 0 N")],
 )  # fmt: skip
-def test_wrong_triggers_are_named(start, words):
+def test_wrong_triggers_are_named(start, words, held):
     take = tapped(blocks=1)
     if start < 0:
         shifted = [np.pad(part.responses, ((0, 0), (2500, 0)))[:, :BLOCK] for part in (take.force, take.response)]
@@ -188,10 +197,11 @@ def test_wrong_triggers_are_named(start, words):
     good = cf.frf.estimate([cut(take, 0, BLOCK - max(start, 0)), bad], test="hammer", band=(20.0, 400.0))
     assert words in good.hits[1].fault
     assert good.averages == 1
+    held(1e-6, **numbers_of_estimate(good))
 
 
 @pytest.mark.slow
-def test_clipped_channels_have_no_part_in_the_averages():
+def test_clipped_channels_have_no_part_in_the_averages(held):
     whole = tapped()
     hits = [cut(whole, k * BLOCK, BLOCK, f"hit {k + 1}") for k in range(4)]
     response = np.array(hits[1].response.responses)
@@ -203,6 +213,7 @@ def test_clipped_channels_have_no_part_in_the_averages():
     assert "the force is clipped at 20 N" in found.hits[3].fault
     assert "response channel 3 (point 3) is clipped in 1 of 3 hits" in "\n".join(found.notes)
     assert off(found.frfs).max() < 2e-3
+    held(1e-6, **numbers_of_estimate(found))
 
 
 @pytest.mark.slow
@@ -217,7 +228,7 @@ def test_peaks_of_a_coarse_converter_are_not_clipped():
 
 
 @pytest.mark.slow
-def test_a_channel_that_is_turned_over_shows_at_the_drive_point():
+def test_a_channel_that_is_turned_over_shows_at_the_drive_point(held):
     take = tapped()
     turned = with_values(take, response=take.response.responses * [[-1.0], [1.0], [1.0]])
     assert not any("wrong sign" in note for note in cf.frf.estimate(take).notes)
@@ -225,10 +236,11 @@ def test_a_channel_that_is_turned_over_shows_at_the_drive_point():
     assert any(words in note for note in cf.frf.estimate(turned).notes)
     pulled = with_values(take, force=-take.force.responses)
     assert any("pulses of the force are negative" in note for note in cf.frf.estimate(pulled).notes)
+    held(1e-6, **numbers_of_estimate(cf.frf.estimate(pulled, band=(30.0, 300.0))))
 
 
 @pytest.mark.slow
-def test_a_roving_hammer_has_its_hit_points_as_sensors():
+def test_a_roving_hammer_has_its_hit_points_as_sensors(held):
     hits = [replace(cut(tapped(drive=k), 0, BLOCK, f"point {k + 1}")) for k in range(3)]
     one = [
         cf.frf.Take(
@@ -243,6 +255,7 @@ def test_a_roving_hammer_has_its_hit_points_as_sensors():
     assert (found.frfs.response_point.tolist(), found.frfs.reference_point.tolist()) == ([1, 2, 3], [1, 1, 1])
     assert off(found.frfs).max() < 2e-3  # H_rs = H_sr
     assert any("reciprocity" in note for note in found.notes)
+    held(1e-6, **numbers_of_estimate(found))
 
 
 def test_takes_that_do_not_belong_together_are_refused():
@@ -268,7 +281,7 @@ def test_takes_that_do_not_belong_together_are_refused():
 
 
 @pytest.mark.slow
-def test_a_shaker_s_record_is_taken_for_one():
+def test_a_shaker_s_record_is_taken_for_one(held):
     force = cf.rig.Random(rms=2.0, band=(20.0, 700.0))
     test = cf.rig.record(RIG, [force], drives=[0], sensors=[0, 1, 2], fs=FS, block=BLOCK, blocks=40, seed=3)
     found = cf.frf.estimate(test.take(), seconds=4.0, band=(40.0, 400.0))
@@ -277,6 +290,7 @@ def test_a_shaker_s_record_is_taken_for_one():
     exact = RIG.frfs(found.frfs.x, sensors=[0, 1, 2], drives=[0]).responses
     assert np.median(np.abs(found.frfs.responses - exact) / np.abs(exact)) < 0.02
     assert found.records()[0]["median_coherence"] > 0.99
+    held(1e-6, **numbers_of_estimate(found))
 
 
 def test_forces_that_are_none_or_one_signal_and_responses_without_a_signal_are_refused():
@@ -298,7 +312,7 @@ def test_forces_that_are_none_or_one_signal_and_responses_without_a_signal_are_r
             cf.frf.estimate(replace(flat, force=force), test=kind)
 
 
-def test_the_window_does_not_grow_before_the_pulse():
+def test_the_window_does_not_grow_before_the_pulse(held):
     """A short window on a record with a long pre-trigger: the noise before the hit is not raised."""
     take = tapped(blocks=1)
     rng = np.random.default_rng(4)
@@ -307,5 +321,6 @@ def test_the_window_does_not_grow_before_the_pulse():
     late[1][:, :1500] = 0.05 * rng.standard_normal((3, 1500))
     found = cf.frf.estimate(with_values(take, force=late[0], response=late[1]), exponential=0.05, band=(20.0, 400.0))
     assert found.shown.response_window.max() < 1.4
+    held(1e-6, **numbers_of_estimate(found))
     clean = cf.frf.estimate(take, exponential=0.05, band=(20.0, 400.0)).frfs.responses
     assert np.abs(found.frfs.responses - clean).max() < 0.05 * np.abs(clean).max()
