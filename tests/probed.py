@@ -1,9 +1,12 @@
 """Matrices and values in a few numbers that any of their entries changes."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 
 import numpy as np
+
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 def probed(matrix) -> np.ndarray:
@@ -31,3 +34,28 @@ def numbers_in(value) -> Iterator[float]:
     elif isinstance(value, Mapping | tuple | list):
         entries = value.values() if isinstance(value, Mapping) else value
         yield from (x for entry in entries for x in numbers_in(entry))
+
+
+def numbers_of_notes(*texts):
+    """How many texts there are, and the numbers in them."""
+    return [len(texts), *(float(text) for text in NUMBER.findall(" ".join(texts)))]
+
+
+def numbers_of_result(found, name=""):
+    """Columns for `held`: the numbers of a result's JSON or rows, without times of computation, and those it prints."""
+
+    def timeless(value):
+        if isinstance(value, Mapping):
+            return {key: timeless(entry) for key, entry in value.items() if "seconds" not in key}
+        return [timeless(entry) for entry in value] if isinstance(value, list | tuple) else value
+
+    plain = found.to_json() if hasattr(found, "to_json") else [dict(row) for row in found.records()]
+    told = [x for x in numbers_in(timeless(plain)) if np.isfinite(x)]
+    printed = [line for line in repr(found).splitlines() if "computed in" not in line]
+    return {f"{name}json": told, f"{name}printed": numbers_of_notes(*printed)}
+
+
+def finite(value):
+    """The finite numbers of a value, and those in its text `words` where it has one."""
+    words = getattr(value, "words", "")
+    return [x for x in numbers_in(value) if np.isfinite(x)] + (numbers_of_notes(words) if words else [])

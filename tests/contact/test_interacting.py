@@ -9,6 +9,7 @@ import pytest
 
 import contact as ct
 from tests.contact.synthetic_rim import blade, ring
+from tests.probed import finite, numbers_of_notes, numbers_of_result
 
 PAIR = ct.gaps.HandPair(
     casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
@@ -29,7 +30,7 @@ def pair_scene(clearance=-1e-5, casing=None, t_end=0.5, pair=PAIR, **more):
     return ct.Scene(what=rim, t_end=t_end, dt=1e-4)
 
 
-def test_the_sum_condition_of_turning_blades_is_the_one_dangerous_speed():
+def test_the_sum_condition_of_turning_blades_is_the_one_dangerous_speed(held):
     """A band of 0.3 turns/s between runs that are 1.4 turns/s apart: closed contact proposes it, its run decides."""
     found = ct.interactions(pair_scene(t_end=1.2), SPEEDS, runs=12)
     (formula,) = ct.stability.peaks(PAIR, SPEEDS).rows
@@ -43,10 +44,11 @@ def test_the_sum_condition_of_turning_blades_is_the_one_dangerous_speed():
     assert (row.from_hz, row.to_hz) == (row.peak.from_hz, row.peak.to_hz)
     assert {run.verdict for run in found.runs if run != row.at} == {"safe"}
     assert len(found.runs) == 13
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words), document=finite(found.to_dict()))
     assert "13 runs of the scene at constant speeds from 45 to 60 Hz (2,700 to 3,600 rpm): 1 unstable" in found.words
 
 
-def test_a_motion_mostly_of_the_blade_is_named_by_its_mode():
+def test_a_motion_mostly_of_the_blade_is_named_by_its_mode(held):
     """At a sum condition the energies are as the frequencies: 100 Hz of the casing, 250 Hz of the blade's mode 2."""
     casing = ct.gaps.pair_rim(replace(PAIR.casing, freq_hz=100.0), radius=0.5)
     tip = ct.ModalBody(
@@ -59,17 +61,19 @@ def test_a_motion_mostly_of_the_blade_is_named_by_its_mode():
     assert row.peak.casing_share == pytest.approx(100.0 / 350.0, abs=0.02)
     assert (row.at.verdict, row.n, row.mode, row.peak.mode) == ("unstable", None, 2, 2)
     assert "blade mode 2" in repr(found)
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
     (record,) = found.to_dict()["interactions"]
     assert (record["body"], record["blade_mode"]) == ("blades", 2)
 
 
-def test_where_nothing_touches_every_speed_is_safe():
+def test_where_nothing_touches_every_speed_is_safe(held):
     found = ct.interactions(pair_scene(clearance=1e-3), SPEEDS, runs=12)
     (row,) = found.rows
     assert row.at.verdict == "safe"
     assert row.at.closed > 3.0
     assert all(run.verdict == "safe" and run.amplitude_m == 0.0 for run in found.runs)
     assert "Every speed is safe." in found.words
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
     assert repr(found).splitlines()[2] == "52.677-53.01 Hz: The contact never closes."
 
 

@@ -9,6 +9,7 @@ import casingfem as cf
 from reports.verification.updating import wrong_rows
 from reports.verification.updating.twin import measured
 from tests.casingfem.updating.test_update_judged import blade, table, vary
+from tests.probed import numbers_of_result
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def spoilt():
 
 
 @pytest.mark.slow
-def test_a_wrong_row_is_named_and_set_aside(spoilt):
+def test_a_wrong_row_is_named_and_set_aside(spoilt, held):
     right, fit = spoilt
     reference = cf.update(blade(), right, vary("material.E"), outliers="keep")
     (row,) = fit.outliers
@@ -36,6 +37,7 @@ def test_a_wrong_row_is_named_and_set_aside(spoilt):
     document = json.loads(json.dumps(fit.to_json()))
     assert document["outliers"][0]["modes"] == [5]
     assert document["with_outliers"] == list(fit.plain.value)
+    held(1e-4, **numbers_of_result(fit))
 
 
 @pytest.mark.slow

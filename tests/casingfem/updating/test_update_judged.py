@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.probed import numbers_of_result
 
 DATA = Path(__file__).resolve().parents[3] / "data"
 BOUNDS = {"material.E": (150e9, 250e9), "shell.thickness": (2e-3, 4e-3), "material.nu": (0.2, 0.4)}
@@ -47,7 +48,7 @@ def many_harmonics(values):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", ["discrepancy", pytest.param("l-curve", marks=pytest.mark.campaign)])
-def test_many_harmonics_are_fixed_as_strongly_as_the_data_ask(rule):
+def test_many_harmonics_are_fixed_as_strongly_as_the_data_ask(rule, held):
     random = np.random.default_rng(23)
     true = 0.01 * random.standard_normal(8)
     found = cf.modes(many_harmonics(true), 16)
@@ -66,6 +67,7 @@ def test_many_harmonics_are_fixed_as_strongly_as_the_data_ask(rule):
     assert np.linalg.norm(np.subtract(fit.value, true)) < np.linalg.norm(true)
     assert json.loads(json.dumps(fit.to_json()))["regularised"]["rule"] in ("discrepancy", "l-curve")
     assert "regularised with a weight" in repr(fit)
+    held(1e-4, **numbers_of_result(fit))
 
 
 def test_regularising_nothing_is_refused():
@@ -78,7 +80,7 @@ def test_regularising_nothing_is_refused():
 
 
 @pytest.mark.slow
-def test_residuals_that_stay_large_do_not_slow_the_update():
+def test_residuals_that_stay_large_do_not_slow_the_update(held):
     """Those of the measured blade stay at 1.7 sigma. Gauss-Newton's steps overshoot there and need 16 solutions."""
     study = cf.load_study(DATA / "studies" / "olson_lindberg.toml")
     fit = cf.update(study.start, study.table, list(study.parameters), model_error=0.01)
@@ -87,20 +89,22 @@ def test_residuals_that_stay_large_do_not_slow_the_update():
     assert fit.misfit > 1.5
     assert np.abs(left).max() < 2e-3
     assert len(fit.history) <= 8
+    held(1e-4, **numbers_of_result(fit))
 
 
 @pytest.mark.slow
-def test_left_out_rows_are_predicted_as_well_as_their_sigma_states():
+def test_left_out_rows_are_predicted_as_well_as_their_sigma_states(held):
     fit = cf.update(blade(), table(1e-3, rows=6), vary("material.E", "material.nu"))
     left = cf.updating.leave_one_out(fit)
     assert [row.mode for row in left.rows] == list(range(1, 7))
     assert 0.3 < left.rms_sigma < 2.0
     assert left.rms > fit.rms_after
     assert "each row predicted from the others" in repr(left)
+    held(1e-4, **numbers_of_result(left))
 
 
 @pytest.mark.slow
-def test_a_left_out_row_is_not_used():
+def test_a_left_out_row_is_not_used(held):
     """One frequency wrong by 3 %: the others, and the fit without it, know where it belongs."""
     clean = cf.modes(blade(200e9), 4).freq
     wrong = cf.FrequencyTable.from_arrays(freq_hz=clean * [1.0, 1.0, 1.03, 1.0], sigma_hz=1e-3 * clean)
@@ -108,6 +112,7 @@ def test_a_left_out_row_is_not_used():
     row = cf.updating.leave_one_out(fit).rows[2]
     assert row.predicted_hz == pytest.approx(clean[2], rel=1e-6)
     assert row.deviation < -10.0
+    held(1e-4, **numbers_of_result(fit))
 
 
 @pytest.mark.slow
@@ -146,9 +151,10 @@ def test_laplace_equals_gauss_newton_where_residuals_are_straight():
 
 
 @pytest.mark.slow
-def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
+def test_laplace_sees_what_gauss_and_newton_leave_out(fit, held):
     """sum r H: against the derivative of the exact gradient."""
     sure = cf.updating.laplace(fit)
+    held(1e-3, **numbers_of_result(sure), **numbers_of_result(fit, "fit "))
     problem, h = fit.problem, 0.2 * fit.sigma
     gradient = []
     for k in range(3):
@@ -180,7 +186,7 @@ def test_samples_agree_with_the_gaussian_where_there_is_one(fit):
 
 
 @pytest.mark.slow
-def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
+def test_the_models_own_error_is_what_scatter_noise_does_not_explain(held):
     """Noise of 1 % called 0.1 %: the floor is 1 %."""
     fit = cf.update(blade(), table(0.01), vary("material.E"))
     assert fit.misfit > 5.0
@@ -188,6 +194,7 @@ def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
     assert "that the stated sigma do not explain" in repr(fit)
     again = cf.update(blade(), table(0.01), vary("material.E"), model_error=fit.model_floor)
     assert again.misfit == pytest.approx(1.0, abs=0.02)
+    held(1e-4, **numbers_of_result(fit))
     assert cf.update(blade(), table(1e-4), vary(*BOUNDS)).model_floor == 0.0
 
 
@@ -203,7 +210,7 @@ def test_a_saturated_fit_names_its_bound():
 
 
 @pytest.mark.slow
-def test_a_fit_at_its_upper_bound_states_so_and_that_its_worst_row_is_too_low():
+def test_a_fit_at_its_upper_bound_states_so_and_that_its_worst_row_is_too_low(held):
     """E of 196 instead of 200 GPa leaves every frequency below what was measured."""
     stuck = [cf.Parameter(name="material.E", lower=150e9, upper=196e9)]
     fit = cf.update(blade(195e9), table(rows=4), stuck, outliers="keep")
@@ -211,6 +218,7 @@ def test_a_fit_at_its_upper_bound_states_so_and_that_its_worst_row_is_too_low():
     mode, sigma = fit.worst()
     assert sigma == pytest.approx(fit.values[mode - 1]) == pytest.approx(fit.values.min())
     assert fit.values.max() < 0.0
+    held(1e-4, **numbers_of_result(fit))
 
 
 def test_chi_square_decides_whether_sigma_are_called_too_small_or_too_large(fit):
@@ -225,7 +233,7 @@ def test_chi_square_decides_whether_sigma_are_called_too_small_or_too_large(fit)
 
 
 @pytest.mark.slow
-def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms():
+def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms(held):
     """Row 5, 3 % low, lies 4.9 % off at the start and 3.1 % at the end, of a reach of 4 %; f^2 is as E."""
     freq = cf.modes(blade(200e9), 5).freq * [1.0, 1.0, 1.0, 1.0, 0.97]
     rows = cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=[1e-3, 1e-3, 1e-3, 1e-3, 5e-3] * freq)
@@ -241,6 +249,7 @@ def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms():
     assert [float(told[f"{k}"][5]) for k in range(1, 6)] == pytest.approx(errors, abs=6e-4)
     said = f"RMS {100.0 * (before - 1.0):.3f} % -> {100.0 * (1.0 - after):.3f} %, misfit {fit.misfit:.2f} sigma"
     assert said in repr(fit)
+    held(1e-4, **numbers_of_result(fit))
 
 
 @pytest.mark.slow

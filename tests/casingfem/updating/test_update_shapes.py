@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.probed import numbers_of_result
 
 MESH = cf.ShellMesh(order=5, rows=1, around=9)
 COUNT, ROWS = 16, 8
@@ -38,7 +39,7 @@ def measured(shell, turn=0.0, noise=0.0):
 
 
 @pytest.mark.slow
-def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
+def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum, held):
     truth = casing(frustum, c8=0.0025)
     start = cf.updating.with_value(casing(frustum), "support.base.around.p3.cos", 0.3)
     table, shapes = measured(truth, turn=0.4, noise=0.005)
@@ -54,6 +55,7 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     assert 0.8 < fit.misfit < 1.2
     assert fit.free == fit.residuals - 2 * ROWS - 2  # two modes a shape, two parameters
     compared = cf.updating.shape_fit(fit)
+    held(1e-4, **numbers_of_result(fit), **numbers_of_result(compared, "shapes "))
     first, *others = compared.before.found
     without = replace(compared, before=replace(compared.before, found=(first._replace(mode=None), *others)))
     numbers = [None, *(match.mode + 1 for match in others)]

@@ -9,6 +9,7 @@ import pytest
 
 import contact as ct
 from reports.verification.schemes.cycles import mass_on_stop, rod
+from tests.probed import finite
 
 pytestmark = pytest.mark.slow
 TURN = 2.0 * math.pi
@@ -32,7 +33,7 @@ def crossings(branch, value):
     return [branch.points[k] for k in np.flatnonzero((at[:-1] - value) * (at[1:] - value) <= 0.0)]
 
 
-def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold():
+def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold(held):
     """E1, r = .4: Vadcard, Batailly, Thouverez, J. Sound Vib. 531 (2022) 116950."""
     family = rod(0.4).over("freq_hz", freq_hz=10e3)
     found = ct.cycles.follow(family, (9500.0, 10600.0), longest=0.06).branches[0]
@@ -47,6 +48,8 @@ def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold():
     assert TURN * lower.orbit.value == pytest.approx(63848.2, abs=1.0)
     assert [kept for kept, _, _ in found.stretches] == [True, False, True]
     assert [special.kind for special in found.specials] == ["grazing", "fold", "fold", "grazing"]
+    special = [[s.orbit.value, s.orbit.force, list(s.orbit.amplitude.values())] for s in found.specials]
+    held(1e-4, special=finite(special), stretches=finite(found.stretches))
 
 
 def test_the_rod_on_a_stiff_obstacle_is_not_kept_over_a_stretch_that_runs_leave():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from tests.probed import numbers_of_notes, numbers_of_result
 
 R = ct.rotor
 OMEGA = np.sqrt(4e6 / 10.0)
@@ -16,7 +17,7 @@ def rotor(hz, inner=0.0, **more):
     return R.Rotor.of(disk, hz, unbalance=R.Unbalance(moment=1e-3, release=release), **more)
 
 
-def test_a_rotor_alone_is_in_resonance_around_its_critical_speed_and_safe_elsewhere():
+def test_a_rotor_alone_is_in_resonance_around_its_critical_speed_and_safe_elsewhere(held):
     scene = ct.Scene(what=rotor(80.0), t_end=1.0, dt=1e-4)
     found = ct.interactions(scene, np.linspace(20.0, 180.0, 41), runs=9)
     (row,) = found.rows
@@ -27,9 +28,10 @@ def test_a_rotor_alone_is_in_resonance_around_its_critical_speed_and_safe_elsewh
     speed, motion = np.array([(run.speed_hz / critical, run.amplitude_m) for run in found.runs]).T
     exact = 2.6e-3 * speed**2 / np.hypot(1.0 - speed**2, 0.04 * speed)  # of the moment after the loss, over the mass
     np.testing.assert_allclose(motion, exact, rtol=1e-2)
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
 
 
-def test_a_rotor_with_internal_damping_is_unstable_above_its_threshold():
+def test_a_rotor_with_internal_damping_is_unstable_above_its_threshold(held):
     scene = ct.Scene(what=rotor(80.0, inner=0.02), t_end=1.0, dt=1e-4)
     found = ct.interactions(scene, np.linspace(150.0, 250.0, 21), runs=5)
     (row,) = found.of("unstable")
@@ -37,14 +39,16 @@ def test_a_rotor_with_internal_damping_is_unstable_above_its_threshold():
     assert (row.peak.wave, row.wave, row.n) == ("forward", "forward", 1)
     assert row.at.low < row.at.closed < row.at.high
     assert {run.verdict for run in found.runs if run.speed_hz < 200.0} == {"safe"}
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
 
 
-def test_a_rub_on_a_rotor_is_run_at_constant_speeds_of_its_rotor():
+def test_a_rub_on_a_rotor_is_run_at_constant_speeds_of_its_rotor(held):
     casing = R.rigid_casing(radius=0.25, mass=20.0, stiffness=2e7, zeta=0.1)
     tips = [ct.ContactPoint(blade=j, angle_deg=60.0 * j) for j in range(6)]
     rub = R.rotor_rub(rotor(60.0), casing, [R.rigid_tip()] * 6, tips, clearance=5e-3, spin=R.Spin(inertia=0.3))
     found = ct.interactions(ct.Scene(what=rub, t_end=0.5, dt=1e-4), [20.0, 60.0], runs=2)
     assert [run.speed_hz for run in found.runs] == [20.0, 60.0]
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
     alone = ct.interactions(ct.Scene(what=rotor(60.0), t_end=0.5, dt=1e-4), [20.0, 60.0], runs=2)
     for free, one in zip(alone.runs, found.runs, strict=True):  # nothing touches within 5 mm
         assert one.amplitude_m == pytest.approx(free.amplitude_m, rel=1e-2)

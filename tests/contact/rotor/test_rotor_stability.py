@@ -12,6 +12,7 @@ from scipy.optimize import brentq, fsolve
 
 import contact as ct
 from casingfem.cli import main
+from tests.probed import finite, numbers_of_notes, numbers_of_result
 
 R = ct.rotor
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
@@ -49,13 +50,14 @@ def annular(W, mu):
 
 
 @pytest.mark.parametrize("hz", [70.0, 90.0, 110.0])
-def test_synchronous_rub_of_a_ring_has_the_force_and_orbit_of_the_algebraic_solution(hz):
+def test_synchronous_rub_of_a_ring_has_the_force_and_orbit_of_the_algebraic_solution(hz, held):
     mu, W = 0.1, 2.0 * np.pi * hz
     found = ct.stability.rotor_stability(rub(give=1.0 / SPRING), [hz, hz + 1.0], mu=mu)
     force, a = annular(W, mu)
     orbit = abs(MOMENT * W**2 - force * (1.0 + 1j * mu) * np.exp(1j * a)) / abs(stiffness(W)[0])
     assert found.rub_force[0] == pytest.approx(force, rel=1e-6)
     assert found.rub_orbit[0] == pytest.approx(orbit, rel=1e-6)
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
 
 
 @pytest.mark.slow
@@ -86,7 +88,7 @@ def test_growth_of_a_synchronous_rub_is_that_of_an_integration(hz, mu):
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.4])
-def test_dry_whirl_begins_at_the_lower_speed_of_black(mu):
+def test_dry_whirl_begins_at_the_lower_speed_of_black(mu, held):
     """Rolling at w = R W/c needs mu >= |Im B / Re B|, Re B < 0, B = 1/Z_r + 1/Z_c (Black 1968)."""
 
     def ratio(w):
@@ -103,6 +105,7 @@ def test_dry_whirl_begins_at_the_lower_speed_of_black(mu):
     assert found.dry[2] == "slipping"
     assert CLEARANCE * 2.0 * np.pi * found.dry_hz[2] < RADIUS * 2.0 * np.pi * 90.0  # the rim moves faster
     assert abs(ratio(2.0 * np.pi * found.dry_hz[2])) < 1e-3
+    held(1e-4, **numbers_of_result(found), words=numbers_of_notes(found.words))
 
 
 def test_dry_whirl_is_impossible_below_the_least_friction():
@@ -127,7 +130,7 @@ def test_a_rub_of_a_shaft_has_the_growth_of_its_modes_and_one_on_unequal_bearing
 
 
 @pytest.mark.slow
-def test_the_command_lists_growth_rub_and_dry_whirl_over_speed(tmp_path):
+def test_the_command_lists_growth_rub_and_dry_whirl_over_speed(tmp_path, held):
     answer = CliRunner().invoke(
         main, ["stability", str(SCENES / "blade_off" / "rigid.toml"), "--json", "--out", str(tmp_path)]
     )
@@ -139,6 +142,7 @@ def test_the_command_lists_growth_rub_and_dry_whirl_over_speed(tmp_path):
     assert found["dry_whirl"]["from_hz"] is None
     assert 0.1 < found["dry_whirl"]["least_friction"]
     assert {file.name for file in tmp_path.iterdir()} == {"stability.json", "stability.csv", "stability.png"}
+    held(1e-4, found=finite(found), words=numbers_of_notes(*(str(x) for x in found.values() if isinstance(x, str))))
 
 
 def test_the_command_finds_the_threshold_of_internal_damping(tmp_path):

@@ -7,6 +7,7 @@ import contact as ct
 from tests.contact.cycles.bodies import random_body
 from tests.contact.stability.rates import floquet_growth, growth
 from tests.contact.synthetic_rim import blade, ring
+from tests.probed import numbers_of_result
 
 B6 = ct.gaps.HandPair(
     casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=1e-3),
@@ -50,6 +51,7 @@ def test_numbers_of_peaks(name, held):
         peak=[found.map.peak_speed_hz, found.map.peak_growth],
         bands=found.map.bands_hz,
         blades=found.blade_hz,
+        **numbers_of_result(found),
     )
 
 

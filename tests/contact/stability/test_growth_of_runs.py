@@ -11,6 +11,7 @@ from contact.record.growth import Cause, RunGrowth
 from contact.speed_verdict import may_change
 from contact.stability.envelope import bend_of
 from tests.contact.synthetic_rim import blade
+from tests.probed import finite
 
 PAIR = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.004)
 
@@ -25,7 +26,7 @@ def free(zeta=0.004, *, n=4, speed_hz=5.0, velocity=(1e-3, 0.0)):
 
 @pytest.mark.parametrize(("state_every", "off"), [(5, 0.01), (53, 0.06)])  # dense, and half a period apart
 @pytest.mark.slow
-def test_energy_of_a_free_rim_decays_by_twice_its_damping(state_every, off):
+def test_energy_of_a_free_rim_decays_by_twice_its_damping(state_every, off, held):
     rim = free()
     result = ct.run(rim, t_end=1.0, dt=1e-4, record=ct.Record(state_every=state_every))
     found = ct.stability.of_run(rim, result)
@@ -33,10 +34,11 @@ def test_energy_of_a_free_rim_decays_by_twice_its_damping(state_every, off):
     assert found.energy_rate == pytest.approx(-2.0 * 0.004 * 2.0 * np.pi * 100.0, rel=off)
     assert found.low < -0.004 * 2.0 * np.pi * 100.0 < found.high
     assert (found.body, found.nodal_diameters) == ("casing", 4)
+    held(1e-5, found=finite(found))
 
 
 @pytest.mark.slow
-def test_a_free_rim_without_damping_is_bounded_at_its_amplitude():
+def test_a_free_rim_without_damping_is_bounded_at_its_amplitude(held):
     rim = free(zeta=0.0)
     found = ct.stability.of_run(rim, ct.run(rim, t_end=0.5, dt=1e-4, record=ct.Record(state_every=1)))
     assert found.state == "bounded"
@@ -45,11 +47,12 @@ def test_a_free_rim_without_damping_is_bounded_at_its_amplitude():
     assert found.words.startswith(bounded)
     assert found.steady < 0.05
     assert found.time_to_half_wall == np.inf
+    held(1e-5, found=finite(found))
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.slow
-def test_a_wave_with_the_blades_and_one_against_them_are_distinguished(sense):
+def test_a_wave_with_the_blades_and_one_against_them_are_distinguished(sense, held):
     """The blades run towards -theta in a casing whose angle grows; cos(n theta - w t) runs towards +theta."""
     rub = ct.Rub(
         ct.gaps.pair_rim(PAIR, radius=0.5),
@@ -66,11 +69,12 @@ def test_a_wave_with_the_blades_and_one_against_them_are_distinguished(sense):
     assert f"{'against' if sense > 0.0 else 'with'} the rotation of the blades" in found.cause.words
     standing = ct.stability.of_run(free(), ct.run(free(), t_end=0.2, dt=1e-4, record=ct.Record(state_every=10)))
     assert abs(standing.cause.travel) < 0.01
+    held(1e-5, found=finite(found), standing=finite(standing))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shift", [0.0, 0.5 * np.pi])
-def test_a_wave_of_the_blades_has_its_nodal_diameters_wherever_its_nodes_are(shift):
+def test_a_wave_of_the_blades_has_its_nodal_diameters_wherever_its_nodes_are(shift, held):
     disk = ct.gaps.BladedDisk(blades=12, freq_hz=100.0, modal_mass=0.4, coupling=0.05)
     body, flaps = disk.body(), np.cos(3.0 * np.arange(12) * np.pi / 6.0 - shift)
     start = ct.gaps.Start(displacement=np.linalg.solve(body.rows[1::2], 1e-4 * flaps), velocity=np.zeros(12))
@@ -81,10 +85,11 @@ def test_a_wave_of_the_blades_has_its_nodal_diameters_wherever_its_nodes_are(shi
     cause = ct.stability.of_run(rub, ct.run(rub, t_end=0.1, dt=2e-4, record=ct.Record(state_every=10))).cause
     assert (cause.body, cause.n) == ("blades", 3)
     assert cause.share == pytest.approx(1.0, abs=1e-6)
+    held(1e-5, cause=finite(cause))
 
 
 @pytest.mark.slow
-def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
+def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole(held):
     """A pressed pair at the speed of its sum condition: the fastest pole, until the motion opens the contact."""
     pair = ct.gaps.HandPair(
         casing=ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5),
@@ -104,6 +109,7 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
     assert grown.rate == pytest.approx(found.peak_growth, rel=0.1)
     assert grown.cause.source == "the turning rim"
     assert grown.cause.travel > 0.9  # the wave that the blade overtakes
+    held(1e-4, grown=finite(grown))
     further = ct.stability.of_run(rub, ct.run(rub, t_end=0.4, dt=2e-5, record=ct.Record(state_every=10)))
     assert further.time_to_half_wall == pytest.approx(grown.time_to_half_wall, rel=0.05)
 
@@ -117,7 +123,7 @@ def test_a_bend_that_scatter_may_hide_is_the_interval_of_a_parabola(count):
     assert bend_of(t, y) == pytest.approx(np.hypot(quadratic[0], wide) / 2.0, rel=1e-4)
 
 
-def test_a_slow_growth_after_a_long_start_is_not_bounded():
+def test_a_slow_growth_after_a_long_start_is_not_bounded(held):
     """A mode of the blade that contact does not see decays for 0.6 s before a pole of 1.6 1/s shows in the energy."""
     pair = ct.gaps.HandPair(
         casing=ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5),
@@ -137,6 +143,7 @@ def test_a_slow_growth_after_a_long_start_is_not_bounded():
     assert 1.5 < pole < 1.8
     assert result.growth.since > 0.5
     assert result.growth.state == "undecided"
+    held(1e-4, growth=finite(result.growth))
 
 
 def test_a_level_that_has_jumped_late_in_the_run_is_not_bounded():
@@ -176,7 +183,7 @@ def test_a_growth_that_passes_the_limit_at_half_the_step_too_is_not_numerical():
     assert both.flags[0].code == "growth-numerical"
 
 
-def test_a_run_stopped_before_its_growth_is_known_is_judged_by_the_limit_at_half_the_step():
+def test_a_run_stopped_before_its_growth_is_known_is_judged_by_the_limit_at_half_the_step(held):
     """A rim thrown beyond half its wall in a tenth of a period, whatever the step."""
     casing = replace(ct.gaps.pair_rim(PAIR, radius=0.5), thickness=2e-4)
     rim = ct.RotatingRim(casing, blade(), clearance=1e-2, speed_hz=5.0, casing_velocity=[0.7, 0.0])
@@ -184,6 +191,7 @@ def test_a_run_stopped_before_its_growth_is_known_is_judged_by_the_limit_at_half
         ct.run(rim, t_end=0.1, dt=2e-6)
     found = stop.value.result.growth
     assert (found.passes, found.check, found.outcome) == (True, "converged", found.state)
+    held(1e-4, found=finite(found))
     within = replace(found, passes=False)
     assert (within.check, within.outcome, within.flags[0].code) == ("numerical", "numerical", "growth-numerical")
 

@@ -15,6 +15,7 @@ import contact as ct
 from casingfem.cli import main
 from tests.contact.stability.rates import floquet_growth, growth
 from tests.contact.synthetic_rim import blade, ring
+from tests.probed import finite, numbers_of_notes, numbers_of_result
 
 SCENE = Path(__file__).parents[3] / "data" / "scenes" / "pair.toml"
 B6 = ct.gaps.HandPair(
@@ -57,10 +58,11 @@ def marched(pair, speed_hz, rate):
     return np.polyfit(times.reshape(60, -1).mean(axis=1)[40:], np.log(level[40:]), 1)[0]
 
 
-def test_b6_from_its_scene_file():
+def test_b6_from_its_scene_file(held):
     result = CliRunner().invoke(main, ["stability", str(SCENE), "--json"])
     assert result.exit_code == 0
     document = json.loads(result.stdout)
+    held(1e-5, document=finite(document), words=numbers_of_notes(document["words"]))
     assert document.keys() >= {"speed_hz", "growth", "peak", "bands_hz", "words"}
     assert len(document["speed_hz"]) == len(document["growth"]) == 401
     assert document["peak"]["growth"] == pytest.approx(3.7883, abs=5e-5)
@@ -74,18 +76,20 @@ def test_b6_is_stable_at_the_difference_and_at_the_unloaded_sum():
     assert np.all(growth(B6.contact(), np.array([22.5, 22.192, 52.5])) < 1e-5)
 
 
-def test_bands_narrower_than_the_grid_are_found():
+def test_bands_narrower_than_the_grid_are_found(held):
     """The sum condition, and above 300/8 turns/s the wave that the blade pushes before itself."""
     found = ct.stability.of_contact(B6.contact(), np.linspace(0.0, 100.0, 11))
+    held(1e-5, **numbers_of_result(found), words=numbers_of_notes(found.words))
     assert found.peak_growth == pytest.approx(3.7883, abs=1e-4)
     assert np.allclose(found.bands_hz, [[37.5, 37.5337], [52.693, 52.9945]], atol=2e-4)
 
 
 @pytest.mark.slow
-def test_digging_blade_grows_in_time_as_its_pole():
+def test_digging_blade_grows_in_time_as_its_pole(held):
     pair = damped(replace(B6, friction=0.3, lean_deg=10.0))
     found = ct.stability.of_contact(pair.contact(), np.linspace(22.0, 23.5, 61))
     assert found.peak_growth > 1.5
+    held(1e-5, **numbers_of_result(found), words=numbers_of_notes(found.words))
     assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
     assert "f_b = f_c - n f, n f = 182 Hz. Without friction nothing grows in this range." in found.words
 
@@ -98,13 +102,14 @@ def of(words, pattern):
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_words_name_the_motion_at_each_peak_the_highest_first(sense):
+def test_words_name_the_motion_at_each_peak_the_highest_first(sense, held):
     """A digging blade at the difference, a trailing one at the sum: n f is that of the two frequencies."""
     digs = replace(B6, friction=0.3, lean_deg=10.0 * sense)
     words = ct.stability.of_contact(digs.contact(), sense * 41.0 + np.linspace(-21.0, 21.0, 81)).words
     first, second = words.index("f_b = f_c - n f"), words.index("f_c + f_b = n f")
     assert first < second
     frames = "f_c = # Hz in the casing's frame and f_b = # Hz in the blade's: "
+    held(1e-4, words=numbers_of_notes(words))
     casing, blade, turned = of(words, f"{frames}f_b = f_c - n f, n f = # Hz.")
     assert blade == pytest.approx(casing - turned, abs=0.2)
     casing, blade, turned = of(words, f"{frames}f_c + f_b = n f. The blade overtakes the wave, n f = # Hz > f_c.")

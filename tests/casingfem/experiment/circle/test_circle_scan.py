@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from tests.probed import finite
 
 SEED = 7719
 FS = 2000.0
@@ -317,7 +318,7 @@ def test_force_makes_mobility():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("split", [1.5, 0.75])  # half-power bandwidth 1.48 Hz
-def test_a_close_pair_both_excited_is_distinguished(split):
+def test_a_close_pair_both_excited_is_distinguished(split, held):
     rig, circle = ring_rig(split=split, zeta=[0.002, 0.0025, 0.002, 0.002])
     tones = [cf.rig.Tone(f) for f in np.linspace(368.13, 371.93, 13)]
     made = cf.rig.scan(
@@ -333,6 +334,7 @@ def test_a_close_pair_both_excited_is_distinguished(split):
     np.testing.assert_allclose(pair.zeta, [0.002, 0.0025], rtol=0.05)
     assert pair.split == pytest.approx(split, abs=4.0 * pair.split_sigma)
     assert 0.6 < pair.misfit < 1.6
+    held(1e-4, pair=finite(pair))
 
 
 CLOSE = np.array([369.25, 370.75]), np.array([0.002, 0.0025]), PSI  # frequencies, damping ratios, antinodes
@@ -366,9 +368,10 @@ def left_over(seen, pair):
 
 
 @pytest.mark.slow
-def test_the_misfit_of_a_pair_is_over_the_equations_that_its_ten_unknowns_leave():
+def test_the_misfit_of_a_pair_is_over_the_equations_that_its_ten_unknowns_leave(held):
     seen = close_pair(np.random.default_rng(SEED))
     pair = cf.circle.split_pair(seen, 8)
+    held(1e-4, pair=finite(pair))
     assert pair.misfit == pytest.approx(np.sqrt(left_over(seen, pair) / (24 - 10)), rel=1e-6)
 
 
@@ -430,10 +433,11 @@ def test_two_members_of_one_frequency_and_damping_are_not_distinguished(freq, am
 
 
 @pytest.mark.slow
-def test_a_split_of_a_fifteenth_of_the_bandwidth_is_distinguished_from_noise():
+def test_a_split_of_a_fifteenth_of_the_bandwidth_is_distinguished_from_noise(held):
     pair = cf.circle.split_pair(scan_of_a_pair([369.95, 370.05], seed=5), 8)
     assert pair.split == pytest.approx(0.1, abs=4.0 * pair.split_sigma)
     assert pair.split_sigma < 0.02
+    held(1e-4, pair=finite(pair))
 
 
 @pytest.mark.campaign

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tests.casingfem.experiment.held_notes import numbers_of_notes
-from tests.probed import numbers_in, probed
+from tests.probed import numbers_in, numbers_of_notes, probed
 
 
 def numbers_of_modes(found):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from tests.casingfem.experiment.held_notes import numbers_of_estimate
+from tests.casingfem.experiment.frf.records.held_estimate import numbers_of_estimate
 
 FS, BLOCK, DELAY = 2048.0, 4096, 0.05
 RIG = cf.rig.Rig.of(

@@ -1,17 +1,8 @@
-"""Numbers in texts, and those of estimated frequency responses, to hold."""
-
-import re
+"""Numbers of estimated frequency responses to hold."""
 
 import numpy as np
 
-from tests.probed import probed
-
-NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
-
-
-def numbers_of_notes(*texts):
-    """How many texts there are, and the numbers in them."""
-    return [len(texts), *(float(text) for text in NUMBER.findall(" ".join(texts)))]
+from tests.probed import numbers_of_notes, probed
 
 
 def numbers_of_estimate(found):
