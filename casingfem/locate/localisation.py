@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.experiment.correlation.matches import modes_of, refuse_unpaired, unpaired_words
+from casingfem.experiment.correlation.frequency_unit import refuse_unpaired
+from casingfem.experiment.correlation.matches import modes_of, unpaired_words
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.explanations import (

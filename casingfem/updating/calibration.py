@@ -17,7 +17,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.matches import Match, Pairing, refuse_unpaired
+from casingfem.experiment.correlation.frequency_unit import refuse_unpaired
+from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.matches import refuse_unpaired
+from casingfem.experiment.correlation.frequency_unit import refuse_unpaired
 from casingfem.experiment.correlation.pairing import Pairing, pair
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, frozen

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.correlation.matches import UNITS
+from casingfem.experiment.correlation.frequency_unit import UNITS
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray

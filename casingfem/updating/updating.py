@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from casingfem.errors import InputError, ModelError, warn
-from casingfem.experiment.correlation.matches import require_hz
+from casingfem.experiment.correlation.frequency_unit import require_hz, require_scale
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below, modes
@@ -112,7 +112,8 @@ def update(
         A parameter that does not exist, is named twice, or starts outside its bounds.
     InputError
         Nothing pairs, fewer residuals than parameters, rigid motions among the modes, shapes of another table; a
-        table in another unit, or a row above more than MOST_MODES modes where no `count` is given.
+        table in another unit, or by another factor beyond the reach of all modes; a row above more than MOST_MODES
+        modes where no `count` is given.
 
     Examples
     --------
@@ -139,7 +140,8 @@ def update(
         count = mode_count(table, structure, system)
         if count > FAR * len(table):
             lowest = modes(structure, 2 * len(table))
-            require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None))
+            many = count > MOST_MODES
+            require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None), reach, any_factor=many)
             require_few(table, count)
     if shapes is not None and (columns := shapes.shapes.shape[1]) != len(table):
         raise InputError(f"shapes: found {columns} columns, expected {len(table)}, one for each row of the table")
@@ -176,6 +178,8 @@ def fitted(
     if before.modes.rigid:
         found = f"found {before.modes.rigid} rigid-body modes of the structure, expected none"
         raise InputError(f"update: {found}; support it before updating")
+    if begin is None:
+        require_scale(table, before.modes, before.pairing, problem.reach)
     require_enough(len(problem.fun(problem.start)), len(vary))
     if regularise is None:
         first = None if begin is None else stepped(problem, *begin)

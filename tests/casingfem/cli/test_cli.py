@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -457,6 +458,16 @@ def test_what_a_command_needs_and_the_study_lacks(study):
 def test_a_table_of_other_frequencies_pairs_nothing(study, tmp_path):
     (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,3,9,1\n")
     refused(study, "update: no row of", "update")
+
+
+@pytest.mark.slow
+def test_a_table_that_is_three_times_too_high_is_refused_with_the_factor(study):
+    file = study.with_name("table.csv")
+    table = cf.FrequencyTable.from_csv(file)
+    replace(table, freq_hz=3.0 * table.freq_hz).to_csv(file)
+    refused(study, f"update: {file}, column 'freq_hz': found ", "update")
+    refused(study, "typically 3.0", "update")
+    refused(study, "check the unit of the table, and E, rho and the dimensions of the model", "update")
 
 
 @pytest.mark.parametrize(
