@@ -92,7 +92,7 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
         return f"{file}: {key}.kind: found {found!r}, expected one of {tags}"
     message = detail["msg"].removeprefix("Value error, ")
     if isinstance(detail["input"], dict) or detail["type"] == "value_error":
-        return f"{file}: {key}: {message}"
+        return f"{file}: {key}: {message}" if key else f"{file}: {message}"
     expected = LONG.sub(lambda digits: f"{float(digits[0]):g}", message.removeprefix("Input should be "))
     if detail["type"] == "string_too_short":
         expected = "a name that is not empty"

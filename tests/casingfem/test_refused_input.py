@@ -50,6 +50,21 @@ def output(kind):
     return cf.reduce(part, interface, modes=1, outputs=(kind,))
 
 
+TUBE = replace(
+    PLATE, chart=cf.Cylinder(radius=0.3, height=0.2), supports={"base": cf.Clamped()},
+    mesh=cf.ShellMesh(order=4, rows=1, around=5),
+)  # fmt: skip
+
+
+def troubled(lines, sensors, **troubles):
+    rig = cf.rig.Rig.of(omega=[900.0, 1000.0], zeta=[0.01, 0.02], rows=np.eye(2))
+    return cf.rig.troubled_frfs(rig, lines, cf.rig.Troubles(**troubles), sensors=sensors, drives=[1], seed=1)
+
+
+def functions(**changes):
+    return cf.frf.FrfSet.from_arrays(**({"kind": "frf", "x": [1.0], "responses": [[1j]], "unit": "m/N"} | changes))
+
+
 def shapes(values):
     return cf.correlation.MeasuredShapes.from_arrays(freq_hz=[100.0], values=values, points=POINTS, directions=OUT)
 
@@ -122,6 +137,78 @@ REFUSED = {
     "a shape of zeros": (lambda: shapes(np.zeros((1, 1))), "zero everywhere"),
     "a window": (lambda: cf.rig.estimate(recorded(), window="flat"), "window: found 'flat', expected"),
     "an estimator": (lambda: cf.rig.estimate(recorded(), estimator="H3"), "estimator: found 'H3', expected"),
+    "a mass below zero at a sensor": (
+        lambda: cf.rig.Place(at=(0.1, 0.0), mass=-1.0),
+        "mass: found -1.0 kg, expected 0 or more",
+    ),
+    "a direction of a sensor": (
+        lambda: cf.rig.Place(at=(0.1, 0.0), direction="up"),
+        "direction: found 'up', expected one of",
+    ),
+    "no places": (
+        lambda: cf.rig.rig_of(cf.modes(PLATE, 2), [], zeta=0.01),
+        "places: found none, expected at least one",
+    ),
+    "damping of one": (
+        lambda: cf.rig.rig_of(cf.modes(PLATE, 2), [cf.rig.Place(at=(0.1, 0.0))], zeta=1.0),
+        "zeta: found 1, expected damping ratios from 1e-09 to below 1, not per cent",
+    ),
+    "as many dead channels as there are": (
+        lambda: troubled(np.arange(120.0, 180.0), [0], dead=1),
+        "troubles.dead: found 1; expected less than the 1 channels",
+    ),
+    "a fixture beside no mode": (
+        lambda: troubled(np.arange(420.0, 480.0), [0, 1], fixture=1),
+        "troubles.fixture: found no mode of the structure from 420 to 479 Hz; expected one in the band",
+    ),
+    "a form": (lambda: functions(unit="", form="inertance"), "form 'inertance'; expected receptance or mobility or"),
+    "a complex record": (lambda: functions(kind="time"), "found a complex time record; expected real values"),
+    "an abscissa that turns back": (
+        lambda: functions(x=[3.0, 2.0], responses=[[1j, 2j]]),
+        "found 2 after 3; expected an abscissa that ascends",
+    ),
+    "parts of points": (lambda: functions(response_point=[1.5]), "response_point that are not whole numbers"),
+    "shapes at other dofs": (
+        lambda: cf.correlation.mac(np.ones((3, 2)), np.ones((4, 2))),
+        "shapes to compare need the same dofs, not 3 and 4",
+    ),
+    "air of too few blades": (
+        lambda: cf.modal.Influence(offset=[0, 1], stiffness=[1.0], damping=[1.0, 2.0]),
+        "expected one stiffness and one damping for each offset",
+    ),
+    "air of parts of blades": (
+        lambda: cf.modal.Influence(offset=[0.5, 1], stiffness=[1.0, 2.0], damping=[1.0, 2.0]),
+        "influence: found shapes {(2,)}; expected one stiffness",
+    ),
+    "a chain of one blade": (
+        lambda: cf.modal.BladedWheel.chain(blades=1, freq_hz=100.0, mass=0.2, coupling=0.02),
+        "chain: found blades = 1, freq_hz = 100, mass = 0.2, coupling = 0.02, expected 2 or more blades",
+    ),
+    "a chain that pushes": (
+        lambda: cf.modal.BladedWheel.chain(blades=3, freq_hz=100.0, mass=0.2, coupling=-0.02),
+        "coupling = -0.02, expected 2 or more blades, positive numbers",
+    ),
+    "a line beside the rim's": (
+        lambda: cf.modal.out_of_roundness(TUBE, cf.Rim("top", n_max=3), line=1),
+        "line must lie between 0 and 0 here, found 1",
+    ),
+    "a sum of no fields": (lambda: cf.field.SumField(fields=()), "SumField: found no fields, expected at least one"),
+    "a wall as thick as its surface is long": (
+        lambda: replace(PLATE, thickness=0.3),
+        "the wall is 0.3 m thick on a surface 0.2 m long",
+    ),
+    "a steady shape at rest": (
+        lambda: BEAM.steady_shape(),
+        "steady_shape: found a structure without rotation, expected one with",
+    ),
+    "bolts of an edge without": (
+        lambda: cf.search_model(PLATE, cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1)),
+        "locate among bolts: found 0 edges with bolts, expected one",
+    ),
+    "responses of no number": (
+        lambda: cf.chance.subset_simulation(lambda u: np.nan * u.sum(axis=1), 4, 6.0, seed=7),
+        "subset_simulation: found responses (1000,) or not finite, expected (1000,) finite",
+    ),
     "an empty band": (lambda: cf.rig.estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz without a line"),
     "bits": (lambda: cf.rig.Converter(bits=1, full_scale=1.0), "bits: found 1, expected"),
     "a quantity": (
@@ -148,9 +235,41 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_input_is_refused(name):
     make, words = REFUSED[name]
-    with pytest.raises((cf.errors.InputError, cf.errors.ModelError, ValueError)) as caught:
+    with pytest.raises((cf.errors.InputError, cf.errors.ModelError, cf.errors.NumericsError, ValueError)) as caught:
         make()
     assert words in str(caught.value)
+
+
+def test_responses_that_the_rig_did_not_make_are_not_written_as_its_own(tmp_path):
+    frfs = replace(ONE.frfs([100.0, 110.0], sensors=[0], drives=[0]), card=("MEASURED: mine",))
+    with pytest.raises(
+        ValueError, match="found a set whose card does not begin with SYNTHETIC, expected the rig's own"
+    ):
+        cf.rig.write_rig_uff(tmp_path / "rig.uff", ONE, [frfs])
+
+
+def test_an_empty_set_of_a_universal_file_is_named_with_its_line(tmp_path):
+    (tmp_path / "e.uff").write_text("    -1\n  2411\n\n    -1\n")
+    with pytest.raises(
+        cf.errors.InputError, match=r"e\.uff, line 3, set 2411 .*: found an empty set; expected at least"
+    ):
+        cf.uff.read_uff(tmp_path / "e.uff")
+
+
+def test_a_table_of_influence_has_its_three_columns(tmp_path):
+    (tmp_path / "i.csv").write_text("offset,stiffness\n0,1\n")
+    with pytest.raises(cf.errors.InputError, match="found offset,stiffness; expected offset,stiffness,damping"):
+        cf.modal.Influence.from_csv(tmp_path / "i.csv")
+
+
+def test_uneven_records_of_responses_alone_are_refused():
+    rng = np.random.default_rng(1)
+    records = cf.frf.FrfSet.from_arrays(
+        kind="time", x=(np.arange(4000) / 500.0) ** 1.01, responses=rng.standard_normal((3, 4000)), unit="m",
+        response_point=[1, 2, 3],
+    )  # fmt: skip
+    with pytest.raises(cf.errors.InputError, match="found uneven instants; expected even steps"):
+        cf.identify(records)
 
 
 def test_nothing_to_write_is_no_universal_file(tmp_path):

@@ -31,7 +31,158 @@ def matrices(**more):
     return ct.ModalBody.from_matrices(PAIR, PAIR, **({"dofs": [(1, "x"), (2, "x")], "contact": [1]} | more))
 
 
+R = ct.rotor
+XYZ = [(1, "x"), (1, "y"), (1, "z")]
+RUB = R.rotor_rub(
+    R.Rotor.of(R.Jeffcott(mass=10.0, stiffness=4e6), 60.0, unbalance=R.Unbalance(moment=1e-3)),
+    R.rigid_casing(radius=0.25, mass=20.0, stiffness=2e7, zeta=0.1), [R.rigid_tip()], clearance=5e-4,
+)  # fmt: skip
+TWO_TIPS = ct.Rub(
+    ring(), (blade(), blade()), [ct.ContactPoint(), ct.ContactPoint(blade=1, angle_deg=90.0)], clearance=-1e-5
+)
+
+
+def shaft(**more):
+    ends = [R.Bearing(at=at, kxx=2e7) for at in (0.0, 0.6)]
+    disk = R.Disk(at=0.4, mass=2.0, polar=0.04, diametral=0.02)
+    piece = R.Piece(length=0.6, diameter=0.06, elements=3)
+    return R.Shaft(**({"pieces": [piece], "disks": [disk], "bearings": ends} | more))
+
+
+def implicit(K, size=2):
+    """A step of a body whose stiffness matrix cannot be that of a structure."""
+    body = ct.LinearBody(
+        M=np.ones(size), K=K, Q=csr_array(([1.0], ([0], [0])), shape=(1, size)), gap0=np.array([0.1])
+    )  # fmt: skip
+    return ct.run(body, scheme=ct.scheme.HHT(alpha=-0.1), t_end=2e-3, dt=1e-3)
+
+
+def spread(size=700):
+    """A stiffness with entries all over, so that it is factored by entries; two of them attract each other."""
+    K = diags_array([np.full(size, 2.0), -np.ones(size - 1), -np.ones(size - 1)], offsets=[0, 1, -1], format="lil")
+    for a, b in np.random.default_rng(3).integers(size, size=(900, 2)).tolist():
+        K[a, a], K[b, b] = K[a, a] + 0.4, K[b, b] + 0.4
+        K[a, b], K[b, a] = K[a, b] - 0.3, K[b, a] - 0.3
+    K[5, 6], K[6, 5] = -1e9, -1e9
+    return K.tocsr()
+
+
+def full(values):
+    return csc_array(np.asarray(values, dtype=float))
+
+
+def by_events(S):
+    patch = ct.Patch(body=replace(BODY, S=S), normal=("x", "y"))
+    return ct.run(patch, scheme=ct.scheme.EventDriven(), t_end=1e-2, dt=1e-3)
+
+
+def one_case(what, speeds):
+    cases = ct.stability.Cases(casing=np.ones((1, len(ring().omega))), blade=np.ones(1), mu=np.zeros(1))
+    return ct.stability.growth_of_cases(what, np.array(speeds), cases)
+
+
 REFUSED = {
+    "a stiffness too large to multiply": (
+        lambda: replace(ROD, E=1e200),
+        "E: found 1e+200, expected a number between 1e-60 and 1e+60",
+    ),
+    "a stiffness too small to multiply": (lambda: replace(ROD, E=1e-200), "E: found 1e-200, expected a number between"),
+    "a negative stiffness": (
+        lambda: implicit(np.diag([2.0, -1e9])),
+        "M + h C + h^2 K: found -271.25 on the diagonal, expected entries > 0",
+    ),
+    "an indefinite stiffness of a band": (
+        lambda: implicit(np.array([[2.0, 5e9], [5e9, 2.0]])),
+        "M + h C + h^2 K: found a matrix that is not positive definite (2-th leading minor",
+    ),
+    "an indefinite stiffness by entries": (
+        lambda: implicit(spread(), 700),
+        "M + h C + h^2 K: found a matrix that is not positive definite, pivot -",
+    ),
+    "axes that are no unit vectors": (
+        lambda: matrices(axes={1: 2.0 * np.eye(3)}),
+        "axes: found [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]] at node 1, expected three unit vectors",
+    ),
+    "left-handed axes": (lambda: matrices(axes={2: np.diag([1.0, 1.0, -1.0])}), "at node 2, expected three unit"),
+    "a mass between dofs beyond theirs": (
+        lambda: ct.ModalBody.from_matrices(full([[1.0, 2.0], [2.0, 1.0]]), PAIR, dofs=XYZ[:2], contact=[1]),
+        "M: found 2 between 1.y and 1.x, more than the diagonal entries allow",
+    ),
+    "masses of which a motion has none": (
+        lambda: ct.ModalBody.from_matrices(full(1.9 * np.eye(3) - 0.9), csc_array(np.eye(3)), dofs=XYZ, contact=[1]),
+        "M: found negative modal masses, expected a mass matrix without negative eigenvalues",
+    ),
+    "structural damping beyond all": (
+        lambda: matrices(K4=3.0 * PAIR),
+        "K4: found a damping ratio of 1.5 in mode 1, expected less than 1",
+    ),
+    "structural damping that drives": (
+        lambda: matrices(K4=-0.01 * PAIR),
+        "K4: found negative damping in mode 2, expected damping that dissipates energy",
+    ),
+    "a stiffness of matrices that is negative": (
+        lambda: ct.ModalBody.from_matrices(PAIR, full(np.diag([1.0, -2.0])), dofs=XYZ[:2], contact=[1]),
+        "K: found an indefinite or singular stiffness, expected one without negative modes",
+    ),
+    "a frequency that underflows": (
+        lambda: replace(BODY, omega=[1e-200, 2.0]),
+        "omega: found 1e-200 rad/s, expected 0, a rigid motion, or >= 1e-50",
+    ),
+    "contacts of one compliance by events": (
+        lambda: by_events(np.ones((2, 2))),
+        "S: found a singular compliance of the contacts, expected a positive definite one",
+    ),
+    "a rotor of channels without a node": (
+        lambda: R.Rotor.of(BODY, 60.0, unbalance=R.Unbalance(moment=1e-3)),
+        "channels: found x, y, expected x and y of a node, such as 6.x and 6.y",
+    ),
+    "a shaft of too many elements": (
+        lambda: shaft(pieces=[R.Piece(length=0.6, diameter=0.06, elements=9999)]),
+        "pieces: found 10000 nodes, expected at most 400; use fewer elements",
+    ),
+    "a place between nodes": (
+        lambda: shaft().node(0.123),
+        "at: found 0.123 m, expected a node: 0, 0.2, 0.4, 0.6 m",
+    ),
+    "more modes than a shaft has": (
+        lambda: R.Rotor.of(shaft(), 60.0, modes=99),
+        "modes: found 99, expected 1 to 16, the modes of the shaft",
+    ),
+    "gravity on a rotor that tips over": (
+        lambda: ct.run(
+            R.Rotor.of(shaft(bearings=[R.Bearing(at=0.0, kxx=1.0, kyy=1.0)]), 60.0, gravity=9.8), t_end=1e-3, dt=1e-4
+        ),
+        "gravity: found a rotor without support, expected a bearing, or gravity = 0",
+    ),
+    "speeds of whirl in two rows": (
+        lambda: R.campbell(RUB.rotor, [[1.0], [2.0]]),
+        "speed_hz: found [[1.0], [2.0]], expected a list of finite speeds",
+    ),
+    "forces of supports without states": (
+        lambda: ct.recovery.support_forces(RUB, ct.run(RUB, t_end=1e-3, dt=1e-4, record=ct.Record(every=1))),
+        "state: found none in the result, expected a record with state_every",
+    ),
+    "forces of supports without participation": (
+        lambda: ct.recovery.support_forces(replace(RUB, casing=replace(RUB.casing, participation=None)), None),
+        "participation: found none in the bases of rotor and casing, expected one in each",
+    ),
+    "stability of a rotor at rest": (
+        lambda: ct.stability.rotor_stability(RUB.rotor, [0.0, 1.0]),
+        "speed_hz: found 0 turns/s, expected speeds above 0",
+    ),
+    "stability of no rotor": (
+        lambda: ct.stability.rotor_stability(ct.Rub(rim3(), (nodes(1),), tips(1)), [1.0, 2.0]),
+        "rub: found one without a rotor, expected one of ct.rotor.rotor_rub",
+    ),
+    "dangerous speeds of a rotor at rest": (
+        lambda: ct.interactions(ct.Scene(what=RUB.rotor, t_end=1.0, dt=1e-4), [0.0, 10.0], runs=2),
+        "speed_hz: found 0 Hz, expected speeds above 0",
+    ),
+    "the slope of a law without one": (
+        lambda: ct.stability.slope_of(ct.Unilateral()),
+        "law: found Lagrange, expected a law with a response: Hertz, ForceTable, ForceLaw or Penalty",
+    ),
+    "varied contacts of two tips": (lambda: one_case(TWO_TIPS, [1.0, 2.0]), "tips: found 2 contacts, expected one"),
     "sectors": (
         lambda: replace(BODY, sectors=2),
         "sectors: found 2 and channels of 2 sectors, expected channels sector0.*",

@@ -175,7 +175,7 @@ def factor(A: Band, name: str) -> Factor:
     [0.5, 0.25]
     """
     if not np.all(diagonal(A) > 0.0):
-        raise InputError(f"{name}: found a diagonal entry <= 0 in row {int(np.argmin(diagonal(A))) + 1}, expected > 0")
+        raise InputError(f"{name}: found {diagonal(A).min():g} on the diagonal, expected entries > 0")
     if A.lumped:
         return Factor(1.0 / A.ground, np.zeros((A.ground.size, 0)))
     if A.sparse.start.size:
