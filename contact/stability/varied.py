@@ -49,8 +49,9 @@ class Cases:
         if self.casing.ndim != 2 or not self.blade.shape == self.mu.shape == self.casing.shape[:1]:
             found = f"casing {self.casing.shape}, blade {self.blade.shape}, mu {self.mu.shape}"
             raise InputError(f"cases: found {found}, expected (cases, modes), (cases,) and (cases,)")
-        if not (np.all(self.casing > 0.0) and np.all(self.blade > 0.0) and np.all(self.mu >= 0.0)):
-            raise InputError("cases: found ratios <= 0 or friction < 0, expected ratios > 0 and friction >= 0")
+        finite = all(np.isfinite(part).all() for part in (self.casing, self.blade, self.mu))
+        if not (finite and np.all(self.casing > 0.0) and np.all(self.blade > 0.0) and np.all(self.mu >= 0.0)):
+            raise InputError("cases: found ratios <= 0 or friction < 0, expected finite ratios > 0 and friction >= 0")
 
     def __repr__(self) -> str:
         return f"Cases({len(self.mu)} of {self.casing.shape[1]} modes)"

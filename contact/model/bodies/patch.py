@@ -57,9 +57,9 @@ class Patch:
         for name in (*self.normal, *(channel for pair in self.tangent for channel in pair)):
             self.body.channel(name)
         for name in ("clearance", "pressed"):
-            object.__setattr__(self, name, readonly(np.broadcast_to(np.asarray(getattr(self, name), float), (k,))))
+            object.__setattr__(self, name, _spread(name, getattr(self, name), (k,)))
         width = max(self.dimensions - 1, 1)
-        object.__setattr__(self, "slide", readonly(np.broadcast_to(np.asarray(self.slide, float), (k, width))))
+        object.__setattr__(self, "slide", _spread("slide", self.slide, (k, width)))
         for name in ("displacement", "velocity", "load"):
             given = getattr(self, name)
             values = readonly(np.zeros(m) if given is None else given)
@@ -110,6 +110,17 @@ class Patch:
         """Residual compliance between the contact directions, (k dimensions, k dimensions)."""
         chosen = self.channels()
         return self.body.S[np.ix_(chosen, chosen)]
+
+
+def _spread(name: str, value: object, shape: tuple[int, ...]) -> Array:
+    """A number for all contacts, or one for each; raises InputError unless all are finite and there is one for each."""
+    given = np.asarray(value, float)
+    if not np.isfinite(given).all():
+        raise InputError(f"{name}: found {given.tolist()}, expected finite numbers")
+    try:
+        return readonly(np.broadcast_to(given, shape))
+    except ValueError:
+        raise InputError(f"{name}: found shape {given.shape}, expected a number, or {shape}") from None
 
 
 def _require_names(name: str, given: object) -> None:

@@ -77,7 +77,7 @@ class ClosedContact:
         m, r = self.omega.size, len(self.Q)
         if not r:
             raise InputError("Q: found no contact, expected a row for each contact")
-        shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
+        shapes = {"omega": (m,), "zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
         shapes |= {name: (m, m) for name in SQUARES if getattr(self, name) is not None}
         shapes |= {name: (len(part), m, m) for name in HIGHER if (part := getattr(self, name)) is not None}
         for name, shape in shapes.items():
