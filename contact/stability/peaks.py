@@ -25,6 +25,7 @@ from contact.model.gaps.rub import Rub, rub_of
 from contact.stability.closed_contact import first_order, floor_of, growth, poles_each
 from contact.stability.coincidence import close_speeds, coincidences, overtaken_speeds
 from contact.stability.growth_map import StabilityMap, scan
+from contact.stability.maxima import maxima, prominence
 from contact.stability.mode_groups import largest_mode, mode_numbers
 from contact.stability.split_casing import mean_contact
 from contact.stability.waves import Waves, waves_of
@@ -149,11 +150,11 @@ def growth_at(what: RotatingRim | Rub, speed_hz: Array, *, mu: float = 0.0) -> A
 
 def _refined(contact: ClosedContact, found: StabilityMap, floor: float) -> tuple[Array, list[complex]]:
     """Speeds of the highest peaks above `floor`, ascending, and their leading poles."""
-    from scipy.signal import find_peaks
-
     at, values = found.seen_hz, found.seen_growth
     padded = np.pad(values, 1, constant_values=min(float(values.min()), 0.0) - 1.0)  # peaks at the ends are peaks too
-    places, _ = find_peaks(padded, height=floor, prominence=PROMINENCE * np.abs(padded))
+    places = maxima(padded)
+    places = places[padded[places] >= floor]
+    places = places[prominence(padded, places) >= PROMINENCE * np.abs(padded[places])]
     k = np.sort(places[np.argsort(-padded[places], kind="stable")][:MOST]) - 1
     near = np.clip(np.stack([k - 1, k, k + 1]), 0, at.size - 1)
     x, y = at[near], values[near]
