@@ -41,16 +41,32 @@ def numbers_of_notes(*texts):
     return [len(texts), *(float(text) for text in NUMBER.findall(" ".join(texts)))]
 
 
+LONG, MOST = 40, 1000
+TIMES = ("seconds", "versions", "machine", "wall")
+
+
+def numbers_of_document(value):
+    """The finite numbers of a JSON document, without times of computation; of long rows those of an array."""
+
+    def timeless(part):
+        if isinstance(part, Mapping):
+            return {key: timeless(entry) for key, entry in part.items() if not any(name in key for name in TIMES)}
+        if isinstance(part, list | tuple):
+            own = [timeless(entry) for entry in part]
+            numbers = all(x is None or isinstance(x, int | float) for x in own)
+            return np.array(own, dtype=float) if numbers and len(own) > LONG else own
+        return part
+
+    found = [x for x in numbers_in(timeless(value)) if np.isfinite(x)]
+    if len(found) <= MOST:
+        return found
+    return [x for part in np.array_split(np.array(found), MOST // 10) for x in numbers_in(part)]
+
+
 def numbers_of_result(found, name=""):
     """Columns for `held`: the numbers of a result's JSON or rows, without times of computation, and those it prints."""
-
-    def timeless(value):
-        if isinstance(value, Mapping):
-            return {key: timeless(entry) for key, entry in value.items() if "seconds" not in key}
-        return [timeless(entry) for entry in value] if isinstance(value, list | tuple) else value
-
     plain = found.to_json() if hasattr(found, "to_json") else [dict(row) for row in found.records()]
-    told = [x for x in numbers_in(timeless(plain)) if np.isfinite(x)]
+    told = numbers_of_document(plain)
     printed = [line for line in repr(found).splitlines() if "computed in" not in line]
     return {f"{name}json": told, f"{name}printed": numbers_of_notes(*printed)}
 

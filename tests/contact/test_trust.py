@@ -7,6 +7,7 @@ from click.testing import CliRunner
 
 import contact as ct
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 RODS = """
 [scene]
@@ -43,7 +44,7 @@ def invoked(tmp_path, text, *words):
 
 
 @pytest.mark.slow
-def test_energy_that_contact_made_fails_a_run_however_short(tmp_path):
+def test_energy_that_contact_made_fails_a_run_however_short(tmp_path, held):
     ran = invoked(tmp_path, RINGS, "contact", "--json")
     assert ran.exit_code == 3
     document = json.loads(ran.stdout)
@@ -63,6 +64,7 @@ def test_energy_that_contact_made_fails_a_run_however_short(tmp_path):
     assert outcome.result.flags == caught.value.result.flags
     again = ct.Result.load(kept.save(tmp_path / "kept.npz"))
     assert [one.to_dict() for one in again.flags] == [one.to_dict() for one in kept.flags]
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from click.testing import CliRunner, Result
 import casingfem as cf
 from casingfem.cli import main
 from tests.casingfem.study.study_texts import STEEL, THICK
+from tests.probed import numbers_of_document
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
 
@@ -98,7 +99,7 @@ def study(tmp_path: Path, table: bytes) -> Path:
     return tmp_path / "study.toml"
 
 
-def test_modes_is_one_document_and_two_files(study, tmp_path):
+def test_modes_is_one_document_and_two_files(study, tmp_path, held):
     result = invoke("modes", study, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -116,6 +117,7 @@ def test_modes_is_one_document_and_two_files(study, tmp_path):
     assert table.n.tolist() == [row["n"] for row in document["modes"]]
     np.testing.assert_allclose(table.sigma_hz, 1e-4 * table.freq_hz)
     assert table.synthetic
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
@@ -147,7 +149,7 @@ def test_same_study_twice_gives_the_same_table(study, tmp_path):
 
 
 @pytest.mark.slow
-def test_update_judges_itself_when_asked(study):
+def test_update_judges_itself_when_asked(study, held):
     result = invoke("update", study, "--json", "--leave-one-out", "--posterior", "laplace")
     document = json.loads(result.stdout)
     left = document["leave_one_out"]
@@ -156,6 +158,7 @@ def test_update_judges_itself_when_asked(study):
     assert {row["name"] for row in document["posterior"]["parameters"]} == {p["name"] for p in document["parameters"]}
     assert document["identifiability"]["rank"] <= len(document["parameters"])
     assert "model_floor" in document
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
@@ -171,7 +174,7 @@ def test_an_update_that_cannot_leave_a_row_out_states_so_with_its_file(study):
 
 
 @pytest.mark.slow
-def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path):
+def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path, held):
     result = invoke("update", study, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -190,6 +193,7 @@ def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path)
     again = invoke("modes", tmp_path / "out" / "study_updated.toml", "--json")
     modes = json.loads(again.stdout)["modes"]
     assert modes[0]["freq_hz"] == pytest.approx(document["pairs"][0]["after_hz"], rel=1e-9)
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
@@ -200,7 +204,7 @@ def test_an_error_allowed_to_the_model_widens_sigma(study):
 
 
 @pytest.mark.slow
-def test_reduce_and_rub(study, tmp_path):
+def test_reduce_and_rub(study, tmp_path, held):
     (tmp_path / "blade.toml").write_text(BLADE)
     casing = json.loads(invoke("reduce", study, "--json", "--out", tmp_path).stdout)
     assert (casing["kind"], len(casing["freq_hz"]), casing["n_max"]) == ("rim", 8, 6)
@@ -213,6 +217,7 @@ def test_reduce_and_rub(study, tmp_path):
     assert json.loads(result.stdout)["contacts"][0]["impulse"] > 0.0
     files = ["rub.json", "rub.npz", "rub.png", "rub_forces.csv"]
     assert sorted(p.name for p in (tmp_path / "out").iterdir() if p.suffix != ".parquet") == files
+    held(1e-4, casing=numbers_of_document(casing))
 
 
 @pytest.mark.slow
@@ -224,7 +229,7 @@ def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
 
 
 @pytest.mark.slow
-def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
+def test_contact_is_one_document_with_bodies_and_energy(tmp_path, held):
     result = invoke("contact", SCENES / "two_rods.toml", "--json", "--out", tmp_path, "--pictures")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -236,10 +241,11 @@ def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     pictures = ["contact.png", "contact_energy.png", "contact_spectrum.png"]
     files = sorted([*pictures, "contact.json", "contact.npz", "contact_forces.csv"])
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".parquet") == files
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
-def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
+def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path, held):
     file = tmp_path / "rods.toml"
     vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0]\n'
     vary += '[[sweep.vary]]\nkey = "rod[2].x"\nvalues = [1e-3, 2e-3]\n'
@@ -257,6 +263,7 @@ def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
     assert "4 runs were there already" in again.stdout
     assert (out / "sweep.csv").read_bytes() == table
     assert table.splitlines()[-5].startswith(b"run,rod[1].velocity_m_s,rod[2].x_m,status,")
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_a_sweep_of_which_nothing_is_done_ends_with_3(tmp_path):
@@ -293,12 +300,13 @@ def test_rub_refuses_rods(tmp_path):
 
 
 @pytest.mark.slow
-def test_schema_and_doctor_are_documents():
+def test_schema_and_doctor_are_documents(held):
     assert {"study", "scene"} < json.loads(invoke("schema", "--json").stdout).keys()
     doctor = json.loads(invoke("doctor", "--json").stdout)
     assert doctor["numba"]["compiles"] is True
     assert doctor["products"] == {"right": True}
     assert doctor["versions"]["numpy"] == np.__version__
+    held(1e-4, doctor=numbers_of_document(doctor))
 
 
 @pytest.mark.slow

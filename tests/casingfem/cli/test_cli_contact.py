@@ -13,6 +13,7 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 DATA = Path(__file__).parents[3] / "data"
 
@@ -22,7 +23,7 @@ def call(*words):
 
 
 @pytest.mark.slow
-def test_interactions_print_write_and_draw_one_table(tmp_path):
+def test_interactions_print_write_and_draw_one_table(tmp_path, held):
     found = call("interactions", DATA / "scenes" / "pair.toml", "--out", tmp_path, "--json")
     assert found.exit_code == 0
     document = json.loads(found.stdout)
@@ -42,10 +43,11 @@ def test_interactions_print_write_and_draw_one_table(tmp_path):
     stability = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
     assert "`casingfem interactions SCENE` lists the dangerous speeds" in stability.stdout
     assert (tmp_path / "stability.png").exists()
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
-def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path):
+def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path, held):
     from reports.verification.robustness.diverging import RIM, at, bodies
 
     bodies(tmp_path)
@@ -58,6 +60,7 @@ def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path):
     assert len(document["runs"]) <= 6 + len(peaks)
     assert {row["verdict"] for row in document["interactions"]} >= {"unstable"}
     assert call("interactions", scene, "--runs", "1").exit_code == 2
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path):
@@ -80,7 +83,7 @@ def test_campbell_of_a_blade_that_is_asks_for_a_speed(tmp_path):
 
 
 @pytest.mark.slow
-def test_campbell_of_a_blade(tmp_path):
+def test_campbell_of_a_blade(tmp_path, held):
     found = call(
         "campbell", DATA / "studies" / "rotating_blade.toml", "--count", 2, "--steps", 3, "--to-hz", 50.0,
         "--out", tmp_path, "--json",
@@ -94,6 +97,7 @@ def test_campbell_of_a_blade(tmp_path):
     assert rows[1] == "speed_hz,mode1_hz,mode2_hz"
     assert [float(cell) for cell in rows[-1].split(",")[1:]] == document["freq_hz"][-1]
     assert (tmp_path / "campbell.png").exists()
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_a_campbell_diagram_marks_engine_orders():

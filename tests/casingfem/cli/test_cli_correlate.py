@@ -11,6 +11,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from tests.casingfem.study.study_texts import THIN
+from tests.probed import numbers_of_document
 
 STUDY = (
     THIN
@@ -67,7 +68,7 @@ def invoke(*arguments):
 
 
 @pytest.mark.slow
-def test_correlate_writes_pictures_and_a_document(folder, tmp_path):
+def test_correlate_writes_pictures_and_a_document(folder, tmp_path, held):
     result = invoke("correlate", folder / "casing.toml", folder / "casing" / "modes.uff", "--json", "--out", tmp_path)
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -75,6 +76,7 @@ def test_correlate_writes_pictures_and_a_document(folder, tmp_path):
     assert min(row["subspace_mac"] for row in document["shapes"]) > 0.999
     made = {path.name for path in tmp_path.iterdir() if path.suffix != ".parquet"}
     assert made == {"correlation.csv", "correlation.json", "mac.png", "comac.png"}
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_correlate_refuses_a_file_without_shapes(folder, tmp_path):
@@ -101,7 +103,7 @@ def test_the_line_of_low_comac_stays_a_line(folder):
 
 
 @pytest.mark.slow
-def test_locate_names_the_bolt_or_the_opposite_one_from_computed_modes_as_they_are(folder, tmp_path):
+def test_locate_names_the_bolt_or_the_opposite_one_from_computed_modes_as_they_are(folder, tmp_path, held):
     result = invoke(
         "locate", folder / "casing.toml", folder / "loose" / "modes.csv", "--baseline", folder / "tight.csv",
         "--shapes", folder / "loose" / "modes.uff", "--json", "--out", tmp_path,
@@ -115,6 +117,7 @@ def test_locate_names_the_bolt_or_the_opposite_one_from_computed_modes_as_they_a
     assert document["chi2"] < 10.0  # as designed, the splits of manufacture leave 37,000
     made = {path.name for path in tmp_path.iterdir() if path.suffix != ".parquet"}
     assert made == {"located.csv", "located.json", "located.png"}
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow

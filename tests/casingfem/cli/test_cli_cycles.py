@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from casingfem.cli import main
 from tests.contact.scene.test_scene_cycles import TEXT, written
+from tests.probed import numbers_of_document
 
 
 def invoke(*arguments):
@@ -16,7 +17,7 @@ def invoke(*arguments):
 
 
 @pytest.mark.slow
-def test_cycles_gives_points_folds_and_files(tmp_path):
+def test_cycles_gives_points_folds_and_files(tmp_path, held):
     asked = "\n[basins]\nat = 0.23\nstarts = 3\nseed = 9\nsettle = 150\n"
     file = written(tmp_path, TEXT.replace("to_hz = 0.2", "to_hz = 0.26") + "longest_step = 0.06\n" + asked)
     result = invoke("cycles", file, "--json", "--check", 20, "--out", tmp_path / "out")
@@ -53,6 +54,7 @@ def test_cycles_gives_points_folds_and_files(tmp_path):
     assert "Motions reached from random initial states" in page
     assert "<pre>" not in page
     assert not list((tmp_path / "out").glob("*.part.npz"))
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_bad_input_ends_with_2_and_writes_nothing(tmp_path):

@@ -11,6 +11,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.cli import main
 from tests.casingfem.structure.imported.test_imported import ROTATION, SKIN, SOLID, study
+from tests.probed import numbers_of_document
 
 HISTORIES = ("time", "force", "gap", "windowed_force")
 BALL = """
@@ -63,7 +64,7 @@ def test_histories_of_more_than_20_000_numbers_are_left_out_and_named(long, tmp_
 
 
 @pytest.mark.slow
-def test_short_histories_stay_in_the_document(tmp_path):
+def test_short_histories_stay_in_the_document(tmp_path, held):
     file = tmp_path / "rod.toml"
     file.write_text(BALL.format(end=0.1), encoding="utf-8")
     ran = call("contact", file, "--json")
@@ -71,13 +72,15 @@ def test_short_histories_stay_in_the_document(tmp_path):
     assert document["left_out"] == {}
     assert set(HISTORIES) <= document["contacts"][0].keys()
     assert "--history" not in ran.stderr
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
-def test_campbell_of_an_imported_part_is_that_of_its_structure(tmp_path):
+def test_campbell_of_an_imported_part_is_that_of_its_structure(tmp_path, held):
     file = study(tmp_path, SOLID.replace("[solid]", "[shell]\nthickness = 0.03") + ROTATION, SKIN)
     found = json.loads(call("campbell", file, "--steps", 2, "--count", 2, "--to-hz", 50.0, "--json").stdout)
     structure = cf.load_study(file).structure
     exact = cf.campbell(structure, 2.0 * np.pi * np.array([0.0, 50.0]), 2)
     np.testing.assert_allclose(found["freq_hz"], exact.freq, rtol=1e-9)
     assert found["freq_hz"][1] != found["freq_hz"][0]
+    held(1e-4, found=numbers_of_document(found))

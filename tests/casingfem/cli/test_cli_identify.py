@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
 
@@ -36,7 +37,7 @@ def invoke(*arguments):
 
 
 @pytest.mark.slow
-def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
+def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path, held):
     result = invoke(uff, "--out", tmp_path / "out", "--json")
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -54,6 +55,7 @@ def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
     np.testing.assert_allclose(shapes.freq_hz, table.freq_hz)
     for name in ("stabilisation.png", "responses.png"):
         assert (tmp_path / "out" / name).read_bytes()[:4] == b"\x89PNG"
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
@@ -75,7 +77,7 @@ def test_a_table_of_sensors_places_the_shapes(frfs, tmp_path):
 
 
 @pytest.mark.slow
-def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path):
+def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path, held):
     path, picks = frfs.save(tmp_path / "frfs.npz"), tmp_path / "picks.csv"
     picks.write_text("mode,freq_hz\n1,200.3\n2,229.8\n")
     document = json.loads(invoke(path, "--pick", picks, "--json", "--out", tmp_path / "out").stdout)
@@ -91,6 +93,7 @@ def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path):
     assert "500 Hz picked" in result.stderr
     picks.write_text("hz\n200.0\n")
     assert "freq_hz" in invoke(path, "--pick", picks).stderr
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
 
@@ -17,7 +18,7 @@ def invoke(*words):
 
 
 @pytest.mark.slow
-def test_campbell_of_a_jeffcott_rotor_is_its_closed_form(tmp_path):
+def test_campbell_of_a_jeffcott_rotor_is_its_closed_form(tmp_path, held):
     """Frequency f sqrt(1 - zeta^2) at every speed, critical speed f = sqrt(k/m)/(2 pi), orbit by its formula."""
     found = invoke("campbell", SCENES / "jeffcott.toml", "--steps", 3, "--json", "--out", tmp_path)
     assert found.exit_code == 0, found.stderr
@@ -29,6 +30,7 @@ def test_campbell_of_a_jeffcott_rotor_is_its_closed_form(tmp_path):
     r, moment = speed / f, abs(1e-3 + 5e-2j)  # after the release, 90 degrees ahead
     np.testing.assert_allclose(radius, moment / 10.0 * r**2 / np.hypot(1.0 - r**2, 2.0 * zeta * r), rtol=1e-9)
     assert {file.name for file in tmp_path.iterdir()} >= {"campbell.csv", "response.csv", "campbell.png"}
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_campbell_refuses_scenes_of_other_kinds():

@@ -16,6 +16,7 @@ import casingfem as cf
 from casingfem.cli import main
 from reports.verification.robustness.broken import table as broken_models
 from reports.verification.robustness.broken.files import STUDY
+from tests.probed import numbers_of_document
 
 DOCS = Path(__file__).parents[3] / "docs"
 MODELS = broken_models.models()
@@ -176,7 +177,7 @@ def test_a_study_error_has_a_code_for_each_problem(tmp_path):
     assert set(caught.value.codes) == {"material-poisson", "mesh-order", "study-key", "study-missing"}
 
 
-def test_warnings_are_one_clean_line_each_and_listed_in_json(tmp_path):
+def test_warnings_are_one_clean_line_each_and_listed_in_json(tmp_path, held):
     path = written(tmp_path, PLAIN.replace("210e9", "210e3") + '[checks]\nallow = ["E", "sound"]\n')
     result = CliRunner().invoke(main, ["modes", str(path), "--json", "--out", str(tmp_path / "out")])
     assert result.exit_code == 0
@@ -189,6 +190,7 @@ def test_warnings_are_one_clean_line_each_and_listed_in_json(tmp_path):
     again = CliRunner().invoke(main, ["modes", str(written(tmp_path, PLAIN)), "--json"])
     assert json.loads(again.stdout)["warnings"] == []
     assert again.stderr == ""
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_refusals_show_their_code_on_the_command_line(tmp_path):

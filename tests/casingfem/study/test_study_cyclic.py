@@ -13,6 +13,7 @@ from casingfem.cli import main
 from reports.verification.modes.cyclic import bladed_disk
 from reports.verification.modes.mesh_files import write_inp
 from tests.casingfem.study.study_texts import STEEL
+from tests.probed import numbers_of_document
 
 SMALL = (1, 1, 2, 1)
 WHEEL = f"""{STEEL}[solid]
@@ -62,7 +63,7 @@ def run(*arguments):
 
 
 @pytest.mark.slow
-def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path):
+def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path, held):
     answer = run("modes", write(), "--json", "--out", tmp_path / "out", "--vtu", "--modes", "1")
     assert answer.exit_code == 0, answer.output
     document = json.loads(answer.stdout)
@@ -77,6 +78,7 @@ def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path):
     body = ct.ModalBody.load(tmp_path / "wheel.npz")
     assert (body.sectors, len(body.omega), body.channels[-1]) == (6, 12, "sector5.node1.chord")
     np.testing.assert_allclose(body.omega, 2.0 * np.pi * mistuned.freq, rtol=2e-4)
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from tests.casingfem.study.study_texts import STEEL, THIN, written
+from tests.probed import numbers_of_document
 
 CASING = (
     THIN
@@ -128,7 +129,7 @@ def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
 
 
 @pytest.mark.slow
-def test_the_command_writes_everything_and_all_of_it_states_synthetic(study, tmp_path):
+def test_the_command_writes_everything_and_all_of_it_states_synthetic(study, tmp_path, held):
     out = tmp_path / "out"
     path = study(CASING + BURST + "keep_records = true\n" + SCAN)
     result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(out)])
@@ -156,10 +157,11 @@ def test_the_command_writes_everything_and_all_of_it_states_synthetic(study, tmp
     words = CliRunner().invoke(main, ["rig", str(path)]).stdout
     assert words.startswith("SYNTHETIC")
     assert "waves above 4 sigma" in words
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow
-def test_troubles_are_made_and_their_truth_is_reported(study, tmp_path):
+def test_troubles_are_made_and_their_truth_is_reported(study, tmp_path, held):
     path = study(CASING + EXACT + "[rig.test.troubles]\nsetups = 3\nshift = 0.002\ndead = 2\nhalf_rim = true\n")
     result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
@@ -168,6 +170,7 @@ def test_troubles_are_made_and_their_truth_is_reported(study, tmp_path):
     assert len(document["troubles"]["freq_hz"]) == 3
     assert len(document["troubles"]["dead"]) == 2
     assert (tmp_path / "out" / "coherence.npz").exists()
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from scipy.optimize import brentq, fsolve
 
 import contact as ct
 from casingfem.cli import main
-from tests.probed import finite, numbers_of_notes, numbers_of_result
+from tests.probed import finite, numbers_of_document, numbers_of_notes, numbers_of_result
 
 R = ct.rotor
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
@@ -145,7 +145,7 @@ def test_the_command_lists_growth_rub_and_dry_whirl_over_speed(tmp_path, held):
     held(1e-4, found=finite(found), words=numbers_of_notes(*(str(x) for x in found.values() if isinstance(x, str))))
 
 
-def test_the_command_finds_the_threshold_of_internal_damping(tmp_path):
+def test_the_command_finds_the_threshold_of_internal_damping(tmp_path, held):
     text = (SCENES / "jeffcott.toml").read_text(encoding="utf-8")
     text = text.replace("zeta = 0.02", "zeta = 0.02\nzeta_internal = 0.02")
     file = tmp_path / "rotor.toml"
@@ -156,3 +156,4 @@ def test_the_command_finds_the_threshold_of_internal_damping(tmp_path):
     assert found["bands_hz"][0][0] == pytest.approx(2.0 * np.sqrt(4e5) / (2.0 * np.pi), rel=1e-6)
     assert [row["sense"] for row in found["rows"]] == ["forward"] * 11
     assert "The free motion grows from 201.3" in found["words"]
+    held(1e-4, found=numbers_of_document(found))

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import contact as ct
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
 OSCILLATOR = (SCENES / "coulomb_oscillator.toml").read_text()
@@ -26,12 +27,13 @@ def test_the_shipped_oscillator_rests_where_and_when_the_closed_form_states():
 
 
 @pytest.mark.slow
-def test_the_command_line_runs_it():
+def test_the_command_line_runs_it(held):
     done = CliRunner().invoke(main, ["contact", str(SCENES / "coulomb_oscillator.toml"), "--json"])
     assert done.exit_code == 0
     document = json.loads(done.stdout)
     assert document["contacts"][0]["impulse"] == pytest.approx(20.0, rel=1e-3)
     assert document["energy"]["friction"] == pytest.approx(-0.5, abs=1e-6)
+    held(1e-4, document=numbers_of_document(document))
 
 
 def of_basis(folder, contacts, more="", scheme='kind = "exact-modal"'):

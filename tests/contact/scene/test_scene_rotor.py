@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import contact as ct
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 SCENE = """
 [scene]
@@ -185,7 +186,7 @@ def test_rotors_in_casings_that_do_not_fit_are_refused_by_their_keys(tmp_path, o
 
 
 @pytest.mark.slow
-def test_the_example_of_a_blade_off_slows_by_friction_and_reports_its_orbit(tmp_path):
+def test_the_example_of_a_blade_off_slows_by_friction_and_reports_its_orbit(tmp_path, held):
     text = (Path(__file__).parents[3] / "data" / "scenes" / "blade_off" / "rigid.toml").read_text(encoding="utf-8")
     answer = CliRunner().invoke(main, ["rub", str(written(tmp_path, text)), "--json"])
     assert answer.exit_code == 0, answer.output
@@ -194,3 +195,4 @@ def test_the_example_of_a_blade_off_slows_by_friction_and_reports_its_orbit(tmp_
     fallen = 2.0 * np.pi * (70.0 - found["rotor"]["speed_hz_end"])
     assert fallen == pytest.approx(0.1 * 0.25 * impulse / 0.3, rel=0.05)  # and what the unbalance takes
     assert 5e-4 < found["rotor"]["radius_end"] < 8e-4
+    held(1e-4, found=numbers_of_document(found))

@@ -10,6 +10,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from reports.verification.modes.mesh_files import WRITERS, group_name
+from tests.probed import numbers_of_document
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 
@@ -39,7 +40,7 @@ SOLID = '[solid]\nmesh = "MESH"\n[support.base]\nkind = "clamped"\n[modes]\ncoun
 
 @pytest.mark.parametrize("name", WRITERS)
 @pytest.mark.slow
-def test_five_formats_on_the_command_line(name, tmp_path):
+def test_five_formats_on_the_command_line(name, tmp_path, held):
     text = SOLID.replace("support.base", f'support."{group_name(name, "base", ["base", "top"])}"')
     ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, text, name=name)), "--json"])
     assert ran.exit_code == 0, ran.stderr
@@ -48,6 +49,7 @@ def test_five_formats_on_the_command_line(name, tmp_path):
     np.testing.assert_allclose([mode["freq_hz"] for mode in found["modes"]], exact.freq, rtol=1e-9)
     assert found["modes"][0]["n"] == exact.nodal_diameters[0]
     assert found["sturm_count"] == exact.sturm_count
+    held(1e-4, found=numbers_of_document(found))
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from scipy.sparse import csc_array, tril
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
+from tests.probed import numbers_of_document
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 NAMES = ("q", "x", "y", "z", "rx", "ry", "rz")
@@ -550,7 +551,7 @@ def run(*arguments):
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
-def test_import_and_export_on_the_command_line(tmp_path):
+def test_import_and_export_on_the_command_line(tmp_path, held):
     """A basis out as DMIG cards and in again; the printout says what the matrices are."""
     EXACT.save(tmp_path / "two.npz")
     ran = run("export", tmp_path / "two.npz", "--format", "pch", "--out", tmp_path / "out")
@@ -564,6 +565,7 @@ def test_import_and_export_on_the_command_line(tmp_path):
     document = json.loads(run(*arguments, "--json").stdout)
     assert document["matrices"]["massless"] == 6
     assert document["channels"] == list(EXACT.channels)
+    held(1e-4, document=numbers_of_document(document))
 
 
 @pytest.mark.parametrize("form", ["mtx", "pch", "op4", "npz", "mat"])
@@ -595,7 +597,7 @@ def test_basis_that_turns_comes_back_with_its_matrices_in_every_format(residual,
     np.testing.assert_allclose(found[1], found[0], atol=1e-6 * np.abs(found[0]).max())
 
 
-def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path):
+def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path, held):
     written(tmp_path, "mtx")
     tip = "node,x,y,z\n" + "".join(f"{n},{','.join(map(str, SET.points[n].tolist()))}\n" for n in NODES)
     (tmp_path / "tip.csv").write_text(tip)
@@ -607,6 +609,7 @@ def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path):
     document = json.loads(ran.stdout)
     np.testing.assert_allclose(document["freq_hz"], EXACT.freq, rtol=1e-9)
     assert document["channels"] == list(EXACT.channels)
+    held(1e-4, document=numbers_of_document(document))
 
 
 def test_import_names_its_files_where_a_message_does_not(tmp_path):
