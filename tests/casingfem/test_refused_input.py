@@ -145,6 +145,10 @@ REFUSED = {
         lambda: cf.rig.Place(at=(0.1, 0.0), direction="up"),
         "direction: found 'up', expected one of",
     ),
+    "a method of charts for an imported part": (
+        lambda: cf.modes(BEAM, 2, method="shell"),
+        "method: found 'shell', expected \"auto\" for an imported structure",
+    ),
     "no places": (
         lambda: cf.rig.rig_of(cf.modes(PLATE, 2), [], zeta=0.01),
         "places: found none, expected at least one",

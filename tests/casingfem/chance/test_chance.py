@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import tomllib
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import casingfem as cf
 from casingfem.cli import main
 from contact import ModalBody, load_scene
 from tests.casingfem.study.study_texts import STEEL
+from tests.probed import numbers_of_document
 
 STUDY = (
     STEEL
@@ -109,7 +111,7 @@ def first(made):
 
 
 @pytest.mark.slow
-def test_answers_have_every_part(made, first):
+def test_answers_have_every_part(made, first, held):
     assert first["casings"] == 52
     assert 0.0 < first["dangerous"]["low"] < first["dangerous"]["value"] < first["dangerous"]["high"] <= 1.0
     assert len(first["speeds"]) == 12
@@ -123,6 +125,17 @@ def test_answers_have_every_part(made, first):
     }  # fmt: skip
     names = {path.name for path in (made / "out").iterdir()}
     assert names >= {"chance.csv", "chance_pairs.csv", "chance_speeds.csv", "chance.json", "chance.html", "worst"}
+    held(1e-4, first=numbers_of_document(first))
+
+
+@pytest.mark.slow
+def test_the_worst_casing_is_a_study_with_the_keys_of_its_own_study(made, first):
+    (path,) = (made / "out" / "worst").rglob("casing.toml")
+    written, stated = (tomllib.loads(text) for text in (path.read_text(encoding="utf-8"), STUDY))
+    for tables in (written, stated):
+        tables.pop("imperfection")
+        tables["reduce"].pop("out")
+    assert written == stated
 
 
 @pytest.mark.slow

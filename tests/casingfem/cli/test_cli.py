@@ -156,6 +156,7 @@ def test_update_judges_itself_when_asked(study, held):
     assert [row["mode"] for row in left["rows"]] == [pair["mode"] for pair in document["pairs"]]
     assert left["rms_sigma"] == pytest.approx(np.sqrt(np.mean([row["deviation"] ** 2 for row in left["rows"]])))
     assert {row["name"] for row in document["posterior"]["parameters"]} == {p["name"] for p in document["parameters"]}
+    assert document["posterior"]["kind"] == "laplace"
     assert document["identifiability"]["rank"] <= len(document["parameters"])
     assert "model_floor" in document
     held(1e-4, document=numbers_of_document(document))

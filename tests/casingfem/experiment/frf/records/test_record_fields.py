@@ -54,6 +54,7 @@ def table(head, *columns):
         ("t (ms),hammer 3 r (lbf),velocity 4 +y (mm/s),acc 9 r (mm/s)", 1e3, [(4, 2), (9, 0)], (3, 0), 4.4482216152605),
         ("Zeit_ms,shaker_6_rz [dan],acceleration_11:x [g],rim 2 y [g]", 1e3, [(11, 1), (2, 2)], (6, 6), 10.0),
         ("time,top 4 x [N],base 3 z [],side 8 -z", 1.0, [(3, 3), (8, -3)], (4, 1), 1.0),
+        ("time,force [N],response [mm],displacement 8 [mm]", 1.0, [(0, 0), (8, 0)], (0, 0), 1.0),
     ],
 )  # fmt: skip
 def test_a_table_states_time_kind_place_and_unit_in_its_header(head, scale, at, force_at, factor, tmp_path):
@@ -201,7 +202,7 @@ def functions(**changes):
     found = []
     for k, (values, node, direction, unit) in enumerate(((PUSH, 3, -1, "kN"), (ONE, 8, 2, "g"), (TWO, 6, -3, "g"))):
         whole = cf.frf.FrfSet.from_arrays(
-            kind="time", x=1e3 * np.arange(COUNT) / 128.0, responses=[values], unit=unit, response_point=node,
+            kind="time", x=1e3 * (5.0 + np.arange(COUNT) / 128.0), responses=[values], unit=unit, response_point=node,
             response_direction=direction,
         ).functions()[0]  # fmt: skip
         whole = replace(whole, axes=cf.uff.Axes(axis, cf.uff.Axis(label="response", unit=unit)))
@@ -223,7 +224,7 @@ def abscissa(**changes):
 
 
 def uneven(one):
-    return replace(one, x=one.x**1.05, step=0.0)
+    return replace(one, x=one.x + 3.0 * (np.arange(COUNT) == 7), step=0.0)
 
 
 def later(one):
@@ -235,7 +236,7 @@ def later(one):
     [
         ({"at_1": abscissa(unit="h")}, "found function 2 over 24 points in 'h'; expected times in s"),
         ({"at_2": uneven}, "found uneven times in function 3; expected even steps: export as sampled"),
-        ({"at_2": later}, "found 24 samples from 2 s in function 3; expected 24 from 0 s, as function 1 has"),
+        ({"at_2": later}, "found 24 samples from 5002 s in function 3; expected 24 from 5000 s, as function 1 has"),
         ({"at_0": lambda one: replace(one, kind=12, values=one.values + 0j)}, "found no channel of a force among f"),
         ({f"at_{k}": lambda one: replace(one, kind=4, values=one.values + 0j) for k in range(3)},
          "expected time records (set 58, function type 1)"),
@@ -271,6 +272,8 @@ def test_hits_whose_channels_are_counted_differently_are_refused(tmp_path):
         ("channel,kind,point,unit\nx,force,7,N\n", "expected one of a, b, c, d, e, f, g, h (9 in all), each once"),
         ("channel,kind,point,unit\n1,force,7,furlong\n2,response,7,m\n", "csv, 1: found the unit 'furlong'"),
         ("channel,kind,point,unit\n1,force,7,N\n2,response,7,m\n3,response,7,mm\n", "found responses in m and mm"),
+        ("channel,kind,point,unit\n1,force,7,N\n2,response,7,(inch)/(sec)/(sec)\n",
+         "found the unit '(inch)/(sec)/(sec)'; expected at most 12 letters, such as m/s^2: state it with --channels"),
         ("channel,kind,point,unit\n1,force,7,N\n2,response,7,m/s/s/(1234)\n", "csv, 2: found the unit 'm/s/s/(1234)'"),
     ],
 )  # fmt: skip

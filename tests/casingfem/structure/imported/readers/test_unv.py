@@ -209,3 +209,51 @@ def test_nodes_in_the_global_system_by_another_number_pass_and_others_are_refuse
 def test_damaged_files_are_refused_by_line(text, told, tmp_path):
     with pytest.raises(cf.errors.ModelError, match=told):
         read(tmp_path, text)
+
+
+TURN = np.array([[1.1, 0.3, 0.2], [-0.2, 0.9, 0.4], [0.1, -0.3, 1.2]])  # no two edges of a cell are alike
+CORNERS = {
+    "wedge": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]],
+    "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.4, 0.4, 1]],
+    "triangle": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+}
+
+
+def half(a, b):
+    return 0.5 * (np.asarray(a) + np.asarray(b))
+
+
+def quadratic(kind):
+    """Places of the nodes of a quadratic cell in the order of a universal file: rings, and what is between them."""
+    c = (np.array(CORNERS[kind], dtype=float) @ TURN).tolist()
+    if kind == "triangle":
+        return ring(c, half)
+    if kind == "pyramid":
+        return [*ring(c[:4], half), *(half(a, c[4]) for a in c[:4]), c[4]]
+    low, high = c[:3], c[3:]
+    return [*ring(low, half), *(half(a, b) for a, b in zip(low, high, strict=True)), *ring(high, half)]
+
+
+@pytest.mark.parametrize(("kind", "descriptor"), [("wedge", 113), ("pyramid", 114), ("triangle", 42), ("triangle", 92)])
+def test_middles_of_wedges_pyramids_and_triangles_lie_between_their_corners(kind, descriptor, tmp_path):
+    places = quadratic(kind)
+    mesh = read(tmp_path, nodes(places) + elements(descriptor, [range(1, len(places) + 1)]))
+    assert sorted(set(mesh.cells[0].tolist())) == list(range(len(places)))
+    corners, edges = mesh.cell_kind.corners, mesh.cell_kind.edges
+    at = mesh.points[mesh.cells[0]]
+    assert {tuple(np.round(p, 9)) for p in at[: len(corners)]} == {
+        tuple(np.round(p, 9)) for p in np.array(CORNERS[kind]) @ TURN
+    }
+    for place, (a, b) in enumerate(edges, len(corners)):
+        np.testing.assert_allclose(at[place], half(at[a], at[b]), atol=1e-12)
+
+
+def test_lines_of_quadratic_edges_have_their_middle_last(tmp_path):
+    corners = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    places = ring(corners, half)
+    text = nodes(places) + elements(45, [range(1, 9)]) + elements(24, [[7, 8, 1]], 2) + group("edge", [2], 8)
+    mesh = read(tmp_path, text)
+    (edge,) = mesh.facet_nodes(mesh.groups["edge"].facets)
+    ends, middle = mesh.points[edge[:2]], mesh.points[edge[2]]
+    np.testing.assert_allclose(middle, half(*ends), atol=1e-12)
+    assert sorted(edge.tolist()) == [0, 6, 7]
