@@ -9,13 +9,15 @@ import os
 import sys
 import threading
 import time
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from types import TracebackType
 from typing import Any
 
-from contact.io.progress import listening
+from contact.io.progress import listening, pausable
 
 PATIENCE = 1.0  # seconds until a terminal shows what takes so long
+TICK = 0.08  # seconds between two pictures of a terminal's line
 FIRST, LONGEST = 2.0, 60.0  # seconds until the first line in a file, and between two lines at most
 SWITCH = "CASINGFEM_PROGRESS"
 
@@ -53,22 +55,45 @@ class ProgressMessage:
         self._stack = ExitStack()
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
+        self._next = FIRST  # seconds from the start until the next line in a file
 
     def __enter__(self) -> "ProgressMessage":
         if os.environ.get(SWITCH, "") != "off":
-            self._thread = threading.Thread(target=self._on_terminal if sys.stderr.isatty() else self._in_lines)
-            self._thread.daemon = True
-            self._thread.start()
+            self._show()
             self._stack.enter_context(listening(self.tell))
+            self._stack.enter_context(pausable(self._paused))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._stack.close()
-        self._ended.set()
-        if self._thread is not None:
-            self._thread.join()
+        self._hide()
+
+    def _show(self) -> None:
+        """Begin to show the text, in a thread."""
+        self._ended.clear()
+        self._thread = threading.Thread(target=self._on_terminal if sys.stderr.isatty() else self._in_lines)
+        self._thread.daemon = True
+        self._thread.start()
+
+    def _hide(self) -> None:
+        """End the thread, if there is one."""
+        thread, self._thread = self._thread, None
+        if thread is not None:
+            self._ended.set()
+            thread.join()
+
+    @contextmanager
+    def _paused(self) -> Iterator[None]:
+        """Within this context the display has no thread."""
+        shown = self._thread is not None
+        self._hide()
+        try:
+            yield
+        finally:
+            if shown:
+                self._show()
 
     @property
     def seconds(self) -> float:
@@ -111,17 +136,20 @@ class ProgressMessage:
         return f"{words}{share}, {duration(now)} so far, {about} {duration(left)} left{part}"
 
     def _on_terminal(self) -> None:
-        if self._ended.wait(PATIENCE):
+        if self._ended.wait(max(PATIENCE - self.seconds, 0.0)):
             return
         from rich.console import Console
+        from rich.live import Live
+        from rich.spinner import Spinner
 
-        with Console(stderr=True).status(self.text) as status:
-            while not self._ended.wait(0.5):
-                status.update(self.text)
+        spinner = Spinner("dots", self.text, style="status.spinner")
+        with Live(spinner, console=Console(stderr=True), auto_refresh=False, transient=True) as line:
+            while not self._ended.wait(TICK):  # without a thread of its own, which would end some time after this one
+                spinner.update(text=self.text)
+                line.refresh()
 
     def _in_lines(self) -> None:
         stream: Any = sys.stderr
-        pause = FIRST
-        while not self._ended.wait(pause):
+        while not self._ended.wait(max(self._next - self.seconds, 0.0)):
             print(self.text, file=stream, flush=True)
-            pause = min(max(self.seconds, FIRST), LONGEST)
+            self._next = self.seconds + min(max(self.seconds, FIRST), LONGEST)

@@ -1,19 +1,22 @@
 """Progress of a long computation, reported to any listener.
 
 A computation calls `tell("3 of 12 groups", 0.25)`, or loops over its parts with `each`. Inside `quietly` nothing is
-reported. A command listens with `listening`; without a listener nothing happens.
+reported. A command listens with `listening`; without a listener nothing happens. A display with a thread of its own
+registers with `pausable` how that thread ends for a while: a process is copied only while it has one thread.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
 
 T = TypeVar("T")
 Listener = Callable[[str, float | None, bool], None]
+Pause = Callable[[], AbstractContextManager[None]]
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
+_PAUSES: ContextVar[tuple[Pause, ...]] = ContextVar("pauses", default=())
 
 
 @contextmanager
@@ -31,6 +34,32 @@ def listening(listener: Listener | None) -> Iterator[None]:
         yield
     finally:
         _LISTENER.reset(token)
+
+
+@contextmanager
+def pausable(pause: Pause) -> Iterator[None]:
+    """Within this context `paused` also enters the context that `pause` makes, in which a display has no thread.
+
+    >>> from contextlib import nullcontext
+    >>> made = []
+    >>> with pausable(lambda: made.append("paused") or nullcontext()), paused():
+    ...     made
+    ['paused']
+    """
+    token = _PAUSES.set((*_PAUSES.get(), pause))
+    try:
+        yield
+    finally:
+        _PAUSES.reset(token)
+
+
+@contextmanager
+def paused() -> Iterator[bool]:
+    """Within this context displays of progress have no thread; the value states whether there are displays."""
+    with ExitStack() as stack:
+        for pause in _PAUSES.get():
+            stack.enter_context(pause())
+        yield bool(_PAUSES.get())
 
 
 def quietly() -> AbstractContextManager[None]:

@@ -6,20 +6,23 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import TypeVar
 
 from contact.io.interrupts import interrupts_held
+from contact.io.progress import paused
 
 T = TypeVar("T")
 R = TypeVar("R")
 TRIES = 5  # of a task whose workers die
+REMOVED = 0.1  # s: within so long a thread that ended is removed
 THREADS = Path("/proc/self/task")  # one entry a thread, those of libraries too
 
 
@@ -34,27 +37,39 @@ def worker_pool(count: int) -> Iterator[ProcessPoolExecutor]:
     If the block is interrupted, also by Ctrl-C, they end at once.
     """
     before = set(active_children())
-    pool = ProcessPoolExecutor(count, get_context("fork" if forks() else "spawn"), _begin)
-    try:
-        with interrupts_held():  # their parent ends them
-            for _ in range(count):  # each starts one process
-                pool.submit(int)
-        yield pool
-    except BaseException:
-        for process in set(active_children()) - before:
-            process.terminate()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+    with ExitStack() as starting:
+        starting.enter_context(paused())
+        pool = ProcessPoolExecutor(count, get_context("fork" if forks() else "spawn"), _begin)
+        try:
+            with interrupts_held():  # their parent ends them
+                for _ in range(count):  # each starts one process
+                    pool.submit(int)
+            starting.close()
+            yield pool
+        except BaseException:
+            for process in set(active_children()) - before:
+                process.terminate()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def forks() -> bool:
     """Whether workers start as copies of this process, with everything it has imported, loaded and compiled.
 
     A fresh process takes a second for the imports. Copies are made only on Linux and with one thread: a copy would have
-    the locks of other threads without the threads.
+    the locks of other threads without the threads. The thread of a display (`contact.io.progress.pausable`) does not
+    count: it ends while workers start.
     """
-    return sys.platform == "linux" and THREADS.is_dir() and len(list(THREADS.iterdir())) == 1
+    if sys.platform != "linux" or not THREADS.is_dir():
+        return False
+    with paused() as ended:  # the system removes a thread some time after its last line
+        latest = time.monotonic() + (REMOVED if ended else 0.0)
+        while len(list(THREADS.iterdir())) > 1:
+            if time.monotonic() > latest or threading.active_count() > 1:
+                return False
+            time.sleep(1e-3)
+    return True
 
 
 def _begin() -> None:
