@@ -71,6 +71,15 @@ def test_a_unit_family_without_groups_and_numbers_of_the_file_are_read(tmp_path)
         cf.read_mesh(file, scale=1e-3)
 
 
+@pytest.mark.parametrize(("unit", "metre"), [("m", 1.0), ("cm", 0.01), ("in", 0.0254), ("furlong", 1.0)])
+def test_points_are_in_the_unit_that_the_file_states(unit, metre, tmp_path):
+    mesh = grid("tetra")
+    file = written(tmp_path, mesh, mesh.cells)
+    with h5py.File(file, "r+") as stream:
+        stream["ENS_MAA"]["mesh"].attrs["UNI"] = np.bytes_(unit.ljust(16))
+    np.testing.assert_allclose(cf.read_mesh(file).points, metre * mesh.points, rtol=1e-15)
+
+
 def damaged(stream):
     (step,) = stream["ENS_MAA"]["mesh"].values()
     step["MAI"]["HE8"]["NOD"][0] = 4711
@@ -78,6 +87,24 @@ def damaged(stream):
 
 def two_meshes(stream):
     stream["ENS_MAA"].create_group("other")
+
+
+def no_mesh(stream):
+    del stream["ENS_MAA"]
+
+
+def two_steps(stream):
+    stream["ENS_MAA"]["mesh"].create_group("another")
+
+
+def no_cells(stream):
+    (step,) = stream["ENS_MAA"]["mesh"].values()
+    del step["MAI"]["HE8"]
+
+
+def no_table_of_cells(stream):
+    (step,) = stream["ENS_MAA"]["mesh"].values()
+    del step["MAI"]
 
 
 def unknown_kind(stream):
@@ -88,7 +115,10 @@ def unknown_kind(stream):
 @pytest.mark.parametrize(
     ("change", "fault"),
     [(damaged, "a cell of kind HE8 with a node that"), (two_meshes, "found 2 meshes, expected one"),
-     (unknown_kind, "found 2 cells of kind POE")],
+     (unknown_kind, "found 2 cells of kind POE"), (no_mesh, "found 0 meshes, expected one"),
+     (two_steps, r"found 2 steps of mesh 'mesh', expected one, with nodes \(NOE\) and cells \(MAI\)"),
+     (no_table_of_cells, "found 1 steps of mesh 'mesh', expected one, with nodes"),
+     (no_cells, "found 12 nodes and no cells")],
 )  # fmt: skip
 def test_files_that_cannot_be_read_are_named(change, fault, tmp_path):
     file = written(tmp_path, grid("hexahedron"), grid("hexahedron").cells)
