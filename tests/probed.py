@@ -41,7 +41,8 @@ def numbers_of_notes(*texts):
     return [len(texts), *(float(text) for text in NUMBER.findall(" ".join(texts)))]
 
 
-LONG, MOST = 40, 1000
+LONG, MOST = 40, 300
+SPENT = re.compile(r",? (in )?[\d.]+ s$")  # times of computation
 TIMES = ("seconds", "versions", "machine", "wall")
 
 
@@ -67,7 +68,7 @@ def numbers_of_result(found, name=""):
     """Columns for `held`: the numbers of a result's JSON or rows, without times of computation, and those it prints."""
     plain = found.to_json() if hasattr(found, "to_json") else [dict(row) for row in found.records()]
     told = numbers_of_document(plain)
-    printed = [line for line in repr(found).splitlines() if "computed in" not in line]
+    printed = [SPENT.sub("", line) for line in repr(found).splitlines()]
     return {f"{name}json": told, f"{name}printed": numbers_of_notes(*printed)}
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import casingfem as cf
 from tests.casingfem.experiment.circle.test_circle_scan import ring_rig
-from tests.probed import numbers_in, probed
+from tests.probed import finite, numbers_of_result, probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 MESH = cf.ShellMesh(order=5, rows=2, around=9)
@@ -18,10 +18,6 @@ CORNER, TOP = cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.2, 0.2))
 DRUM = cf.geometry.PiecewiseMeridian(start=(0.3, 0.0), pieces=(CORNER, TOP), fillet=0.02)
 PLACES = tuple(at / DRUM.length for at in DRUM.lines)
 PLIES = tuple(cf.shell.Ply(thickness=1e-3, angle_deg=angle, lamina=CARBON) for angle in (0.0, 40.0, -70.0))
-
-
-def finite(value):
-    return [x for x in numbers_in(value) if np.isfinite(x)]
 
 
 SHELLS = {
@@ -89,6 +85,8 @@ def test_numbers_of_a_shell(name, held):
         energy=[one.energy for one in moved],
         place=[x for one in moved for x in one.at(*middle)],
         fields=[np.linalg.norm(one.fields[:, k]) for one in moved for k in range(3)],
+        **numbers_of_result(found, "modes "),
+        **{key: column for k, one in enumerate(moved) for key, column in numbers_of_result(one, f"moved {k} ").items()},
     )
 
 
@@ -100,7 +98,12 @@ def test_numbers_of_wheels_in_air(held):
     tuned = cf.modal.engine_order_response(wheel, 3, speeds, force=2.0, zeta=1e-3, influence=air)
     mixed = cf.modal.engine_order_response(wheel, 13, speeds / 4.0, force=2.0, zeta=1e-3, deviations=uneven)
     drawn = cf.modal.amplification(wheel, 2, sigma=0.01, draws=12, seed=5, zeta=1e-3)
-    held(1e-5, wheel=finite(wheel), tuned=finite(tuned), mixed=finite(mixed), drawn=finite(drawn))
+    told = {
+        **numbers_of_result(tuned, "tuned "),
+        **numbers_of_result(mixed, "mixed "),
+        **numbers_of_result(drawn, "drawn "),
+    }
+    held(1e-5, wheel=finite(wheel), tuned=finite(tuned), mixed=finite(mixed), drawn=finite(drawn), **told)
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from tests.probed import probed
+from tests.probed import numbers_of_result, probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 MESH = cf.ShellMesh(order=5, rows=1, around=9)
@@ -88,6 +88,7 @@ def test_numbers_of_a_blade(name, held):
     more = {} if made.output_rows is None else {"outputs": np.sum(made.output_rows**2, axis=-1)}
     if made.participation is not None:
         more["participation"] = np.abs(made.participation)
+    more |= numbers_of_result(made)
     held(1e-5, omega=made.omega, compliance=made.compliance, squares=np.sum(made.rows**2, axis=0), S=made.S, **more)
 
 
@@ -102,6 +103,8 @@ def test_numbers_of_a_blade_at_speed(make, held):
         whirl=waves.freq,
         fixed=waves.freq_fixed,
         sense=waves.sense,
+        **numbers_of_result(found, "campbell "),
+        **numbers_of_result(waves, "whirl "),
     )
 
 
@@ -118,7 +121,8 @@ def test_numbers_of_meetings(held):
             f"{what} {k}": [getattr(c, what) for c in one.meetings]
             for k, one in enumerate(found)
             for what in ("n", "speed_hz", "casing_hz", "blade_hz")
-        }
+        },
+        **{key: column for k, one in enumerate(found) for key, column in numbers_of_result(one, f"{k} ").items()},
     )
 
 
