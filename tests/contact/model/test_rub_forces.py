@@ -182,3 +182,31 @@ def test_forces_that_make_no_sense_are_refused():
     )  # fmt: skip
     with pytest.raises(ct.InputError, match="blade: found rigid modes"):
         ct.gaps.settled(ct.Rub(casing(), [floating], forces=[ct.gaps.BodyForce.gravity()]))
+
+
+@pytest.mark.parametrize("angles", [(359.0, 3.0), (3.0, 359.0), (357.0, 0.0, 6.0)])
+def test_gravity_pulls_a_blade_of_several_tips_at_their_mean_angle(angles):
+    """Across 360 degrees too: the tips are at 1 degree in the mean."""
+
+    def sag(places):
+        tips = [ct.ContactPoint(angle_deg=angle, lean_deg=20.0) for angle in places]
+        scene = ct.Rub(casing(), [blade()], tips, clearance=0.03, forces=[ct.gaps.BodyForce.gravity()])
+        return ct.gaps.settled(scene).blade_starts[0].displacement
+
+    np.testing.assert_allclose(sag(angles), sag((1.0,)), rtol=1e-12)
+    assert np.abs(sag((1.0,)) / sag((2.0,)) - 1.0).min() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("term", "words"),
+    [
+        ({"p": -1, "cos": 1e-5}, "found p = -1, expected a whole number >= 0"),
+        ({"p": 2.5, "cos": 1e-5}, "found p = 2.5, expected a whole number >= 0"),
+        ({"p": 2, "tan": 1e-5}, r"found keys \['p', 'tan'\], expected p and cos and/or sin"),
+        ({"cos": 1e-5}, r"found keys \['cos'\], expected p and cos and/or sin"),
+        ({"p": 2, "sin": float("nan")}, "out_of_roundness.sin: found nan"),
+    ],
+)
+def test_terms_of_a_profile_are_whole_waves_with_finite_parts(term, words):
+    with pytest.raises(ct.InputError, match=words):
+        ct.gaps.RimProfile.fourier([term])
