@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices
 from contact.model.bodies.modal_body import ModalBody
-from contact.model.gaps.deflection import deflection
+from contact.model.gaps.deflection import Sizes, sizes
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.rub import ContactPoint, Rub, rub_of
@@ -119,7 +119,7 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
     found = envelope(result.state_time, q, parts.omega, parts.groups.of, turn)
     if found is None:
         return None
-    moved = deflection(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.tip_force)
+    moved = sizes(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.tip_force)
     return _verdict(seen, result, q, found, moved)
 
 
@@ -153,7 +153,7 @@ def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
         return None
     path, half = disk_path(what, q), len(q) // 2
     moved = np.abs(path - path[half:].mean())
-    growth = _verdict(seen._replace(wall=math.inf), result, q, found, moved)
+    growth = _verdict(seen._replace(wall=math.inf), result, q, found, Sizes(moved, lambda at, _: moved[at]))
     return replace(growth, amplitude=float(moved[half:].max()))  # the transient after the loss of a blade has decayed
 
 
@@ -190,25 +190,25 @@ def _seen(what: object, end: float) -> Seen | None:
     return None
 
 
-def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Array) -> RunGrowth:
+def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, moved: Sizes) -> RunGrowth:
     total = found.energy.sum(axis=1)
     fit = growth_of(found.time, total)
     first = 0 if fit is None else fit.first
     since = float(found.start[first])
     late = result.state_time >= since
-    amplitude, steady = _amplitude(result.state_time, deflection, found.start[first:])
-    moved = np.isfinite(total[-1]) and total[-1] > 0.0
-    cause = _cause(seen, result, q, found.energy[first:], late) if moved else None
+    amplitude, steady = _amplitude(result.state_time, moved, found.start[first:])
+    moves = np.isfinite(total[-1]) and total[-1] > 0.0
+    cause = _cause(seen, result, q, found.energy[first:], late) if moves else None
     if fit is None:
         none = math.nan
-        state: Ending = "undecided" if moved else "at rest"
+        state: Ending = "undecided" if moves else "at rest"
         return RunGrowth(
             rate=none, low=none, high=none, state=state, amplitude=amplitude, steady=steady, since=since,
             time_to_half_wall=_stopped(result), cause=cause,
         )  # fmt: skip
     span, whole = float(result.state_time[-1]) - since, float(np.ptp(result.state_time))
     state = _state(fit, span, whole, beyond=_beyond(total, first), risen=_risen(total))
-    reaches = _half_wall(seen, result, fit.rate, deflection, late) if state == "grows" else _stopped(result)
+    reaches = _half_wall(seen, result, fit.rate, moved, amplitude) if state == "grows" else _stopped(result)
     return RunGrowth(
         rate=fit.rate, low=fit.low, high=fit.high, state=state, amplitude=amplitude, steady=steady, since=since,
         time_to_half_wall=reaches, cause=cause,
@@ -269,22 +269,20 @@ def _stopped(result: Ran) -> float:
     return ended.time if ended is not None and ended.limit == "wall" else math.inf
 
 
-def _half_wall(seen: Seen, result: Ran, rate: float, deflection: Array, late: Some) -> float:
-    """Time from the start of the run at which the growing deflection reaches half the wall [s]."""
+def _half_wall(seen: Seen, result: Ran, rate: float, moved: Sizes, now: float) -> float:
+    """Time from the start of the run at which the growing deflection, `now` at its end, reaches half the wall [s]."""
     stopped, allowed = _stopped(result), WALL * seen.wall
-    beyond = np.flatnonzero(deflection > allowed)
-    now = float(deflection[late].max(initial=0.0))
     if math.isfinite(stopped) or not (math.isfinite(allowed) and now > 0.0):
         return stopped
+    beyond = moved.first_above(allowed)
     return float(
-        result.state_time[beyond[0]] if beyond.size else result.state_time[-1] + math.log(allowed / now) / rate
+        result.state_time[-1] + math.log(allowed / now) / rate if beyond is None else result.state_time[beyond]
     )
 
 
-def _amplitude(time: Array, deflection: Array, start: Array) -> tuple[float, float]:
+def _amplitude(time: Array, moved: Sizes, start: Array) -> tuple[float, float]:
     """Largest deflection in the last part of the run, and the largest relative difference to that in its windows."""
-    parts = np.searchsorted(time, start)
-    largest = np.maximum.reduceat(deflection, np.minimum(parts, deflection.size - 1))
+    largest = moved.largest(np.minimum(np.searchsorted(time, start), time.size - 1))
     top = float(largest.max())
     return top, (1.0 - float(largest.min()) / top) if top > 0.0 else 0.0
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.deflection import around, deflection
+from contact.model.gaps.deflection import around, deflection, sizes
 from contact.model.gaps.rub import rub_of
 from contact.rim_motion import rim_motion
 from tests.contact.synthetic_rim import blade, ring
@@ -81,6 +81,22 @@ def test_loop_states_growth_flag_and_page_have_one_largest_deflection(kind):
     below = ct.run(rubbing(kind, wall=1.0))
     assert below.notes.deflection == 0.0
     assert rim_motion(scene.what, below).largest == motion.deflection.max()
+
+
+@pytest.mark.parametrize("kind", ["rim", "rub"])
+@pytest.mark.slow
+def test_the_largest_deflections_of_parts_are_those_of_all_instants(kind):
+    scene = rubbing(kind)
+    result = ct.run(scene)
+    given = rub_of(scene.what), result.state_time, result.state_of("casing"), result.tip_force
+    every, few = deflection(*given), sizes(*given)
+    assert np.all(few.bound >= every)
+    for starts in ([0], [3, 200, 201, 700], [0, 10, 10, every.size - 1], list(range(0, every.size, 7))):
+        expected = np.maximum.reduceat(every, starts)
+        np.testing.assert_allclose(few.largest(np.array(starts)), expected, rtol=1e-12)
+    for limit in (0.0, 0.5 * every.max(), 0.999999 * every.max()):
+        assert few.first_above(limit) == np.flatnonzero(every > limit)[0]
+    assert few.first_above(1.000001 * every.max()) is None
 
 
 @pytest.mark.slow
