@@ -469,3 +469,14 @@ def test_elements_of_a_multiple_of_a_fields_period_leave_double_what_the_field_d
     assert odd.any()
     assert low <= found.splits[odd].max() < high
     assert found.splits[~odd].max() > 0.01
+
+
+@pytest.mark.slow
+def test_a_pair_whose_upper_member_is_not_among_the_modes_is_no_doublet(steel):
+    shell = cf.Shell(
+        chart=cf.Cylinder(radius=0.4, height=0.2), thickness=3e-3, material=steel, supports={"base": cf.Clamped()},
+        mesh=cf.ShellMesh(order=5, rows=1, around=9), radius_defect=cf.FourierField.of({16: 1e-3, 14: 5e-4}),
+    )  # fmt: skip
+    found = {count: cf.modes(shell, count, method="shell") for count in (2, 3, 4)}
+    assert [part.doublets for part in found.values()] == [(), ((1, 2),), ((0, 3), (1, 2))]
+    assert [part.nodal_diameters.tolist() for part in found.values()] == [[8, 7], [8, 7, 7], [8, 7, 7, 8]]

@@ -91,6 +91,14 @@ def test_two_masses_turn_back_at_the_folds_of_nlvib_and_agree_with_shooting():
     assert agreement.worst[1] < 1e-4
 
 
+def test_a_branch_is_the_same_from_either_end():
+    family = mass_on_stop(9.0).over("freq_hz", freq_hz=0.2)
+    up, down = (ct.cycles.balance_branch(family, ends, longest=0.3) for ends in ((0.13, 0.15), (0.15, 0.13)))
+    assert (up[0].value, up[-1].value) == (down[-1].value, down[0].value) == (0.13, 0.15)
+    assert up[-1].amplitude["x"] == pytest.approx(down[0].amplitude["x"], rel=1e-6)
+    assert down[-1].amplitude["x"] == pytest.approx(up[0].amplitude["x"], rel=1e-6)
+
+
 def test_a_range_from_clearance_zero_is_compared_with_harmonic_balance():
     family = mass_on_stop(9.0).over("clearance", freq_hz=0.2)
     found = ct.cycles.follow(family, (0.0, 0.1), longest=0.5)

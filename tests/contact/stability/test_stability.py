@@ -84,6 +84,15 @@ def test_bands_narrower_than_the_grid_are_found(held):
     assert np.allclose(found.bands_hz, [[37.5, 37.5337], [52.693, 52.9945]], atol=2e-4)
 
 
+@pytest.mark.parametrize("ends", [(52.8, 52.85), (52.8, 53.5), (52.0, 52.85)])
+def test_bands_end_where_the_range_does(ends):
+    """Between 52.693 and 52.994 Hz the pair grows, at all speeds of the first range and at one end of the others."""
+    found = ct.stability.of_contact(B6.contact(), np.linspace(*ends, 21))
+    ((low, high),) = found.bands_hz
+    assert low == ends[0] if ends[0] > 52.693 else ends[0] < low < ends[1]
+    assert high == ends[1] if ends[1] < 52.994 else ends[0] < high < ends[1]
+
+
 @pytest.mark.slow
 def test_digging_blade_grows_in_time_as_its_pole(held):
     pair = damped(replace(B6, friction=0.3, lean_deg=10.0))

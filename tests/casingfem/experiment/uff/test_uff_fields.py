@@ -72,3 +72,13 @@ def test_a_trace_line_of_one_node_or_more_comes_back(count, tmp_path):
     line = cf.uff.TraceLine(number=1, name="rim", color=3, nodes=np.arange(1, count + 1))
     (found,) = cf.uff.read_uff(cf.uff.write_uff(tmp_path / "line.uff", lines=[line])).lines
     assert found.nodes.tolist() == list(range(1, count + 1))
+
+
+def test_a_name_of_a_line_of_the_geometry_has_at_most_80_letters(tmp_path):
+    name = "".join(chr(97 + k % 26) for k in range(80))
+    line = cf.uff.TraceLine(number=1, name=name, color=3, nodes=np.array([1, 2]))
+    (found,) = cf.uff.read_uff(cf.uff.write_uff(tmp_path / "a.uff", lines=[line])).lines
+    assert (found.name, found.number, found.color, found.nodes.tolist()) == (name, 1, 3, [1, 2])
+    long = cf.uff.TraceLine(number=1, name=name + "x", color=3, nodes=np.array([1, 2]))
+    with pytest.raises(ValueError, match="does not fit into 80 columns of a universal file"):
+        cf.uff.write_uff(tmp_path / "a.uff", lines=[long])
