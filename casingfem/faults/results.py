@@ -93,6 +93,10 @@ RESULTS = {
         "the method is unknown, or does not apply to this structure",
         "leave method out, so that the program chooses it",
     ),
+    "modes-harmonics": (
+        "the task needs energies, which shapes of coupled harmonics do not give at bolts",
+        'compute the modes with `method="shell"`',
+    ),
     "modes-rigid": (
         "the mesh is so coarse that not all rigid-body modes of a thin body are resolved",
         "leave [mesh] out, or increase mesh.order or mesh.around",

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.modal.mode_columns import COLUMNS, ModeRows
@@ -118,7 +119,8 @@ class ModeSet(Reported):
 class Modes(ModeSet):
     """Modes of a shell on a chart: `fields` are at the nodes of `grid`.
 
-    `own` contains the additional dofs of rings, rotations about the wall's normal, (own, modes).
+    `own` contains the additional dofs of rings, rotations about the wall's normal, (own, modes). With `by_harmonics`
+    the grid only shows the shapes, of coupled harmonics: at bolts it does not follow them closely enough for energies.
 
     >>> import casingfem as cf
     >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
@@ -132,11 +134,19 @@ class Modes(ModeSet):
     shell: Shell
     grid: Grid
     own: FloatArray
+    by_harmonics: bool = False
 
     @property
     def structure(self) -> Shell:
         """The shell, under the name that all structures use."""
         return self.shell
+
+
+def require_energies(modes: Modes) -> None:
+    """Refuse modes by coupled harmonics (`modes-harmonics`): at bolts their grid does not give energies."""
+    if modes.by_harmonics:
+        found = "found those of a bolted casing by harmonics, expected those of the two-dimensional model"
+        raise ModelError("modes-harmonics", f"modes: {found}")
 
 
 def frequency_scale(shell: Shell) -> float:
@@ -204,6 +214,7 @@ def labelled(
     sturm: int | None,
     dofs: int,
     seconds: dict[str, float],
+    by_harmonics: bool = False,
 ) -> Modes:
     """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
     started = time.perf_counter()
@@ -220,6 +231,7 @@ def labelled(
         shell=shell,
         grid=grid,
         own=frozen(own[:, :kept]),
+        by_harmonics=by_harmonics,
         **first_modes(freq, labels, kept),
         rigid=min(rigid, kept),
         sturm_count=sturm,

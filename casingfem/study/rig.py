@@ -17,6 +17,7 @@ from casingfem.experiment.rig.structure import Place, circle, damping_spread, ri
 from casingfem.experiment.rig.troubles import TroubledTest, TroubledTruth, Troubles, troubled_frfs
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
+from casingfem.structure.shell.assembly import assemble
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable, RigTable, ScanTable, SensorTable
@@ -77,9 +78,10 @@ def run_rig(study: Study) -> RigTest:
 def all_records(study: Study, table: RigTable) -> RigTest:
     """The rig and all its records."""
     places, layout = laid_out(study, table)
-    found = modes(study.shell, **study.file.modes.wanted)
+    system = None if study.shell.axisymmetric else assemble(study.shell)
+    found = modes(study.shell, **study.file.modes.wanted, system=system)
     zeta = damping_spread(table.zeta, table.zeta_spread, len(found), seed=table.seed + DAMPING)
-    rig = rig_of(found, places, zeta=zeta)
+    rig = rig_of(found, places, zeta=zeta, system=system)
     card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
     made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
     troubled = None if table.test is None else troubled_test(rig, table, table.test, layout, card)

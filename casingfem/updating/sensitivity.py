@@ -20,7 +20,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mesh_modes import MeshModes
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import Modes, require_energies
 from casingfem.structure.imported.turning_structure import rotation_of
 from casingfem.structure.shell.energies import point_fields, product_rates
 from casingfem.structure.shell.parts import ShellParts
@@ -42,6 +42,7 @@ def product_derivatives(
     if isinstance(modes, MeshModes):
         return of_mesh(modes, vary, fields)
     assert own is not None
+    require_energies(modes)
     if modes.shell.rotation is not None:
         raise ModelError("rotation-update", "update: found a rotating shell, expected one at rest")
     at = point_fields(modes.shell, modes.grid, fields, own)
@@ -78,7 +79,7 @@ def eigen_derivatives(modes: Modes | MeshModes, vary: Sequence[Parameter]) -> Fl
     Raises
     ------
     ModelError
-        `rotation-update` for a structure that rotates.
+        `rotation-update` for a structure that rotates, `modes-harmonics` for modes of a bolted casing by harmonics.
 
     Examples
     --------

@@ -13,7 +13,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import Modes, require_energies
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.shell.assembly import assemble
@@ -98,6 +98,7 @@ def rig_of(
     """
     if modes.rigid:
         raise InputError(f"modes: found {modes.rigid} rigid motions, expected a supported structure")
+    require_energies(modes)
     if not places:
         raise InputError("places: found none, expected at least one")
     system = system or assemble(modes.shell)

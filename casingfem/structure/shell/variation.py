@@ -127,7 +127,10 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     if 0 < whole <= 1.5 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
     if bolted:
-        around = following(around, int(np.lcm.reduce(list(bolted.values()))))
+        count = int(np.lcm.reduce(list(bolted.values())))
+        on_wall = any(isinstance(support, Bolts) for support in shell.supports.values())
+        near = int(min(NEAR * np.sqrt(radius / t) / order, MOST)) if on_wall else 0
+        around = following(max(around, near), count)
     longest = (LINED if stretches > 1 else PLAIN) * np.sqrt(radius * t) / length
     breaks = divided(shell, lengths, longest, shear_layers(shell, length), most=ROWS)
     breaks = following_bends(shell.chart, breaks, order, float(np.sqrt(t / radius) / radius))
@@ -231,14 +234,15 @@ def layer_at(layers: Mapping[float, float], place: float, below: float) -> float
 SEEN = 1e-7  # estimated splits below this are not worth a warning
 # a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.verification.modes.loose_bolts
 PULL, TILT = 0.05, 0.5
-MOST = 96  # elements around up to which the default mesh follows every bolt
+NEAR = 30.0  # sqrt(t/radius) nodes around at bolts on the wall: a fifth of sqrt(radius t) apart, an error of about 2e-4
+MOST = 128  # elements around up to which the default mesh follows every bolt
 
 
 def following(least: int, count: int) -> int:
     """Number of elements around, at least a minimum, that follows `count` bolts: a multiple, or a divisor, of it.
 
     >>> following(21, 24), following(21, 16), following(21, 4), following(21, 200)
-    (24, 32, 24, 50)
+    (24, 32, 24, 100)
     """
     shares = [count // part for part in range(1, 5) if count % part == 0]
     wanted = [share * -(-least // share) for share in shares]

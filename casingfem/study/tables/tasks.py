@@ -45,7 +45,7 @@ class ModesTable(Table):
     method: Literal["auto", "shell", "fourier", "bolts"] = Field(
         default="auto",
         description="the model: shell (two-dimensional), fourier (one harmonic around at a time, perfect casings), "
-        "bolts (harmonics coupled by the bolts, if nothing else varies around); auto takes fourier or shell",
+        "bolts (harmonics coupled by the bolts, if nothing else varies around); auto takes fourier, bolts or shell",
     )
 
     @model_validator(mode="after")

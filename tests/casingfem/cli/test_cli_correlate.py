@@ -27,6 +27,7 @@ rows = [0.0, 0.05, 1.0]
 around = 12
 [modes]
 count = 10
+method = "shell"
 """
 )
 

@@ -39,16 +39,19 @@ def around_on(p):
         (around_on(46), 46),  # at most half more than 31
         (around_on(47), 31),
         (around_on(1), 31),  # no period
-        ({"supports": {"base": cf.Bolts(count=24, k=1e8), "top": cf.Clamped()}}, 24),
-        ({"supports": {"base": cf.Bolts(count=16, k=1e8), "top": cf.Bolts(count=24, k=1e8)}}, 48),  # 2 * 24 = 3 * 16
-        ({"supports": {"base": cf.Bolts(count=24, k=1e8), "top": cf.Clamped()}, **waves(3)}, 48),
-        ({"supports": {"base": cf.Bolts(count=4, k=1e8), "top": around_on(3)["supports"]["base"]}}, 32),
+        ({"supports": {"base": cf.Bolts(count=24, k=1e8), "top": cf.Clamped()}}, 72),  # 30 sqrt(250)/8 = 59.3
+        (
+            {"supports": {"base": cf.Bolts(count=16, k=1e8), "top": cf.Bolts(count=24, k=1e8)}},
+            96,
+        ),  # 48 = 2 * 24 = 3 * 16
+        ({"supports": {"base": cf.Bolts(count=24, k=1e8), "top": cf.Clamped()}, **waves(3)}, 72),
+        ({"supports": {"base": cf.Bolts(count=4, k=1e8), "top": around_on(3)["supports"]["base"]}}, 60),
         (
             {
                 "supports": {"base": cf.Bolts(count=10, k=1e8)},
                 "masses": {"top": [cf.edge.EdgeMass(angle=0.0, mass=0.1)]},
             },
-            40,
+            60,
         ),
     ],
 )

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.linalg import cho_factor, cho_solve, eigh
 
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
 from casingfem.structure.shell.shell import Shell
@@ -77,6 +77,11 @@ class Condensed:
     fields: FloatArray
     own: FloatArray
     edges: int
+
+    @property
+    def motions(self) -> FloatArray:
+        """Motions of the meridian's nodes and then of the rings, (5 nodes + rings, columns)."""
+        return np.vstack([self.fields.reshape(-1, self.fields.shape[-1]), self.own])
 
 
 class Split(NamedTuple):
@@ -210,6 +215,12 @@ class ShortWaves(NamedTuple):
     def M(self) -> FloatArray:
         """Mass of each n, (n, motions, motions)."""
         return np.tensordot(self.weights, np.stack([s.M * s.n for s in self.samples]), 1) / self.n[:, None, None]
+
+    def motions(self, n: IntArray, waves: Array) -> Array:
+        """Motions of the meridian's nodes and rings (n, 5 nodes + rings) from those of the edges (n, motions)."""
+        weights = self.weights[n - self.n[0]].T
+        parts = zip(weights, self.samples, strict=True)
+        return np.asarray(sum((weight[:, None] * waves) @ each.motions.T for weight, each in parts))
 
 
 def short_waves(shell: Shell, frame: Frame, first: int, last: int) -> ShortWaves:

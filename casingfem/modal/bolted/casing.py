@@ -1,13 +1,9 @@
 """Modes of a casing around which its bolts alone vary: harmonics of the perfect casing, coupled by the bolts.
 
-Without bolts each number n of nodal diameters is a problem of its own. Bolts of the density p(theta) add the energy
-
-    1/2 int p x^T D x dtheta,   x = sum_n Re(z_n e^(i n theta)),   P(k) = int p e^(i k theta) dtheta,
-
-which couples n and m by P(n - m) and P(n + m): equal bolts only where their number divides n - m or n + m, loose ones
-all. The patches are resolved up to `WAVES` waves, whatever the mesh has around, so that nothing here depends on where a
-bolt is in an element. A count at one shift by the inertia of all harmonics (Wittrick & Williams, Q. J. Mech. Appl.
-Math. 24, 1971, 263) shows that no mode is missed.
+Without bolts each number n of nodal diameters is a problem of its own. Tight bolts couple some of them (`coupled`),
+loose ones all: these are a change of the tight casing (`loose`). The patches are resolved up to `WAVES` waves, whatever
+the mesh has around, so that nothing here depends on where a bolt is in an element. A count at one shift by the inertia
+of all harmonics (Wittrick & Williams, Q. J. Mech. Appl. Math. 24, 1971, 263) shows that no mode is missed.
 """
 
 import time
@@ -16,15 +12,13 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+from scipy.linalg import LinAlgError
 
 from casingfem.errors import ModelError, NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.eigen import Band, gap_after
 from casingfem.linalg.slicing import CLEAR
-from casingfem.modal.condensed import (
+from casingfem.modal.bolted.condensed import (
     Condensed,
     Interface,
     ShortWaves,
@@ -37,6 +31,8 @@ from casingfem.modal.condensed import (
     short_waves,
     split,
 )
+from casingfem.modal.bolted.coupled import Coupling, Group, dofs_of, group_of, joined, placed
+from casingfem.modal.bolted.loose import LooseBolts, loose_bolts, loosened
 from casingfem.modal.fourier import harmonic_floor, negative, ring_nodes
 from casingfem.modal.mode_set import Modes, labelled
 from casingfem.structure.edge.bolts import Bolts
@@ -54,10 +50,10 @@ from contact.io.progress import tell
 WAVES = 12.0  # n width/2 up to which the patches are resolved
 LONG = 9.0  # harmonics whose first fixed mode is above this multiple follow statically
 REACH = 4.0  # fixed modes up to this multiple of the highest eigenvalue, twice its frequency
-COUPLED = 1e-12  # of a patch's mean: what couples two harmonics
 CHUNK, FEW = 12, 10  # harmonics whose stiffness is computed at once, fixed modes of one harmonic at first
 SPARE = 5  # modes beyond the requested ones, among which a gap is found
 MOST = 6000  # unknowns of one coupled problem: beyond, the two-dimensional mesh is quicker
+LOOSE = 24  # loose bolts: beyond, likewise
 
 
 def without_bolts(shell: Shell) -> Shell:
@@ -81,84 +77,34 @@ def highest_wave(shell: Shell) -> int:
     return int(np.ceil(2.0 * WAVES / min(bolts.patch for bolts in bolts_of(shell).values())))
 
 
+def obstacle(shell: Shell) -> str:
+    """Why a casing is not computed by coupled harmonics; empty if it is.
+
+    Something other than bolts varies around, or its bolts couple too many harmonics.
+    """
+    bolts = bolts_of(shell)
+    if not bolts or shell.rotation is not None or not without_bolts(shell).axisymmetric:
+        return "found a shell that rotates, has no bolts or varies around apart from them"
+    period = int(np.gcd.reduce([replace(support, loose={}).period for support in bolts.values()]))
+    size = 4 * DOFS * len(bolts) * highest_wave(shell) // period
+    if size > MOST:
+        narrow = np.degrees(min(b.patch for b in bolts.values()))
+        return f"found patches of {narrow:.3g} degrees, not evenly around: {size} coupled unknowns, at most {MOST}"
+    loose = sum(len(support.loose) for support in bolts.values())
+    return f"found {loose} loose bolts, at most {LOOSE}" if loose > LOOSE else ""
+
+
 def require_bolts_alone(shell: Shell) -> None:
-    """Refuse a casing around which something other than bolts varies, or whose bolts couple too many harmonics.
+    """Refuse a casing with an `obstacle`.
 
     Raises
     ------
     ModelError
         `modes-method`, with the finding.
     """
-    bolts = bolts_of(shell)
-    if not bolts or shell.rotation is not None or not without_bolts(shell).axisymmetric:
-        found = "found a shell that rotates, has no bolts or varies around apart from them"
+    found = obstacle(shell)
+    if found:
         raise ModelError("modes-method", f'method "bolts": {found}, expected a bolted casing at rest; use "shell"')
-    period = int(np.gcd.reduce([support.period for support in bolts.values()]))
-    size = 4 * DOFS * len(bolts) * highest_wave(shell) // period
-    if size > MOST:
-        found = f"found patches of {np.degrees(min(b.patch for b in bolts.values())):.3g} degrees, not all equal"
-        raise ModelError(
-            "modes-method", f'method "bolts": {found}: {size} coupled unknowns, at most {MOST}; use "shell"'
-        )
-
-
-class Dofs(NamedTuple):
-    """Unknowns of coupled harmonics: n, motion of the edges or (from their number on) fixed mode, and the phase.
-
-    The motion of an unknown y is Re(phase y e^(i n theta)) in each component that is in phase, Re(i phase y
-    e^(i n theta)) in quadrature, and both are mass-normalised: phase is 1/sqrt(pi) or -i/sqrt(pi).
-    """
-
-    n: IntArray
-    column: IntArray
-    phase: Array
-
-    def of(self, which: IntArray) -> "Dofs":
-        """Some of them."""
-        return Dofs(self.n[which], self.column[which], self.phase[which])
-
-
-def dofs_of(n: int, columns: IntArray) -> Dofs:
-    """The cosine and sine unknowns of the columns of a harmonic; at n = 0 each column once, in phase."""
-    if n == 0:
-        return Dofs(np.zeros(len(columns), dtype=int), columns, np.full(len(columns), 1.0 / np.sqrt(2.0 * np.pi) + 0j))
-    phase = np.repeat([1.0, -1j], len(columns)) / np.sqrt(np.pi)
-    return Dofs(np.full(2 * len(columns), n), np.tile(columns, 2), phase)
-
-
-def joined(parts: Sequence[Dofs]) -> Dofs:
-    """All unknowns in one list."""
-    return Dofs(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
-
-
-class Coupling(NamedTuple):
-    """Bolts of a casing: stiffness of one on the motions of its edge, and P(k) for k up to twice the highest n."""
-
-    interface: Interface
-    stiffness: Sequence[FloatArray]
-    spectra: Array
-
-    def matrix(self, dofs: Dofs) -> FloatArray:
-        """Stiffness of all bolts on unknowns that are motions of the edges."""
-        hoop = np.where(dofs.n > 0, self.interface.hoop[dofs.column], 0)
-        waves, edge, part = dofs.phase * 1j**hoop, self.interface.edge[dofs.column], self.interface.part[dofs.column]
-        total = np.zeros((len(waves), len(waves)))
-        for number, (D, spectrum) in enumerate(zip(self.stiffness, self.spectra, strict=True)):
-            on = np.flatnonzero(edge == number)
-            n, wave = dofs.n[on], waves[on]
-            apart, shift = n[:, None] + n, n[:, None] - n
-            difference = np.where(shift < 0, spectrum[np.abs(shift)].conj(), spectrum[np.abs(shift)])
-            product = wave[:, None] * (wave.conj() * difference + wave * spectrum[apart])
-            total[np.ix_(on, on)] = 0.5 * D[np.ix_(part[on], part[on])] * product.real
-        return total
-
-    def groups(self, highest: int) -> list[IntArray]:
-        """Harmonics from 0 to `highest` that the bolts couple, each group by itself."""
-        n = np.arange(highest + 1)
-        size = np.abs(self.spectra) / np.abs(self.spectra[:, :1])
-        tied = np.any((size[:, np.abs(n[:, None] - n)] > COUPLED) | (size[:, n[:, None] + n] > COUPLED), axis=0)
-        number, group = connected_components(csr_array(tied), directed=False)
-        return [np.flatnonzero(group == k) for k in range(number)]
 
 
 class Shape(NamedTuple):
@@ -174,61 +120,47 @@ class Harmonics:
 
     shell: Shell
     coupling: Coupling
+    loose: LooseBolts
     long: Sequence[Condensed]
     parts: Sequence[Split]
     short: ShortWaves
 
+    @property
+    def groups(self) -> list[Group]:
+        """The harmonics that tight bolts couple, each group by itself."""
+        apart = self.coupling.groups(int(self.short.n[-1]))
+        return [group_of(group, self.coupling, self.long, self.short) for group in apart]
+
     def shapes(self, most: float) -> list[Shape]:
         """All modes below an eigenvalue, ascending."""
-        found = [shape for group in self.coupling.groups(int(self.short.n[-1])) for shape in self._coupled(group, most)]
-        return sorted(found, key=lambda shape: shape.value)
+        if len(self.loose.sign):
+            found = loosened(self.groups, self.coupling, self.loose, most)
+            return [Shape(value, waves) for value, waves in found]
+        tight = []
+        for group in self.groups:
+            values, vectors = group.modes(most)
+            waves = group.waves(vectors, np.zeros((len(group.short.n), len(values))))
+            tight += [Shape(float(value), each) for value, each in zip(values, waves, strict=True)]
+        return sorted(tight, key=lambda shape: shape.value)
 
-    def _coupled(self, group: IntArray, most: float) -> list[Shape]:
-        """Modes of the harmonics of one group, after static condensation of the short waves."""
-        edges = len(self.coupling.interface.part)
-        kept = [self.long[n] for n in group.tolist() if n < len(self.long)]
-        long = joined([dofs_of(each.n, np.arange(len(each.K))) for each in kept]) if kept else None
-        if long is None:
-            return []
-        K, M = (placed(long, {each.n: getattr(each, name) for each in kept}) for name in "KM")
-        moving = np.flatnonzero(long.column < edges)
-        above = group[group >= len(self.long)]
-        short = joined([dofs_of(n, np.arange(edges)) for n in above.tolist()]) if len(above) else long.of(moving[:0])
-        every = joined([long.of(moving), short])
-        bolted, split_at = self.coupling.matrix(every), len(moving)
-        K[np.ix_(moving, moving)] += bolted[:split_at, :split_at]
-        follow = np.zeros((len(short.n), len(long.n)))
-        if len(short.n):
-            at = above - self.short.n[0]
-            own, inert = (
-                placed(short, dict(zip(above.tolist(), blocks[at], strict=True)))
-                for blocks in (self.short.K, self.short.M)
-            )
-            factor = cho_factor(own + bolted[split_at:, split_at:])
-            follow[:, moving] = -cho_solve(factor, bolted[split_at:, :split_at])
-            K[np.ix_(moving, moving)] += bolted[:split_at, split_at:] @ follow[:, moving]
-            M += follow.T @ inert @ follow
-        values, vectors = eigh(K, M, subset_by_value=(-np.inf, most))
-        unknowns, columns = joined([long, short]), np.vstack([vectors, follow @ vectors])
-        return [
-            Shape(float(value), waves_of(unknowns, column)) for value, column in zip(values, columns.T, strict=True)
-        ]
-
-    def amplitudes(self, n: int, wave: Array) -> Array:
-        """Complex amplitudes of the motions of the meridian's nodes and rings, (5 nodes + rings,), at one n."""
-        if n < len(self.long):
-            each = self.long[n]
-            shapes, own = each.fields[:, :, : len(wave)] @ wave, each.own[:, : len(wave)] @ wave
-        else:
-            parts = list(zip(self.short.weights[n - self.short.n[0]], self.short.samples, strict=True))
-            shapes = sum(weight * (each.fields @ wave) for weight, each in parts)
-            own = sum(weight * (each.own @ wave) for weight, each in parts)
-        phase, turn = (HOOP, 1j) if n > 0 else (np.ones(DOFS), 1.0)
-        return np.append(shapes * phase, own * turn)
+    def amplitudes(self, waves: dict[int, Array], most: int) -> tuple[IntArray, Array]:
+        """Harmonics up to `most`, and complex amplitudes of the meridian's nodes and rings, (5 nodes + rings, n)."""
+        orders = np.array(sorted(n for n in waves if n <= most))
+        short = orders[orders >= len(self.long)]
+        low = [self.long[n].motions[:, : len(waves[n])] @ waves[n] for n in orders.tolist() if n < len(self.long)]
+        found = np.stack(low, axis=1)
+        if len(short):
+            high = self.short.motions(short, np.array([waves[n] for n in short.tolist()]))
+            found = np.hstack([found, high.T])
+        rings = len(self.long[0].own)
+        turned = np.append(np.tile(HOOP, (len(found) - rings) // DOFS), np.full(rings, 1j))
+        found[:, orders > 0] *= turned[:, None]
+        return orders, found
 
     def dominant(self, shape: Shape) -> int:
         """The n with the largest motion."""
-        return max(shape.waves, key=lambda n: float(np.linalg.norm(self.amplitudes(n, shape.waves[n]))))
+        orders, amplitudes = self.amplitudes(shape.waves, len(self.long) - 1)
+        return int(orders[np.argmax(np.linalg.norm(amplitudes, axis=0))])
 
     def below(self, sigma: float) -> int:
         """Number of eigenvalues below sigma: those with fixed edges, and the negative ones of the edges' stiffness."""
@@ -242,32 +174,17 @@ class Harmonics:
             outer = dynamic[np.ix_(at_edges, at_edges)] - across.T @ np.linalg.solve(inner, across)
             stiffness[part.n] = back.T @ outer @ back
         stiffness |= dict(zip(self.short.n.tolist(), self.short.K - sigma * self.short.M, strict=True))
+        change = np.diag(self.loose.sign)
         for group in self.coupling.groups(int(self.short.n[-1])):
             dofs = joined([dofs_of(n, edges) for n in group.tolist()])
-            count += negative(placed(dofs, stiffness) + self.coupling.matrix(dofs))
+            coupled = placed(dofs, stiffness) + self.coupling.matrix(dofs)
+            count += negative(coupled)
+            if len(change):
+                B = self.loose.on(self.coupling, dofs)
+                change = change - B.T @ np.linalg.solve(coupled, B)
+        if len(change):
+            count += negative(change) - int(np.count_nonzero(self.loose.sign < 0.0))
         return count
-
-
-def placed(dofs: Dofs, blocks: dict[int, FloatArray]) -> FloatArray:
-    """The matrix that couples unknowns of the same n and phase by the blocks of their harmonics."""
-    total = np.zeros((len(dofs.n), len(dofs.n)))
-    for n, block in blocks.items():
-        own = np.flatnonzero(dofs.n == n)
-        for member in (own[dofs.phase[own].imag == 0.0], own[dofs.phase[own].imag != 0.0]):
-            if len(member):
-                total[np.ix_(member, member)] = block
-    return total
-
-
-def waves_of(dofs: Dofs, amplitudes: FloatArray) -> dict[int, Array]:
-    """Complex amplitudes of the columns of each harmonic from its cosine and sine unknowns."""
-    waves = {}
-    for n in np.unique(dofs.n).tolist():
-        own = np.flatnonzero(dofs.n == n)
-        wave = np.zeros(1 + dofs.column[own].max(), dtype=complex)
-        np.add.at(wave, dofs.column[own], dofs.phase[own] * amplitudes[own])
-        waves[n] = wave
-    return waves
 
 
 def harmonics_of(shell: Shell, count: int, band: Band | None) -> tuple[Harmonics, float]:
@@ -286,8 +203,8 @@ def harmonics_of(shell: Shell, count: int, band: Band | None) -> tuple[Harmonics
         n = len(parts)
         tell(f"n = {n}")
         if n % CHUNK == 0:
-            stiffness = Stiffness(free, n, n + CHUNK - 1)
-        parts.append(split(frame, n, stiffness(n)))
+            K = Stiffness(free, n, n + CHUNK - 1)
+        parts.append(split(frame, n, K(n)))
         fixed.append(fixed_below(parts[-1], count + SPARE, REACH * limit))
         least = fixed[-1][0][0]
         if band is None:
@@ -303,9 +220,10 @@ def harmonics_of(shell: Shell, count: int, band: Band | None) -> tuple[Harmonics
     highest = max(highest_wave(shell), 2 * len(long))
     short = short_waves(free, frame, len(long), highest)
     orders = np.arange(2 * highest + 1)
-    spectra = np.stack([support.spectrum(orders) for support in bolts.values()])
-    coupling = Coupling(interface, [np.real(bolt_stiffness(shell, edge)) for edge in bolts], spectra)
-    return Harmonics(shell, coupling, long, parts, short), limit
+    spectra = np.stack([replace(support, loose={}).spectrum(orders) for support in bolts.values()])
+    stiffness = [np.real(bolt_stiffness(shell, edge)) for edge in bolts]
+    coupling, loose = Coupling(interface, stiffness, spectra), loose_bolts(list(bolts.values()), stiffness, len(long))
+    return Harmonics(shell, coupling, loose, long, parts, short), limit
 
 
 def fixed_below(part: Split, count: int, most: float) -> tuple[FloatArray, FloatArray]:
@@ -373,7 +291,9 @@ def bolted_modes(shell: Shell, wanted: int | Band) -> Modes:
     freq = np.sqrt(np.maximum([shape.value for shape in found], 0.0)) / (2.0 * np.pi)
     dofs = sum(len(part.K) for part in harmonics.parts) + len(harmonics.short.n) * len(harmonics.short.K[0])
     seconds = {"solve": time.perf_counter() - started}
-    return labelled(shell, grid, freq, fields, own, count=wanted, sturm=counted, dofs=dofs, seconds=seconds)
+    return labelled(
+        shell, grid, freq, fields, own, count=wanted, sturm=counted, dofs=dofs, seconds=seconds, by_harmonics=True
+    )
 
 
 def resolving(shell: Shell, n: int) -> Shell:
@@ -394,8 +314,7 @@ def spread(harmonics: Harmonics, shell: Shell, grid: Grid, found: Sequence[Shape
     c, s = np.cos(theta), np.sin(theta)
     fields, turns = np.empty((len(theta), DOFS, len(found))), np.empty((len(shell.rings), len(angles), len(found)))
     for mode, shape in enumerate(found):
-        orders = [n for n in shape.waves if n <= most]
-        amplitudes = np.stack([harmonics.amplitudes(n, shape.waves[n]) for n in orders], axis=-1)
+        orders, amplitudes = harmonics.amplitudes(shape.waves, most)
         around = np.exp(1j * np.outer(orders, angles))
         motions = amplitudes.real @ around.real - amplitudes.imag @ around.imag  # rows by nodes, then rings
         radial, along, *others = motions[: DOFS * (1 + row.max())].reshape(-1, DOFS, len(angles)).swapaxes(0, 1)

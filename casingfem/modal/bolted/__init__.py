@@ -1,0 +1,1 @@
+"""Casings around which their bolts alone vary: harmonics of the perfect casing, coupled by the bolts."""
