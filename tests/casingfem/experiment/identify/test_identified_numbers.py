@@ -58,7 +58,7 @@ def drawn_loads(seed):
 
 
 DRAWN = {
-    "set-ups": (drawn_set_ups, range(1, 11)),
+    "set-ups": (drawn_set_ups, range(1, 8)),
     "circle": (drawn_circle, range(1, 9)),
     "loads": (drawn_loads, range(1, 4)),
 }

@@ -177,21 +177,6 @@ def test_sound_files_are_whole_and_need_a_table_of_channels(take, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        ("1,push,7,N\n", "column 'kind': found 'push'; expected force or response"),
-        ("1,force,7,N\n1,response,8,m\n", "column 'channel': found '1'; expected each channel once"),
-        ("1,force,7,N\n5,response,8,m\n", "found channel 5 of"),
-    ],
-)
-def test_tables_of_channels_are_checked(rows, words, take, tmp_path):
-    path, _ = written("csv", take, tmp_path)
-    (tmp_path / "channels.csv").write_text("channel,kind,point,unit\n" + rows)
-    with pytest.raises(cf.errors.InputError, match=words):
-        cf.frf.read_records(path, channels=tmp_path / "channels.csv")
-
-
-@pytest.mark.parametrize(
     ("name", "content", "words"),
     [
         ("a.csv", "force [N],response [m]\n1,2\n", "a column of times first"),
@@ -265,11 +250,3 @@ def test_radial_sensors_have_direction_r_and_a_force_without_a_unit_is_taken_for
         [9],
     )
     assert any("N is assumed" in note for note in found.notes)
-
-
-def test_a_table_has_the_sampling_rate_of_all_its_times(tmp_path):
-    rows = "\n".join(f"{k / 64},{float(k == 5)},{k % 3}" for k in range(32))
-    (tmp_path / "a.csv").write_text(f"time [s],force 1 x [N],response 2 x [m/s^2]\n{rows}\n")
-    (take,) = cf.frf.read_records(tmp_path / "a.csv")
-    assert (len(take), take.fs) == (32, 64.0)
-    np.testing.assert_array_equal(take.response.x, np.arange(32) / 64)
