@@ -79,7 +79,7 @@ def test_a_rub_with_friction_moves_as_in_shooting():
         ct.cycles.balance(family, 5.0, harmonics=1)
 
 
-def test_two_masses_turn_back_at_the_folds_of_nlvib_and_agree_with_shooting():
+def test_two_masses_turn_back_at_the_folds_of_nlvib_and_agree_with_shooting(held):
     family = masses().over("freq_hz", freq_hz=0.1)
     between = 0.6 / TURN, 0.8 / TURN
     assert TURN * np.sort(turns(ct.cycles.balance_branch(family, between, longest=0.04)))[[0, -1]] == pytest.approx(
@@ -89,14 +89,16 @@ def test_two_masses_turn_back_at_the_folds_of_nlvib_and_agree_with_shooting():
     assert agreement.found == agreement.value.size
     assert 1e-9 < agreement.worst[0] < 1e-3
     assert agreement.worst[1] < 1e-4
+    held(1e-4, value=agreement.value, counts=[agreement.found, agreement.value.size])
 
 
-def test_a_branch_is_the_same_from_either_end():
+def test_a_branch_is_the_same_from_either_end(held):
     family = mass_on_stop(9.0).over("freq_hz", freq_hz=0.2)
     up, down = (ct.cycles.balance_branch(family, ends, longest=0.3) for ends in ((0.13, 0.15), (0.15, 0.13)))
     assert (up[0].value, up[-1].value) == (down[-1].value, down[0].value) == (0.13, 0.15)
     assert up[-1].amplitude["x"] == pytest.approx(down[0].amplitude["x"], rel=1e-6)
     assert down[-1].amplitude["x"] == pytest.approx(up[0].amplitude["x"], rel=1e-6)
+    held(1e-4, up=[x for one in up for x in (one.value, one.period, *one.amplitude.values())])
 
 
 def test_a_range_from_clearance_zero_is_compared_with_harmonic_balance():
@@ -109,7 +111,7 @@ def test_a_range_from_clearance_zero_is_compared_with_harmonic_balance():
     assert agreement.worst[1] < 1e-3
 
 
-def test_a_false_turning_point_of_a_short_series_is_no_fold():
+def test_a_false_turning_point_of_a_short_series_is_no_fold(held):
     """A mass before a stop of 1e5 times its stiffness has no fold in this range; three harmonics turn back in it."""
     family = mass_on_stop(1e5).over("freq_hz", freq_hz=0.2)
     false = turns(ct.cycles.balance_branch(family, (0.16, 0.26), harmonics=3, longest=0.04))
@@ -121,6 +123,7 @@ def test_a_false_turning_point_of_a_short_series_is_no_fold():
     agreement = ct.cycles.balance_check(family, found, harmonics=3)
     assert agreement.found < agreement.value.size
     assert "take more harmonics" in agreement.words
+    held(1e-4, false=np.sort(false), value=agreement.value, found=[agreement.found])
 
 
 def test_follow_starts_from_harmonic_balance_where_no_run_settles():

@@ -44,6 +44,14 @@ def test_a_permanent_contact_is_a_fixed_point_with_its_poles(mu, speed, casing):
     assert found.period == pytest.approx(1.0 / abs(speed))
 
 
+def orbit_numbers(found):
+    counts = [*found.closings, *found.rests, *found.touching, found.periods]
+    return {
+        "period": [found.period, found.value], "force": found.force, "amplitude": list(found.amplitude.values()),
+        "counts": counts, "sizes": np.sort(np.abs(found.multipliers)),
+    }  # fmt: skip
+
+
 def settles(what, mu, speed, **search):
     """An orbit against the last turns of a run."""
     found = ct.cycles.orbit(ct.cycles.RimFamily(rim=what, mu=mu), speed, **search)
@@ -58,8 +66,9 @@ def settles(what, mu, speed, **search):
 
 
 @pytest.mark.parametrize(("mu", "angle", "speed"), [(0.0, 0.0, 5.0), (0.05, 30.0, 5.0), (0.05, 30.0, -5.0)])
-def test_a_rub_is_what_a_run_settles_on(mu, angle, speed):
-    settles(rim(angle_deg=angle, speed_hz=speed), mu, speed, settle=20)
+def test_a_rub_is_what_a_run_settles_on(mu, angle, speed, held):
+    found = settles(rim(angle_deg=angle, speed_hz=speed), mu, speed, settle=20)
+    held(1e-4, **orbit_numbers(found))
 
 
 def test_growth_by_floquet_multipliers_is_that_of_a_run_beside_the_periodic_motion():
@@ -107,7 +116,7 @@ def two_blades(**given):
     return ct.Rub(ring(zeta=0.02), (blade(zeta=0.02), blade(zeta=0.02, psi=1.2)), **usual | given)
 
 
-def test_two_blades_in_a_coating_are_what_a_run_settles_on():
+def test_two_blades_in_a_coating_are_what_a_run_settles_on(held):
     coating, rub = ct.Abradable(mu=0.05, **COATING), two_blades()
     family = ct.cycles.RimFamily(rim=rub, mu=0.05, stiffness=coating.under_tip)
     found = ct.cycles.orbit(family, 5.0, settle=20)
@@ -115,6 +124,7 @@ def test_two_blades_in_a_coating_are_what_a_run_settles_on():
     assert found.stable
     assert found.force == pytest.approx(run.force[run.time > 1.4].max(axis=0), rel=5e-4)
     assert list(found.amplitude) == ["casing_1", "span_1", "flap_1", "casing_2", "span_2", "flap_2"]
+    held(1e-4, **orbit_numbers(found))
 
 
 def test_a_fixed_offset_is_a_wave_of_one_lobe():
