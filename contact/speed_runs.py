@@ -20,7 +20,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.progress import as_part, quietly, tell
-from contact.io.workers import KilledWorkersError, in_processes
+from contact.io.workers import KilledWorkersError, forks, in_processes
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.rotor.rotor import Rotor
@@ -33,7 +33,7 @@ from contact.result import Result
 from contact.run_many import Outcome, run_many, runs_alone
 from contact.speed_verdict import SpeedRun, decided, judged, times_longer
 
-WORTH = 4.0  # s: two processes start in about so long
+WORTH, COPIES = 4.0, 0.3  # s: two processes start in less, fresh ones or copies of this one
 TOGETHER = 16  # scenes of a lot if several run in one loop
 LONGEST = 16  # times t_end: length to which runs are continued
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
@@ -100,6 +100,7 @@ def _shared(lot: Lot, processes: int) -> list[SpeedRun]:
     size = 1 if processes > 1 and runs_alone(lot.scenes[0], _record) else TOGETHER if processes > 1 else len(lot.scenes)
     numbers = range(0, len(lot.scenes), size)
     lots = [lot._replace(**{name: getattr(lot, name)[k : k + size] for name in Lot._fields[:3]}) for k in numbers]
+    worth = math.inf if processes < 2 else COPIES if forks() else WORTH
     found: dict[int, list[SpeedRun]] = {}
     ended = 0
 
@@ -117,7 +118,7 @@ def _shared(lot: Lot, processes: int) -> list[SpeedRun]:
             k, began = len(found), time.perf_counter()
             found[k] = _judged(lots[k], note)
             seconds = (time.perf_counter() - began) * (len(lots) - k - 1)
-            if k > 0 and seconds > WORTH and processes > 1:  # the first lot loads the code of the loop
+            if k > 0 and seconds > worth:  # the first lot loads the code of the loop
                 for j, runs in _by_processes(lots[k + 1 :], processes):
                     found[k + 1 + j] = runs
                     ended += len(runs)

@@ -95,6 +95,12 @@ def places(size: int) -> Array:
     return np.asarray((np.arange(count) + 0.5) * (math.pi / count))
 
 
+@remembered
+def _waves(size: int) -> Array:
+    """Values of `size` waves at their places, (size, places)."""
+    return readonly(harmonics(size // 2, places(size)).T)
+
+
 def around(moved: Array) -> Array:
     """Largest magnitude over theta of motions by waves 1, cos .. cos N, sin .. sin N, (..., 2 N + 1).
 
@@ -103,8 +109,7 @@ def around(moved: Array) -> Array:
     >>> around(np.array([[1.0, 0.0, 2.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.0, 0.0]])).round(2).tolist()
     [3.0, 3.0]
     """
-    N = moved.shape[-1] // 2
-    waves = harmonics(N, places(moved.shape[-1])).T
+    N, waves = moved.shape[-1] // 2, _waves(moved.shape[-1])
     every = moved.reshape(-1, moved.shape[-1])
     found = np.empty(len(every))
     for start in range(0, len(every), TOGETHER):
