@@ -7,7 +7,7 @@ import contact as ct
 from tests.contact.cycles.bodies import random_body
 from tests.contact.stability.rates import floquet_growth, growth
 from tests.contact.synthetic_rim import blade, ring
-from tests.probed import numbers_of_result
+from tests.probed import numbers_of_result, probed
 
 B6 = ct.gaps.HandPair(
     casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=1e-3),
@@ -30,10 +30,14 @@ def two_blades():
 def test_numbers_of_closed_contact(mu, held):
     of_rim = ct.gaps.rim_contact(rim(), mu=mu)
     every = np.stack([np.sort_complex(p) for p in ct.stability.poles(of_rim, np.array([5.0, 40.0]))])
+    mean = ct.stability.perfect_mean(ring(imperfect=0.05))
     held(
         rim=growth(of_rim, SPEEDS),
         size=np.abs(every),
-        mean=ct.stability.perfect_mean(ring(imperfect=0.05)).omega,
+        mean=mean.omega,
+        zeta=mean.zeta,
+        squares=np.sum(mean.rows**2, axis=0),
+        S=probed(mean.S),
     )
 
 
@@ -57,7 +61,7 @@ def test_numbers_of_peaks(name, held):
 
 def test_numbers_of_split_casings(held):
     split = ct.RotatingRim(ring(imperfect=0.03), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)
-    held(1e-5, growth=[floquet_growth(split, hz) for hz in (31.0,)])
+    held(1e-7, growth=[floquet_growth(split, hz) for hz in (31.0, 45.0)])
 
 
 @pytest.mark.parametrize("kind", ["hard", "soft", "yielding"])
