@@ -66,6 +66,7 @@ def test_numbers_of_a_rim(held):
             f"squares {method}": np.sum(made.rows**2, axis=0),
             f"S {method}": probed(made.S),
             f"recovered {method}": np.sum(made.recovery**2, axis=0),
+            f"crossed {method}": probed((made.recovery / made.omega**2) @ made.rows.T),
         }
     shape = cf.modal.out_of_roundness(casings["free"], cf.Rim("top", n_max=8))
     held(**found, shape=[value for term in shape for value in term.values()])
@@ -85,9 +86,13 @@ def test_numbers_of_a_blade(name, held):
     )
     interface = cf.Tip() if name == "tip" else cf.modal.AtNodes((20, 40)) if name == "solid" else cf.TipNodes("tip", 3)
     made = cf.reduce(part, interface, modes=4, outputs=outputs)
-    more = {} if made.output_rows is None else {"outputs": np.sum(made.output_rows**2, axis=-1)}
+    more = {}
+    if made.output_rows is not None and made.output_rows.size:
+        more["outputs"] = np.sum(made.output_rows**2, axis=-1)
+        more["seen"] = (made.output_rows / made.omega**2) @ made.rows.T
     if made.participation is not None:
         more["participation"] = np.abs(made.participation)
+        more["pulled"] = (made.participation / made.omega**2) @ made.rows.T
     more |= numbers_of_result(made)
     held(1e-5, omega=made.omega, compliance=made.compliance, squares=np.sum(made.rows**2, axis=0), S=made.S, **more)
 
