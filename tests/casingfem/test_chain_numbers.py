@@ -85,6 +85,7 @@ def test_numbers_of_a_shell(name, held):
         energy=[one.energy for one in moved],
         place=[x for one in moved for x in one.at(*middle)],
         fields=[np.linalg.norm(one.fields[:, k]) for one in moved for k in range(3)],
+        sums=[probed(np.atleast_2d(one.fields[:, k])) for one in moved for k in range(one.fields.shape[1])],
         **numbers_of_result(found, "modes "),
         **{key: column for k, one in enumerate(moved) for key, column in numbers_of_result(one, f"moved {k} ").items()},
     )
