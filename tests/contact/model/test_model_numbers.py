@@ -32,6 +32,7 @@ def test_numbers_of_bodies(held):
             f"zeta {name}": body.zeta,
             f"S {name}": probed(body.S),
             f"size {name}": np.sort(np.sum(body.rows**2, axis=0)),
+            f"crossed {name}": probed((body.rows / (1.0 + body.omega**2)) @ body.rows.T),
         }
     held(1e-5, **columns, tuned=disk.tuned_hz())
 
