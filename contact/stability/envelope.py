@@ -32,6 +32,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices
 
@@ -74,16 +75,32 @@ def modal_energies(time: Array, q: Array, omega: Array, bounds: Indices) -> Arra
     """
     step = float(time[-1] - time[0]) / (time.size - 1)
     inner, sizes = q[1:-1], np.diff(bounds)
-    centre = np.repeat(np.add.reduceat(inner, bounds[:-1], axis=0) / sizes[:, None], sizes, axis=0)
+    centre = np.add.reduceat(inner, bounds[:-1], axis=0) / sizes[:, None]
     slow = omega * step * float(sizes.mean()) < 2.0 * math.pi * PERIODS
     centre[:, slow] = np.median(inner[:, slow], axis=0)
-    square = (omega * (inner - centre)) ** 2
+    square = np.empty(inner.shape)
+    for mean, first, end in zip(centre, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        np.subtract(inner[first:end], mean, out=square[first:end])
+    square *= omega
+    square *= square
     even = bool(np.ptp(np.diff(time)) < 1e-6 * step)
-    dense = (omega * step < DENSE) if even else np.zeros(omega.size, dtype=bool)
-    turn = omega[dense] * step
-    velocity = (q[2:, dense] - q[:-2, dense]) / (2.0 * step * np.sinc(turn / math.pi))
-    square[:, dense] = 0.5 * (square[:, dense] + velocity**2)
-    return np.asarray(square)
+    for modes in _stretches(omega * step < DENSE) if even else ():
+        velocity = q[2:, modes] - q[:-2, modes]
+        velocity /= 2.0 * step * np.sinc(omega[modes] * step / math.pi)
+        velocity *= velocity
+        square[:, modes] += velocity
+        square[:, modes] *= 0.5
+    return square
+
+
+def _stretches(of: NDArray[np.bool_]) -> list[slice]:
+    """Stretches of neighbouring places with True: arrays are read there without copies.
+
+    >>> _stretches(np.array([True, True, False, True]))
+    [slice(0, 2, None), slice(3, 4, None)]
+    """
+    ends = np.flatnonzero(np.diff(of, prepend=False, append=False)).tolist()
+    return [slice(first, end) for first, end in zip(ends[::2], ends[1::2], strict=True)]
 
 
 def window_bounds(count: int, step: float, period: float, turn: float) -> Indices:
@@ -127,7 +144,10 @@ def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = 
     if n < FEWEST * SAMPLES:
         return None
     step = float(time[-1] - time[0]) / (n + 1)
-    power = np.mean((omega * (q - q.mean(axis=0))) ** 2, axis=0)
+    moved = q - q.mean(axis=0)
+    moved *= omega
+    moved *= moved
+    power = moved.mean(axis=0)
     total = float(power.sum())
     mean = float(power @ omega) / total if total > 0.0 and math.isfinite(total) else 0.0
     bounds = window_bounds(n, step, 2.0 * math.pi / mean if mean > 0.0 else 0.0, turn)
