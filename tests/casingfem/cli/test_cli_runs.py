@@ -41,7 +41,7 @@ def test_words_that_go_together_are_taken(tmp_path, monkeypatch, words):
 LONG = """
 [scene]
 kind = "rods"
-t_end = 4.0
+t_end = 12.0
 [[mass]]
 mass = 1.0
 x = 0.5
