@@ -88,6 +88,25 @@ def test_a_unit_is_that_of_the_ordinate_over_its_denominator(above, below, unit)
     assert cf.frf.FrfSet.from_functions([replace(function, axes=axes)], "frf").unit == unit
 
 
+CODES = {
+    2: "stress", 3: "strain", 5: "temperature", 6: "heat flux", 8: "displacement", 9: "reaction force", 11: "velocity",
+    12: "acceleration", 13: "excitation force", 15: "pressure", 16: "mass", 17: "time", 18: "frequency", 19: "rpm",
+    20: "order", 21: "sound pressure", 22: "sound intensity", 23: "sound power", 99: "code 99", 1: "unknown",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_function_without_a_unit_states_its_quantities_by_the_codes_of_data_set_58(code):
+    (function,) = frfs().functions()
+    for above, below, unit in (
+        (code, 3, f"{CODES[code]}/strain"), (3, code, f"strain/{CODES[code]}" if code != 1 else "strain"),
+    ):  # fmt: skip
+        axes = function.axes._replace(ordinate=cf.uff.Axis(above), denominator=cf.uff.Axis(below))
+        found = cf.frf.FrfSet.from_functions([replace(function, axes=axes)], "frf")
+        told = "" if found.form else unit
+        assert (found.unit, found.kind) == (told, "frf")
+
+
 @pytest.mark.parametrize(
     ("kind", "axis", "taken"),
     [
