@@ -151,7 +151,7 @@ def faults_of_study(file: Path, table: ChanceTable, study: Study) -> list[str]:
             "a casing of revolution, Fourier series around that are even along the axis, free, clamped or elastic"
         )
         found.append(f"{key}: found a casing that needs a full solution for each draw, expected {expected} edges")
-    around = shell.mesh.order * shell.mesh.around
+    around = shell.mesh.order * shell.mesh.columns
     for number, field in enumerate(shell.defects.items(), 1):
         name, own = field
         p = max((int(term.p.max()) for term in terms_of(own) or ()), default=0)

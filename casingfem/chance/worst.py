@@ -62,8 +62,8 @@ def study_text(own: Drawing, series: Array, draw: int) -> str:
     tables.setdefault("reduce", {})["out"] = "casing.npz"
     tables.pop("update", None)
     mesh = given.study.shell.mesh
-    rows: int | list[float] = mesh.rows if isinstance(mesh.rows, int) else list(mesh.rows)
-    tables["mesh"] = {"order": mesh.order, "rows": rows, "around": mesh.around}
+    rows, around = (part if isinstance(part, int) else list(part) for part in (mesh.rows, mesh.around))
+    tables["mesh"] = {"order": mesh.order, "rows": rows, "around": around}
     return f"# Draw {draw} of {given.path.name}, seed {given.table.seed}\n{toml(tables)}"
 
 

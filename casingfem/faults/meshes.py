@@ -28,7 +28,7 @@ MESHES = {
         "give the nodes of both faces the same supports: along the axis, in both directions across it, or all three",
     ),
     "mesh-around": (
-        "the number of elements around is not a whole number of at least 1",
+        "mesh.around is neither a number of elements nor, across an open chart, a list of breaks from 0 to 1",
         "give a whole number of at least 1, or leave mesh.around out",
     ),
     "mesh-aspect": (

@@ -198,8 +198,8 @@ def ring_floor(shell: Shell, name: str, ring: Ring, n: int) -> float:
 def resolving(shell: Shell, n: int) -> Shell:
     """The shell on a mesh with at least six nodes in a wave of n around."""
     mesh = shell.mesh
-    elements = max(mesh.around, int(np.ceil(6.0 * n / mesh.order)))
-    return shell if elements == mesh.around else replace(shell, mesh=replace(mesh, around=elements))
+    elements = max(mesh.columns, int(np.ceil(6.0 * n / mesh.order)))
+    return shell if elements == mesh.columns else replace(shell, mesh=replace(mesh, around=elements))
 
 
 def inertia_below(meridian: Meridian, sigma: float) -> int:

@@ -58,7 +58,7 @@ class Rings:
 
 def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = None) -> Rings:
     """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max, by default as far as the nodes resolve."""
-    n_max = n_max or max(2, grid.mesh.order * grid.mesh.around // 3)
+    n_max = n_max or max(2, grid.mesh.order * grid.mesh.columns // 3)
     rings, transform = ring_transform(chart, grid, n_max, None if is_axisymmetric(chart) else arc_places(chart))
     if is_axisymmetric(chart):
         theta = grid.nodes[1]

@@ -182,7 +182,7 @@ def count_or_band(count: int | None, band: Band | None) -> int | Band:
 def nodes_of(shell: Shell) -> int:
     """Number of nodes of the mesh of a closed casing."""
     mesh = shell.mesh
-    return mesh.order * mesh.around * (mesh.order * (len(mesh.breaks) - 1) + 1)
+    return mesh.order * mesh.columns * (mesh.order * (len(mesh.breaks) - 1) + 1)
 
 
 def plate_count(shell: Shell, wanted: int | Band) -> float:
@@ -224,7 +224,7 @@ def finest_shares(modes: Modes) -> FloatArray:
 def split_by_mesh(modes: Modes) -> BoolArray:
     """Modes of a casing of revolution whose pairs equal elements split: their number divides 2n, (modes,)."""
     n = np.asarray(modes.nodal_diameters)
-    return np.asarray((n > 0) & (2 * n % modes.grid.mesh.around == 0) & is_axisymmetric(modes.shell.chart))
+    return np.asarray((n > 0) & (2 * n % modes.grid.mesh.columns == 0) & is_axisymmetric(modes.shell.chart))
 
 
 def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
@@ -236,7 +236,7 @@ def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
     if len(poor):
         which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
         mesh, share = modes.grid.mesh, worst[poor].max()
-        elements = f"{len(mesh.breaks) - 1} x {mesh.around} elements of order {mesh.order}"
+        elements = f"{len(mesh.breaks) - 1} x {mesh.columns} elements of order {mesh.order}"
         more = "; with so few elements around, the mesh itself splits pairs" if split[poor].any() else ""
         found = f"{which}: found up to {share:.1%} of the shape in the highest polynomials of {elements}{more}"
         warn("mesh-coarse", found, stacklevel=5)

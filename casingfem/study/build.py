@@ -176,11 +176,11 @@ def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
 
 def build_mesh(table: shapes.MeshTable, default: ShellMesh) -> ShellMesh:
     """The default mesh, with the values of [mesh] replaced."""
-    rows = tuple(table.rows) if isinstance(table.rows, list) else table.rows
+    rows, around = (tuple(part) if isinstance(part, list) else part for part in (table.rows, table.around))
     return ShellMesh(
         order=table.order or default.order,
         rows=default.rows if rows is None else rows,
-        around=table.around or default.around,
+        around=default.around if around is None else around,
     )
 
 

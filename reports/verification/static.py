@@ -34,7 +34,7 @@ THIN = 1e4  # shear correction of the thin-shell limit
 
 def mesh_name(mesh: ShellMesh) -> str:
     """How a row names its mesh."""
-    return f"{len(mesh.breaks) - 1} x {mesh.around}, order {mesh.order}"
+    return f"{len(mesh.breaks) - 1} x {mesh.columns}, order {mesh.order}"
 
 
 def roof(mesh: ShellMesh = ROOF) -> float:

@@ -299,7 +299,7 @@ def bolted_modes(shell: Shell, wanted: int | Band) -> Modes:
 def resolving(shell: Shell, n: int) -> Shell:
     """The casing on a mesh that follows the bolts, with at least six nodes in a wave of n around."""
     mesh, least = shell.mesh, int(np.ceil(6.0 * n / shell.mesh.order))
-    if mesh.around >= least:
+    if mesh.columns >= least:
         return shell
     count = int(np.lcm.reduce([bolts.count for bolts in bolts_of(shell).values()]))
     return replace(shell, mesh=replace(mesh, around=following(least, count)))
@@ -310,7 +310,7 @@ def spread(harmonics: Harmonics, shell: Shell, grid: Grid, found: Sequence[Shape
     z, theta = grid.nodes
     _, row = np.unique(np.round(z / np.ptp(z), 9), return_inverse=True)
     angles, place = np.unique(theta, return_inverse=True)
-    most = shell.mesh.order * shell.mesh.around // 2
+    most = shell.mesh.order * shell.mesh.columns // 2
     c, s = np.cos(theta), np.sin(theta)
     fields, turns = np.empty((len(theta), DOFS, len(found))), np.empty((len(shell.rings), len(angles), len(found)))
     for mode, shape in enumerate(found):

@@ -40,7 +40,7 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
     grid, chart = system.grid, system.shell.chart
     if not chart.periodic or not (rim.lines or rim.edge in chart.edges):
         raise ModelError("interface-edge", f"rim: expected a closed casing with {rim.where}{found_edges(chart)}")
-    around = grid.mesh.order * grid.mesh.around
+    around = grid.mesh.order * grid.mesh.columns
     if not 0 < rim.n_max <= around // 3:
         found = f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
         raise ModelError("interface-harmonics", found)
@@ -104,7 +104,7 @@ def line_transforms(system: System, rim: Rim) -> list[Array]:
         full[:, grid.edges[rim.edge].nodes] = transform
         return [full]
     require_lines(chart, rim.lines)
-    samples = 8 * grid.mesh.order * grid.mesh.around
+    samples = 8 * grid.mesh.order * grid.mesh.columns
     theta = 2.0 * np.pi * np.arange(samples) / samples
     kernel = np.exp(-1j * np.outer(np.arange(rim.n_max + 1), theta)) / samples
     kernel[1:] *= 2.0

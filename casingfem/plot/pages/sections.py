@@ -70,7 +70,7 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     rows += [(f"edge {edge}", "free") for edge in shell.chart.edges if edge not in shell.supports]
     rows += [(f"{name} imperfection", waves_of(field)) for name, field in shell.defects.items()]
     mesh = shell.mesh
-    rows.append(("mesh", f"order {mesh.order}, {len(mesh.breaks) - 1} rows, {mesh.around} elements around"))
+    rows.append(("mesh", f"order {mesh.order}, {len(mesh.breaks) - 1} rows, {mesh.columns} elements around"))
     return tuple(rows)
 
 

@@ -23,9 +23,9 @@ LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
 class ShellMesh:
     """Mesh of a shell: polynomial order, rows along the first parameter, elements along the second.
 
-    `rows` is a number of equal rows, or the break points from 0 to 1 (for example graded towards edges). Around a
-    casing use more elements than 4/p times the largest nodal diameter of interest. The number should be odd for a
-    perfect casing, and a multiple of the bolt count for a bolted one.
+    `rows` and `around` are numbers of equal elements, or break points from 0 to 1 (for example graded towards edges);
+    around a casing they are equal. There use more elements than 4/p times the largest nodal diameter of interest. The
+    number should be odd for a perfect casing, and a multiple of the bolt count for a bolted one.
 
     >>> ShellMesh()
     ShellMesh(order=8, rows=1, around=21)
@@ -35,34 +35,46 @@ class ShellMesh:
 
     order: Annotated[int, Key("polynomial order; alone it refines the default mesh (10)", least=2, most=20)] = 8
     rows: int | tuple[float, ...] = 1
-    around: Annotated[int, Key("elements around", least=1, most=10_000)] = 21
+    around: int | tuple[float, ...] = 21
 
     def __post_init__(self) -> None:
         if not (isinstance(self.order, int | np.integer) and 2 <= self.order <= 20):
             raise ModelError("mesh-order", f"mesh.order must be a whole number from 2 to 20, found {self.order!r}")
-        if not (isinstance(self.around, int | np.integer) and self.around >= 1):
-            raise ModelError("mesh-around", f"mesh.around must be a whole number of at least 1, found {self.around!r}")
-        if isinstance(self.rows, int | np.integer):
-            if self.rows < 1:
-                raise ModelError("mesh-rows", f"mesh.rows must be at least 1, found {self.rows}")
-        else:
-            breaks = np.asarray(self.rows, dtype=float)
+        for name, parts in (("rows", self.rows), ("around", self.around)):
+            if isinstance(parts, int | np.integer):
+                if parts < 1:
+                    raise ModelError(f"mesh-{name}", f"mesh.{name} must be at least 1, found {parts}")
+                continue
+            if np.ndim(parts) != 1:
+                expected = f"mesh.{name} must be a whole number of at least 1, or break points from 0 to 1"
+                raise ModelError(f"mesh-{name}", f"{expected}, found {parts!r}")
+            breaks = np.asarray(parts, dtype=float)
             if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or not np.all(np.diff(breaks) > 0.0):
-                raise ModelError("mesh-rows", f"mesh.rows must increase from 0 to 1, found {self.rows}")
+                raise ModelError(f"mesh-{name}", f"mesh.{name} must increase from 0 to 1, found {parts}")
         if self.unknowns > LARGEST:
             raise ModelError("mesh-too-large", f"mesh: some {self.unknowns:.2g} unknowns")
 
     @property
     def unknowns(self) -> int:
         """About how many unknowns the mesh has."""
-        return int(5 * self.order**2 * (len(self.breaks) - 1) * self.around)
+        return int(5 * self.order**2 * (len(self.breaks) - 1) * self.columns)
 
     @property
     def breaks(self) -> FloatArray:
         """Break points of the rows on [0, 1]."""
-        if isinstance(self.rows, int | np.integer):
-            return np.linspace(0.0, 1.0, self.rows + 1)
-        return np.asarray(self.rows, dtype=float)
+        return break_points(self.rows)
+
+    @property
+    def columns(self) -> int:
+        """Number of elements along the second parameter."""
+        return len(break_points(self.around)) - 1
+
+
+def break_points(parts: int | tuple[float, ...]) -> FloatArray:
+    """Break points on [0, 1] of a number of equal parts, or those given."""
+    if isinstance(parts, int | np.integer):
+        return np.linspace(0.0, 1.0, parts + 1)
+    return np.asarray(parts, dtype=float)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -184,16 +196,16 @@ def make_grid(chart: Chart, mesh: ShellMesh, stations: Mapping[str, float] | Non
     `stations` are named lines between the edges, which `Grid.edges` contains too.
     """
     (a0, a1), (b0, b1) = chart.bounds
-    lines = (a0 + (a1 - a0) * mesh.breaks, np.linspace(b0, b1, mesh.around + 1))
-    rows = len(lines[0]) - 1
-    places, elements = unit_basis(mesh.order, rows, mesh.around)
+    lines = (a0 + (a1 - a0) * mesh.breaks, b0 + (b1 - b0) * break_points(mesh.around))
+    rows, columns = len(lines[0]) - 1, len(lines[1]) - 1
+    places, elements = unit_basis(mesh.order, rows, columns)
     if chart.periodic:
-        places, elements = merge_seam(places, elements, mesh.around)
-    cell = np.minimum(places.astype(int), [[rows - 1], [mesh.around - 1]])
+        places, elements = merge_seam(places, elements, columns)
+    cell = np.minimum(places.astype(int), [[rows - 1], [columns - 1]])
     nodes = np.stack([lines[k][cell[k]] + np.diff(lines[k])[cell[k]] * (places[k] - cell[k]) for k in range(2)])
-    i, j = (index.ravel() for index in np.indices((rows, mesh.around)))
+    i, j = (index.ravel() for index in np.indices((rows, columns)))
     x, points, weights = tensor_rule(mesh.order)
-    ends = ((0.0, float(rows)), (0.0, float(mesh.around)))
+    ends = ((0.0, float(rows)), (0.0, float(columns)))
     edges = {}
     for name, (held, end) in chart.edges.items():
         wrap = chart.periodic and held == 0

@@ -85,6 +85,9 @@ def check_plies(shell: ShellParts) -> None:
 
 def check_on_mesh(shell: ShellParts) -> None:
     """Refuse strips, fields, walls and springs that the mesh cannot resolve; warn of bolts that it does not follow."""
+    if shell.chart.periodic and not isinstance(shell.mesh.around, int | np.integer):
+        found = "found break points on a closed chart, expected the number of equal elements"
+        raise ModelError("mesh-around", f"mesh.around: {found}")
     start, end = shell.chart.bounds[0]
     lines = start + (end - start) * shell.mesh.breaks
     check_strips(shell.strips, (start, end), lines)
@@ -110,7 +113,7 @@ def check_on_mesh(shell: ShellParts) -> None:
 
 def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
     """Warn if the mesh does not follow the bolts, so that it splits pairs that equal bolts do not split."""
-    if shell.mesh.around == following(shell.mesh.around, bolts.count):
+    if shell.mesh.columns == following(shell.mesh.columns, bolts.count):
         return
     wall, steel = shell.thickness, shell.material
     if isinstance(ring := shell.supports[edge], Ring):
@@ -118,7 +121,7 @@ def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
     ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
     split = spurious_split(bolts, shell.mesh, ratio)
     if split > SEEN:
-        found = f"found {bolts.count} bolts on {shell.mesh.around} elements around"
+        found = f"found {bolts.count} bolts on {shell.mesh.columns} elements around"
         effect = f"they split pairs of modes, which equal bolts would not, by about {split:.0e} of the frequency"
         warn("bolt-mesh", f"support.{edge}: {found}; {effect}", stacklevel=6)
 
@@ -146,7 +149,7 @@ def check_field(shell: ShellParts, name: str, defect: Field) -> None:
     if values.min() <= -0.9 or values.max() > 9.0:
         reached = values.min() if values.min() <= -0.9 else values.max()
         raise ModelError("field-range", f"{name}: the field reaches {reached:.3g}, expected values from -0.9 to 9")
-    nodes = shell.mesh.order * shell.mesh.around
+    nodes = shell.mesh.order * shell.mesh.columns
     finest = finest_harmonic(shell, defect) if shell.chart.periodic else 0
     if 2 * finest > nodes:
         found = f"{finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"

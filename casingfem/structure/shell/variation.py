@@ -73,8 +73,10 @@ def finest_harmonic(shell: ShellParts, defect: Field) -> int:
 # their lines, rows of 5 lengths need order 7 (7e-5); rows of 5.5 lengths leave 4.5e-4 even with order 8.
 PLAIN, LINED, ROWS = 7.0, 5.0, 4
 SMOOTH, KINKED = 8, 7  # order of a plain casing, and of one with lines between its ends
+LAYERED = 7  # order of an open chart with layers at its edges
 LEAST, LARGEST = 136, 525  # nodes around
 LAYER = 2.5  # width of the row for a shear layer, in thicknesses
+WIDE, NARROW, THIN = 0.1, 0.01, 1e-3  # most of a chart that it takes, least of an open chart, and of a casing
 PARTS = 16  # of a row, at most, where the meridian bends irregularly
 MANY = 30  # stretches between the ends of strips: more of them are too short for polynomials of high order
 
@@ -89,11 +91,11 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     (`reports.verification.modes.around`). The number of elements is odd, since even ones are less accurate for rotated
     fields. If springs vary, it is the next multiple of the common period above twice those nodal diameters, unless that
     is 1.5 times as many. With bolts it is a multiple of theirs, which preserves symmetric pairs, at 8 nodes a wave if
-    nothing else varies. An element around that is wider than a bolt's patch leaves errors up to 1e-3; `method =
-    "bolts"` of [modes] has no elements around.
+    nothing else varies, and nodes are a fifth of sqrt(R t) apart near bolts on the wall.
 
     Along the meridian the shear layer of an edge without support (free, on springs, bolts or a ring), about 2 t wide,
-    gets a separate row, as on both sides of a stiffener. The rest is divided by the bending length sqrt(R t). Strips,
+    gets a separate row, as on both sides of a stiffener. On an open chart, a plate or a blade, free sides get such
+    columns too: without both, errors reach 2e-3. The rest is divided by the bending length sqrt(R t). Strips,
     the pieces of a meridian and stiffeners put an element line at each of their ends or places, and each interval
     between them is divided separately, more finely than a plain casing. If there are many, the order is reduced.
 
@@ -107,8 +109,9 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = int(np.clip(round(2.0 * lengths.across / length), 2, 8))
         around = int(np.ceil(lengths.unevenness * around - 0.05))
         rows = int(np.clip(round(2.0 * length / lengths.across), 2, 8))
-        plain = lengths.even and not shell.strips
-        return ShellMesh(order=8, rows=rows if plain else divided(shell, lengths, 1.0 / rows), around=around)
+        ends, sides = shear_layers(shell, length, 0, NARROW), shear_layers(shell, lengths.across, 1, NARROW)
+        order = LAYERED if ends or sides else SMOOTH
+        return ShellMesh(order=order, rows=divided(shell, lengths, 1.0 / rows, ends), around=between(sides, around))
     stretches = len(lines_of(shell)) - 1
     order = SMOOTH if stretches == 1 else KINKED if stretches <= MANY else max(2, KINKED * MANY // stretches)
     radius = lengths.across / (2.0 * np.pi)
@@ -132,7 +135,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         near = int(min(NEAR * np.sqrt(radius / t) / order, MOST)) if on_wall else 0
         around = following(max(around, near), count)
     longest = (LINED if stretches > 1 else PLAIN) * np.sqrt(radius * t) / length
-    breaks = divided(shell, lengths, longest, shear_layers(shell, length), most=ROWS)
+    breaks = divided(shell, lengths, longest, shear_layers(shell, length, 0, THIN), most=ROWS)
     breaks = following_bends(shell.chart, breaks, order, float(np.sqrt(t / radius) / radius))
     return ShellMesh(order=order, rows=breaks, around=around)
 
@@ -153,7 +156,7 @@ def coarse_mesh(shell: ShellParts) -> ShellMesh | None:
     longest = (LINED if len(lines_of(shell)) > 2 else PLAIN) * np.sqrt(radius * shell.thinnest) / lengths.along
     breaks = divided(shell, lengths, longest, most=ROWS)
     breaks = following_bends(shell.chart, breaks, COARSE, float(np.sqrt(shell.thinnest / radius) / radius))
-    mesh = ShellMesh(order=COARSE, rows=breaks, around=shell.mesh.around)
+    mesh = ShellMesh(order=COARSE, rows=breaks, around=shell.mesh.columns)
     return mesh if LESS * mesh.unknowns <= shell.mesh.unknowns else None
 
 
@@ -176,16 +179,32 @@ def following_bends(chart: Chart, breaks: tuple[float, ...], order: int, limit: 
     return tuple(rows)
 
 
-def shear_layers(shell: ShellParts, length: float) -> dict[float, float]:
-    """Widths of the rows for shear layers, as parts of the length, by places from 0 to 1 of the first parameter.
+def shear_layers(shell: ShellParts, length: float, along: int, least: float) -> dict[float, float]:
+    """Widths of the elements for shear layers, as parts of the length, by places from 0 to 1 of a parameter.
 
     A layer lies at an edge that no support fixes and on both sides of a stiffener.
     """
-    (a0, a1), _ = np.real(shell.chart.bounds)
+    bounds = np.real(shell.chart.bounds)
+    low, high = bounds[along]
     fixed = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
-    places = np.array([*(k for k in (0, 1) if (0, k) not in fixed), *((at - a0) / (a1 - a0) for at in stations(shell))])
-    thickness = np.real(shell.geometry(a0 + (a1 - a0) * places, np.zeros(len(places))).thickness)
-    return dict(zip(places.tolist(), np.clip(LAYER * thickness / length, 1e-3, 0.1).tolist(), strict=True))
+    within = [] if along else [(at - low) / (high - low) for at in stations(shell)]
+    places = np.array([*(k for k in (0, 1) if (along, k) not in fixed), *within])
+    at = [np.full(len(places), bounds[1 - along].mean() if along else 0.0)] * 2
+    at[along] = low + (high - low) * places
+    thickness = np.real(shell.geometry(*at).thickness)
+    return dict(zip(places.tolist(), np.clip(LAYER * thickness / length, least, WIDE).tolist(), strict=True))
+
+
+def between(layers: Mapping[float, float], count: int) -> int | tuple[float, ...]:
+    """Break points of `count` equal elements between layers at the ends 0 and 1; the count without layers.
+
+    >>> between({1.0: 0.1}, 2), between({}, 2)
+    ((0.0, 0.45, 0.9, 1.0), 2)
+    """
+    if not layers:
+        return count
+    inner = np.linspace(layers.get(0.0, 0.0), 1.0 - layers.get(1.0, 0.0), count + 1)
+    return tuple(sorted({0.0, *inner.tolist(), 1.0}))
 
 
 def stations(shell: ShellParts) -> list[float]:
@@ -282,16 +301,16 @@ def spurious_split(bolts: Bolts, mesh: ShellMesh, ratio: float, n_max: int = 12)
 
 def edge_model(bolts: Bolts, mesh: ShellMesh) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Slope and mass matrices of a closed line of spectral elements, values at the patches' points and weights."""
-    p, size = mesh.order, 2.0 * np.pi / mesh.around
-    nodes = (np.arange(mesh.around)[:, None] * p + np.arange(p + 1)) % (mesh.around * p)
+    p, size = mesh.order, 2.0 * np.pi / mesh.columns
+    nodes = (np.arange(mesh.columns)[:, None] * p + np.arange(p + 1)) % (mesh.columns * p)
     x, w = gauss(p + 1)
     shape, slope = lagrange(p, x)
-    K, M = np.zeros((2, mesh.around * p, mesh.around * p))
+    K, M = np.zeros((2, mesh.columns * p, mesh.columns * p))
     np.add.at(K, (nodes[:, :, None], nodes[:, None, :]), (slope * w) @ slope.T / size)
     np.add.at(M, (nodes[:, :, None], nodes[:, None, :]), (shape * w) @ shape.T * size)
-    places, weights, _ = bolts.points(size * np.arange(mesh.around + 1), True, p + 4)
+    places, weights, _ = bolts.points(size * np.arange(mesh.columns + 1), True, p + 4)
     along = np.mod(places, 2.0 * np.pi) / size
-    cell = np.minimum(along.astype(int), mesh.around - 1)
+    cell = np.minimum(along.astype(int), mesh.columns - 1)
     values = np.zeros((len(places), len(K)))
     np.add.at(values, (np.arange(len(places))[:, None], nodes[cell]), lagrange(p, along - cell)[0].T)
     return K, M, values, weights

@@ -290,7 +290,9 @@ class MeshTable(Table):
     """[mesh]: by default keys are chosen for the shell."""
 
     order: int | None = None
-    around: int | None = None
+    around: Annotated[int, Field(ge=1, le=10_000)] | list[float] | None = Field(
+        default=None, description="elements around; across an open chart also their ends from 0 to 1 [-]"
+    )
     rows: Annotated[int, Field(ge=1, le=1000)] | list[float] | None = Field(
         default=None, description="number of equal rows of elements, or their ends from 0 to 1 [-]"
     )

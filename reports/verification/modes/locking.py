@@ -46,7 +46,7 @@ def graded(ratio: float, order: int) -> ShellMesh:
 
 def two_rows(shell: Shell, order: int) -> ShellMesh:
     """Two equal rows of an order, with the nodes around that the shell's own mesh has."""
-    nodes = shell.mesh.order * shell.mesh.around
+    nodes = shell.mesh.order * shell.mesh.columns
     return ShellMesh(order=order, rows=2, around=2 * (nodes // (2 * order)) + 1)
 
 
@@ -78,7 +78,7 @@ def one_thickness(ratio: float, quick: bool) -> list[Row]:
                 "mesh": name,
                 "order": mesh.order,
                 "rows": len(mesh.breaks) - 1,
-                "around": mesh.around,
+                "around": mesh.columns,
                 "unknowns": found and found.dofs,
                 "2-D shell": found and worst(found.freq, exact),
                 "harmonics": worst(harmonic(on, count), exact),

@@ -205,7 +205,7 @@ def test_plies_are_those_of_the_chart_shell(steel, carbon):
     plies = (cf.shell.Ply(thickness=1.0), cf.shell.Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),
              cf.shell.Ply(thickness=0.5, angle_deg=-60.0, lamina=carbon))  # fmt: skip
     parts = {"thickness": 0.02, "material": steel, "wall": "linear", "supports": {"root": cf.Clamped()}}
-    mesh = cf.imported.grid_mesh("quad9", (8, 10), panel, groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh("quad9", (10, 12), panel, groups={"root": (0, 0.0)})
     layered = cf.MeshShell(mesh=mesh, plies=plies, **parts)
     chart = cf.Shell(chart=cf.Panel(radius=0.5, length=0.4, angle=1.0), plies=plies, **parts)
     np.testing.assert_allclose(cf.modes(layered, 4).freq, cf.modes(chart, 4).freq, rtol=4e-3)

@@ -1,5 +1,7 @@
 """Tensor meshes over charts: numbering, seam, edges, interpolation along a rim."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,22 @@ def test_refuses_a_mesh_that_is_none(changes, message):
         cf.ShellMesh(**changes)
 
 
+def test_columns_of_unequal_width_give_the_same_modes_of_a_smooth_plate(steel):
+    """Held on all sides it has no shear layers: order 8 resolves it on both."""
+    plate = cf.Shell(chart=cf.Plate(length=0.3, width=0.2), thickness=5e-3, material=steel,
+                     supports=dict.fromkeys(("root", "tip", "left", "right"), cf.Clamped()))  # fmt: skip
+    even, graded = (replace(plate, mesh=cf.ShellMesh(rows=4, around=around))
+                    for around in (4, (0.0, 0.07, 0.4, 0.93, 1.0)))  # fmt: skip
+    assert graded.mesh.columns == 4
+    np.testing.assert_allclose(cf.modes(graded, 6).freq, cf.modes(even, 6).freq, rtol=1e-4)
+
+
+def test_columns_of_unequal_width_are_refused_around_a_casing(steel):
+    with pytest.raises(cf.errors.ModelError, match=r"mesh\.around: found break points on a closed chart.*mesh-around"):
+        cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.2), thickness=3e-3, material=steel,
+                 mesh=cf.ShellMesh(around=(0.0, 0.4, 1.0)))  # fmt: skip
+
+
 def test_defaults_and_breaks_of_a_mesh():
     assert cf.ShellMesh() == cf.ShellMesh(order=8, rows=1, around=21)
     assert cf.ShellMesh(rows=4).breaks.tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
@@ -42,7 +60,7 @@ def test_the_ends_of_what_a_mesh_may_be_are_taken(changes):
 @pytest.mark.parametrize(("changes", "message"), [
     ({"order": 21}, r"mesh\.order must be a whole number from 2 to 20, found 21"),
     ({"order": 4.0}, r"mesh\.order .*found 4\.0"),
-    ({"around": 2.5}, r"mesh\.around must be a whole number of at least 1, found 2\.5"),
+    ({"around": 2.5}, r"mesh\.around must be a whole number of at least 1, or break points from 0 to 1, found 2\.5"),
 ])  # fmt: skip
 def test_refuses_numbers_beyond_the_ends(changes, message):
     with pytest.raises(ValueError, match=message):

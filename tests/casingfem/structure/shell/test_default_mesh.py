@@ -125,15 +125,47 @@ def test_a_stiffener_is_on_a_line_and_the_thinnest_wall_counts(steel):
     [(0.4, 0.2, 4, 2), (0.2, 0.2, 2, 2), (0.3, 0.2, 3, 2), (0.2, 0.3, 2, 3), (0.1, 0.9, 2, 8), (0.9, 0.1, 8, 2)],
 )
 def test_a_plate_is_divided_by_its_sides(steel, length, width, rows, around):
-    mesh = cf.Shell(chart=cf.Plate(length=length, width=width), thickness=1e-3, material=steel).mesh
-    assert (mesh.order, mesh.rows, mesh.around) == (8, rows, around)
+    plate = cf.Plate(length=length, width=width)
+    clamped = cf.Shell(chart=plate, thickness=1e-3, material=steel, supports=dict.fromkeys(plate.edges, cf.Clamped()))
+    assert (clamped.mesh.order, len(clamped.mesh.breaks) - 1, clamped.mesh.around) == (8, rows, around)
+    free = cf.Shell(chart=plate, thickness=4e-3, material=steel).mesh
+    assert (free.order, len(free.breaks) - 1, free.columns) == (7, rows + 2, around + 2)
+    for breaks, size in ((free.rows, length), (free.around, width)):
+        assert breaks[1] == pytest.approx(0.01 / size)  # 2.5 thicknesses
+        assert 1.0 - breaks[-2] == pytest.approx(0.01 / size)
 
 
 def test_strips_of_a_plate_are_divided_on_their_own(steel):
-    """Rows of a quarter: a strip of 0.3 takes two, the rest of 0.7 three."""
+    """Rows of a quarter: a strip of 0.3 takes two, the rest of 0.7 three; layers of .0125 at the root and .01."""
     strips = (cf.Strip(start=0.0, end=0.12, thickness=2e-3),)
     mesh = cf.Shell(chart=cf.Plate(length=0.4, width=0.2), thickness=1e-3, material=steel, strips=strips).mesh
-    np.testing.assert_allclose(mesh.rows, [0.0, 0.15, 0.3, 0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0], rtol=1e-12)
+    expected = [0.0, 0.0125, 0.0125 + 0.2875 / 2, 0.3, 0.3 + 0.69 / 3, 0.3 + 1.38 / 3, 0.99, 1.0]
+    np.testing.assert_allclose(mesh.rows, expected, rtol=1e-12)
+
+
+GRADED = (0.0, 0.002, 0.01, 0.04, 0.1, 0.3, 0.5, 0.7, 0.9, 0.96, 0.99, 0.998, 1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("chart", "thickness", "held"),
+    [
+        (cf.Plate(length=0.4, width=0.2), 3e-3, ()),
+        (cf.Plate(length=0.4, width=0.2), 5e-4, ("root",)),
+        (cf.Plate(length=0.2, width=0.5), 2e-3, ("root",)),
+        (cf.Panel(radius=0.61, length=0.3, angle=0.5), 3e-3, ("root",)),
+        (cf.Blade(length=0.3, chord=(0.1, 0.08), twist=(0.0, 0.8), camber=0.3), 3e-3, ("root",)),
+        (cf.Plate(length=0.3, width=0.3), 0.02, ("root", "tip", "left", "right")),
+    ],
+    ids=["free", "thin", "wide", "panel", "twisted", "clamped"],
+)
+def test_plates_and_blades_meet_the_error(steel, chart, thickness, held):
+    """Before there were layers at free edges, these were 3e-4 to 2e-3 too high."""
+    shell = cf.Shell(chart=chart, thickness=thickness, material=steel, supports=dict.fromkeys(held, cf.Clamped()))
+    fine = replace(shell, mesh=cf.ShellMesh(order=8, rows=GRADED, around=GRADED))
+    count = 10 if held else 16
+    found, exact = (cf.modes(part, count).freq[0 if held else 6 :] for part in (shell, fine))
+    np.testing.assert_allclose(found, exact, rtol=2e-4)
 
 
 @pytest.mark.parametrize("rotor", ["rotor37", "rotor67"])

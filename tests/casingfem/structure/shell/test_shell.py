@@ -134,7 +134,7 @@ def test_default_mesh_grades_edges_without_support(frustum):
 
 def test_default_mesh_of_a_plate_follows_its_shape(steel):
     wide = cf.Shell(chart=cf.Plate(length=0.2, width=0.8), thickness=0.01, material=steel).mesh
-    assert (wide.rows, wide.around) == (2, 8)
+    assert (len(wide.breaks) - 1, wide.columns) == (2 + 2, 8 + 2)  # with a layer at each free edge
 
 
 @pytest.mark.slow
