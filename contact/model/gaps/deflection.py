@@ -24,7 +24,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.trig import harmonics, harmonics_by_powers
 
 PLACES = 32  # around the rim, per period of its highest harmonic
-ROWS = 4096  # states that are read together
+ROWS = 1024  # states that are read together; of more, arrays do not fit into a cache
 TOGETHER = 256  # motions whose values around the rim fit into the cache of a core
 ABOVE = 1.0 + 1e-12  # times a bound: its round-off
 
