@@ -1,6 +1,7 @@
 """Problems in a study file, all reported together: file, key, what was found, what was expected."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -70,8 +71,9 @@ class Problems(list[str]):
 
     def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:
         """Record all problems of a validation; returns the top-level tables that have some."""
-        for detail in error.errors():
-            self.append(with_code(code_at(detail, data), f"{self.file}: {sentence(detail, data)}"))
+        for _, together in groupby(error.errors(), lambda detail: alternative(detail, data)):
+            detail, *others = together
+            self.append(with_code(code_at(detail, data), f"{self.file}: {sentence(detail, data, others)}"))
         return {str(detail["loc"][0]) for detail in error.errors()}
 
 
@@ -118,8 +120,13 @@ def table_of(error: ValueError, key: str) -> str:
     return key if head not in ("material", "chart", "shell", "mesh") or key.startswith(head) else head
 
 
-def sentence(detail: Any, data: Mapping[str, Any]) -> str:
-    """One pydantic error as `key: found X, expected Y`."""
+def alternative(detail: Any, data: Mapping[str, Any]) -> tuple[str, str]:
+    """Key and value of a pydantic error: equal for the errors of a value that may be of one kind or another."""
+    return written(resolved(detail["loc"], detail["type"], data)), repr(detail["input"])
+
+
+def sentence(detail: Any, data: Mapping[str, Any], others: Sequence[Any] = ()) -> str:
+    """One pydantic error as `key: found X, expected Y`, or `expected Y or Z` with others of the same value."""
     loc, kind, message = resolved(detail["loc"], detail["type"], data), detail["type"], detail["msg"]
     key = written(loc)
     models = models_at([StudyFile], loc[:-1], data)
@@ -138,21 +145,25 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
         return f"{key}.kind: found {detail['ctx']['tag']!r}, expected one of {tags}"
     if kind == "value_error":
         return f"{key}: {message.removeprefix('Value error, ')}"
-    expected = message.removeprefix("Input should be ").replace("a valid integer", "a whole number")
-    expected = (
-        expected.replace("a valid ", "a ")
-        .replace("string", "text in quotes")
-        .replace("a text", "text")
-        .replace("a boolean", "true or false")
-    )
-    if kind == "string_too_short":
-        expected = "a name that is not empty"
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        expected = "a table of keys"
     if kind == "string_pattern_mismatch" and meaning:
         return f"{key}: found {detail['input']!r}, expected {meaning}"
+    expected = " or ".join(dict.fromkeys(map(expectation, (detail, *others))))
     asked = question([keys(m)[str(loc[-1])] for m in models if str(loc[-1]) in keys(m)], detail["input"])
     return f"{key}: found {shown(detail['input'])}, expected {expected}{f' ({meaning})' if meaning else ''}{asked}"
+
+
+def expectation(detail: Any) -> str:
+    """What a pydantic error says was expected, in the words of a file."""
+    if detail["type"] == "string_too_short":
+        return "a name that is not empty"
+    if detail["type"] in ("model_type", "model_attributes_type", "dict_type"):
+        return "a table of keys"
+    words = {"a valid integer": "a whole number", "a valid ": "a ", "string": "text in quotes", "a text": "text",
+             "a boolean": "true or false"}  # fmt: skip
+    expected = str(detail["msg"]).removeprefix("Input should be ")
+    for theirs, ours in words.items():
+        expected = expected.replace(theirs, ours)
+    return expected
 
 
 def code_at(detail: Any, data: Mapping[str, Any]) -> str:
