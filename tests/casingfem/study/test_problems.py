@@ -99,12 +99,12 @@ def test_what_a_command_lacks_is_named_by_its_key(told, tmp_path, monkeypatch, t
 
 
 def test_a_value_that_may_be_of_two_kinds_is_one_problem(told):
-    lines = told(PLATE + '[mesh]\nrows = "two"\naround = 2.5\n').splitlines()
+    lines = told(PLATE.replace("rows = 1, around = 1", 'rows = "two", around = 2.5')).splitlines()
     assert [line.partition(" (")[0].partition(": ")[2] for line in lines] == [
         "mesh.around: found 2.5, expected a whole number or a list",
         "mesh.rows: found 'two', expected a whole number or a list",
     ]
-    assert told(PLATE + "[mesh]\naround = [0.0, 0.4, 0.3, 1.0]\n").count("must increase from 0 to 1") == 1
+    assert told(PLATE.replace("around = 1", "around = [0.0, 0.4, 0.3, 1.0]")).count("must increase from 0 to 1") == 1
 
 
 def test_a_file_that_is_no_study_has_its_code(tmp_path):
