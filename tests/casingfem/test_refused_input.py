@@ -232,6 +232,10 @@ REFUSED = {
     ),
     "an address": (lambda: cf.updating.get_value(PLATE, "wing.span"), "wing.span"),
     "an address within the chart": (lambda: cf.updating.get_value(PLATE, "chart.radius"), "chart.radius"),
+    "an address within no structure": (
+        lambda: cf.updating.get_value(3.0, "material.E"),
+        "update: found float, expected a Solid or MeshShell",
+    ),
     "an address of no number": (lambda: cf.updating.get_value(PLATE, "support.root.k_r"), "support.root"),
 }
 
