@@ -110,8 +110,10 @@ class RubStepper(ExactRun):
         if self.worn is None:
             failed = self._some(None, out, first, steps)
         else:
-            tracks, coats = self.worn
-            failed = tracks.watch(self.dt, first, steps, lambda start, count: self._some(coats, out, start, count))
+            from contact.jit.bundle import bundled
+
+            (tracks, coats), once = self.worn, bundled(out)  # of many calls
+            failed = tracks.watch(self.dt, first, steps, lambda start, count: self._some(coats, once, start, count))
         self.steps[0] = first + steps if failed < 0 else failed
         return failed
 

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.base.arrays import Array, Indices
+from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import InputError
+from contact.base.remembered import remembered
 from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_laws import RimProfile
 from contact.model.law import Abradable
 from contact.record.wear import Wear
 
@@ -39,10 +41,8 @@ class Track:
     memory: Array
 
     @staticmethod
-    def of(
-        law: Abradable, radius: float, profile: Callable[[float], float], tips: Sequence[int], memory: Array
-    ) -> Track:
-        """The machined coating on a rim whose radius deviates by `profile` of the angle [m].
+    def of(law: Abradable, radius: float, profile: RimProfile, tips: Sequence[int], memory: Array) -> Track:
+        """The machined coating on a rim whose radius deviates by a `profile`.
 
         Raises InputError if the tip exceeds a quarter of the circumference, or is so short that bars are too many.
         """
@@ -58,7 +58,7 @@ class Track:
             found = f"{law.tip:g} m with {law.bars} bars, which gives {around:.3g} bars around the rim"
             raise InputError(f"tip: found {found}, expected at most {MOST_AROUND}: use a longer tip or fewer bars")
         cells = round(around)
-        radial = np.array([profile(float(phi)) for phi in _angles(cells)])
+        radial = _around(profile, cells)
         mean = float(radial.mean())
         made, area = radial - mean, law.width * 2.0 * math.pi * radius / cells
         coating = Coating(
@@ -131,11 +131,13 @@ class Tracks:
     def _keep(self, time: float) -> None:
         """Store a map; if there are too many, drop every second one and double the interval."""
         count = int(self.pace[0])
-        self.times[count], self.depths[count] = time, self.worn
+        self.times[count] = time
+        np.concatenate([track.coating.worn for track in self.tracks], out=self.depths[count])
         count += 1
         if count > MOST_MAPS:
             half = count // 2
-            self.times[:half], self.depths[:half] = self.times[1:count:2].copy(), self.depths[1:count:2].copy()
+            for kept in range(half):  # in this order, without copies of maps that take megabytes
+                self.times[kept], self.depths[kept] = self.times[2 * kept + 1], self.depths[2 * kept + 1]
             count, self.pace[1] = half, 2 * self.pace[1]
         self.pace[0] = count
 
@@ -144,6 +146,22 @@ class Tracks:
         count, ends = int(self.pace[0]), np.cumsum([track.coating.worn.size for track in self.tracks])
         maps = np.split(self.depths[:count], ends[:-1], axis=1)
         return tuple(track.wear(self.times[:count], part) for track, part in zip(self.tracks, maps, strict=True))
+
+
+def _around(profile: RimProfile, cells: int) -> Array:
+    """Deviation of the radius at each bar [m], (cells,)."""
+    theta, depth = (None if part is None else part.tobytes() for part in (profile.theta, profile.depth))
+    return _deviation(profile.terms, theta, depth, cells)
+
+
+@remembered
+def _deviation(
+    terms: tuple[tuple[int, float, float], ...], theta: bytes | None, depth: bytes | None, cells: int
+) -> Array:
+    """The same for a profile given by values: copies of it, as worker processes get them, share one result."""
+    measured = (None if part is None else np.frombuffer(part) for part in (theta, depth))
+    profile = RimProfile(terms, *measured)
+    return readonly([profile(float(phi)) for phi in _angles(cells)])
 
 
 def _angles(cells: int) -> Array:
