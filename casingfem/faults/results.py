@@ -82,12 +82,12 @@ RESULTS = {
     ),
     "modes-lobpcg": (
         "LOBPCG with multigrid did not find the modes, as can happen with thin walls; shift-invert was used instead",
-        "no action is needed; `mesh_modes(solid, count, multigrid=False)` skips this attempt",
+        "no action is needed; `cf.modal.mesh_modes(solid, count, multigrid=False)` skips this attempt",
     ),
     "modes-memory": (
         "a factorisation needs more memory than is free",
         "use fewer elements or a computer with more memory; thick solids need no factorisation with "
-        "`mesh_modes(solid, count, multigrid=True)`",
+        "`cf.modal.mesh_modes(solid, count, multigrid=True)`",
     ),
     "modes-method": (
         "the method is unknown, or does not apply to this structure",

@@ -67,7 +67,7 @@ def require_memory(needed: float, unknowns: int, free: float) -> None:
         ...
     casingfem.linalg.memory.MemoryNeedError: the factor of 1000000 unknowns takes 70 GB, 8 GB are free; use fewer \
 elements or a computer with more memory; thick solids need no factorisation with \
-`mesh_modes(solid, count, multigrid=True)` [modes-memory]
+`cf.modal.mesh_modes(solid, count, multigrid=True)` [modes-memory]
     """
     if needed > SPARED * free:
         takes, left = f"{1e-9 * needed:.2g} GB", f"{1e-9 * max(free, 0.0):.2g} GB"

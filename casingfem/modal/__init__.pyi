@@ -12,6 +12,7 @@ from .interface.chart_rows import out_of_roundness
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes
 from .interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
 from .matrices import basis_matrices, structure_matrices
+from .mesh_modes import mesh_modes
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes
 from .reduction import reduce
@@ -50,6 +51,7 @@ __all__ = [
     "cyclic_whirl",
     "engine_order_response",
     "interactions",
+    "mesh_modes",
     "mistune",
     "mistuned_modes",
     "out_of_roundness",

@@ -50,11 +50,25 @@ def mesh_modes(
     direct: Direct = "multifrontal",
     multigrid: bool | None = None,
 ) -> MeshModes:
-    """A number of modes of an imported structure, or the modes of a band [Hz], labelled, complete by Sturm counts.
+    """Modes of an imported structure, labelled, complete by Sturm counts: what `modes` calls, with a choice of solver.
 
-    A count of modes of a large thick solid (`large_and_thick`) is found by LOBPCG with multigrid unless `multigrid` is
-    false or `direct` is given; if that fails, by shift-invert with a warning. Above `COUNTABLE` unknowns a factor takes
-    minutes, so missing modes are searched for, not counted, and `sturm_count` is None.
+    K phi = omega^2 M phi. A count of modes of a large thick solid is found by LOBPCG with multigrid, if that fails by
+    shift-invert with a warning. Above 70,000 unknowns a Sturm count of it takes longer than its modes: missing ones are
+    then searched for, not counted, and `sturm_count` is None.
+
+    Parameters
+    ----------
+    structure
+        A `Solid`, a `MeshShell` or any `MeshStructure`.
+    wanted
+        Number of modes, or lower and upper frequency [Hz].
+    system
+        The assembled structure, if it exists already.
+    direct
+        The factorisation: "multifrontal", "superlu", or "pardiso" if pypardiso is installed; with another than the
+        first the default is shift-invert.
+    multigrid
+        Whether LOBPCG with multigrid is used, which needs no factorisation; by default for large thick solids.
 
     Raises
     ------

@@ -12,7 +12,6 @@ from casingfem.linalg.krylov import ConvergenceError
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.linalg.pencil import make_pencil
-from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.solid import assemble_solid
 
@@ -32,7 +31,7 @@ def block(*args, **options):
 def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
     monkeypatch.setattr(multigrid, "COARSEST", 20)
     thick = solid(steel, (4, 4, 3), (1.0, 0.8, 0.6), free=free)
-    a, b = (mesh_modes(thick, 9, multigrid=cycles) for cycles in (True, False))
+    a, b = (cf.modal.mesh_modes(thick, 9, multigrid=cycles) for cycles in (True, False))
     np.testing.assert_allclose(a.freq**2, b.freq**2, rtol=1e-8, atol=1e-8 * b.freq[-1] ** 2)
     assert a.sturm_count == b.sturm_count
     system = assemble_solid(thick)
@@ -98,8 +97,8 @@ def test_what_does_not_converge_is_reported_and_solved_by_shift_invert(steel, mo
     monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None, None))
     thin = solid(steel, (8, 6, 1), (1.0, 0.8, 0.004))
     with pytest.warns(cf.errors.ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
-        found = mesh_modes(thin, 6, multigrid=True)
-    np.testing.assert_array_equal(found.freq, mesh_modes(thin, 6).freq)
+        found = cf.modal.mesh_modes(thin, 6, multigrid=True)
+    np.testing.assert_array_equal(found.freq, cf.modal.mesh_modes(thin, 6).freq)
 
 
 @pytest.mark.slow
