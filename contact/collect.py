@@ -23,7 +23,11 @@ def collect(
 
     def joined(name: str) -> Array:
         found = [getattr(part, name) for part in parts]
-        return readonly(found[0] if len(found) == 1 else np.concatenate(found))
+        if len(found) == 1:
+            return readonly(found[0])
+        whole = np.concatenate(found)  # a copy by itself
+        whole.setflags(write=False)
+        return whole
 
     contact, kind, when = joined("event_contact"), joined("event_kind"), joined("event_time")
     end = steps * stepper.dt

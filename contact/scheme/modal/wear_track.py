@@ -77,7 +77,7 @@ class Track:
         worn, law = self.coating.worn, self.law
         cut = np.maximum(self.coating.round - self.made, 0.0)
         return Wear(
-            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=times.copy(), map=depths.copy(),
+            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=times, map=depths,
             volume=self.area * float(worn.sum()), dissipated=self.memorised(0),
             stated=self.area * float(np.sum(law.dissipated(worn))),
             bare=int(np.count_nonzero(worn >= law.thickness - cut)), tips=self.tips,
