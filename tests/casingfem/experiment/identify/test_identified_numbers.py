@@ -33,7 +33,7 @@ def drawn_set_ups(seed):
 
 
 def drawn_circle(seed):
-    """Pairs 0.3 to 4 bandwidths apart on thirteen to twenty uneven sensors, with some of another wave in each shape."""
+    """Pairs 0.3 to 4 bandwidths apart on uneven sensors, with some of another wave; labels to n = 6 from seed 7."""
     rng = np.random.default_rng(seed)
     theta = np.sort(rng.uniform(0.0, 2.0 * np.pi, int(rng.integers(13, 21))))
     orders = rng.permutation([2, 3, 4, 5, 6])[: int(rng.integers(2, 5))]
@@ -46,7 +46,7 @@ def drawn_circle(seed):
             poles.append((freq * (1.0 + side * split), zeta, shape * rng.uniform(0.3, 1.0)))
     lines = np.arange(194.0, 1.04 * freq, 0.1)
     frfs = receptances(lines, poles, noise=rng.uniform(0.02, 2.0), seed=seed)
-    return frfs, {"angles": dict(enumerate(np.degrees(theta)))}
+    return frfs, {"angles": dict(enumerate(np.degrees(theta)))} | ({"n_max": 6} if seed > 6 else {})
 
 
 def drawn_loads(seed):

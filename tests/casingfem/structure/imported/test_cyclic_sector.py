@@ -130,3 +130,16 @@ def test_supports_must_keep_both_faces_alike():
     pinned = cf.Solid(mesh=replace(solid.mesh, groups=groups), material=STEEL, supports={"pin": cf.Clamped()})
     with pytest.raises(cf.errors.ModelError, match=r"have different supports.*cyclic-support"):
         cf.modal.cyclic_modes(cf.imported.CyclicSector(structure=pinned, sectors=8), 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("faces", [None, ("low", "high")])
+def test_two_halves_make_a_whole(faces):
+    """A half turn lays each face on the other: every pair of nodes is found twice, and used once."""
+    mesh = cf.imported.grid_mesh("hexahedron20", (1, 12, 1), lambda u: WALL(u * [1.0, 0.5, 1.0]), groups=ENDS)
+    half = cf.Solid(mesh=mesh, material=STEEL, supports={"base": cf.Clamped()})
+    found = cf.modal.cyclic_modes(cf.imported.CyclicSector(structure=half, sectors=2, faces=faces), 5)
+    assert len(found.sector.pairs.low) == 8
+    assert len(np.intersect1d(found.sector.pairs.low, found.sector.pairs.high)) == 0
+    whole = cf.modes(wheel_structure(found.sector), 6)
+    np.testing.assert_allclose(cf.modal.wheel_modes(found).freq[:6], whole.freq, rtol=1e-8)
