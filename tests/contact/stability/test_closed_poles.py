@@ -70,3 +70,18 @@ def test_scenes_of_four_kinds_have_speeds_and_others_are_refused(tmp_path):
     file.write_text('[scene]\nkind = "rods"\nt_end = 1.0\n[scheme]\nkind = "penalty"\ncourant = 0.5\nstiffness = 1.0\n')
     with pytest.raises(ct.scene.SceneError, match=r"found 'rods', expected 'pair', 'rim', 'rub', 'disk' or 'rotor'"):
         ct.scene.load_interactions(file)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_growth_of_many_modes_is_that_of_the_eigenvalues(sense):
+    """With more than thirty modes the roots of one scalar equation replace the eigenvalues of all."""
+    thin = ct.bodies.ThinRing(
+        radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5, zeta=0.002
+    )  # fmt: skip
+    rim = ct.RotatingRim(
+        ct.bodies.ring_modes(thin, 9), blade(S=2e-8), clearance=-1e-5, speed_hz=5.0 * sense, lean_deg=10.0
+    )
+    contact, speeds = ct.gaps.rim_contact(rim, mu=0.2), sense * np.linspace(3.0, 60.0, 7)[:: int(sense)]
+    found = ct.stability.of_contact(contact, speeds)
+    np.testing.assert_allclose(found.growth, ct.stability.poles(contact, speeds).real.max(axis=1), atol=1e-8)
+    assert np.ptp(found.growth) > 10.0

@@ -15,7 +15,10 @@ pytestmark = pytest.mark.slow
 
 
 def drawn_set_ups(seed):
-    """Sensors in two to four set-ups with shifted poles; some modes are seen in some set-ups only, some are close."""
+    """Sensors in two to four set-ups with shifted poles; some modes are seen in some set-ups only, some are close.
+
+    From seed 5 on there are two references.
+    """
     rng = np.random.default_rng(seed)
     setups, modes = int(rng.integers(2, 5)), int(rng.integers(4, 7))
     part = np.arange(4 * setups) % setups
@@ -28,8 +31,15 @@ def drawn_set_ups(seed):
         (freqs[k] * (1.0 - shift[s, k]), zeta[k], shapes[:, k] * ((part == s) & ~absent[s, k]))
         for k in range(modes) for s in range(setups)
     ]  # fmt: skip
-    lines = np.arange(0.94 * freqs[0], 1.06 * freqs[-1], 0.12)
-    return receptances(lines, poles, noise=rng.uniform(0.05, 0.6), seed=seed), {}
+    lines, noise, places = np.arange(0.94 * freqs[0], 1.06 * freqs[-1], 0.12), rng.uniform(0.05, 0.6), {}
+    if seed > 4:
+        drives = rng.uniform(0.3, 1.0, (modes, 2)) * rng.choice([-1.0, 1.0], (modes, 2))
+        poles = [(f, z, np.kron(shape, drives[k // setups])) for k, (f, z, shape) in enumerate(poles)]
+        places = {
+            "response_point": np.repeat(np.arange(len(part)), 2),
+            "reference_point": np.tile([101, 102], len(part)),
+        }
+    return receptances(lines, poles, noise=noise, seed=seed, **places), {}
 
 
 def drawn_circle(seed):
