@@ -209,6 +209,22 @@ REFUSED = {
         lambda: cf.search_model(PLATE, cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1)),
         "locate among bolts: found 0 edges with bolts, expected one",
     ),
+    "a field as large as the wall": (
+        lambda: replace(TUBE, thickness_defect=cf.FourierField.of({2: (0.95, 0.0)})),
+        "the field reaches -0.95, expected values from -0.9 to 9",
+    ),
+    "a field ten times as large as the wall": (
+        lambda: replace(TUBE, thickness_defect=cf.FourierField.of({0: (9.5, 0.0), 2: (0.25, 0.0)})),
+        "the field reaches 9.75, expected values from -0.9 to 9",
+    ),
+    "few further evaluations": (
+        lambda: cf.chance.subset_simulation(lambda u: u.sum(axis=1), 4, 2.0, seed=7, more=99),
+        "dimension 4, size 1000, more 99, expected at least 1 number, 100 evaluations a level, and 0 or at least 100",
+    ),
+    "few evaluations of a level": (
+        lambda: cf.chance.subset_simulation(lambda u: u.sum(axis=1), 4, 2.0, seed=7, size=99),
+        "dimension 4, size 99, more",
+    ),
     "responses of no number": (
         lambda: cf.chance.subset_simulation(lambda u: np.nan * u.sum(axis=1), 4, 6.0, seed=7),
         "subset_simulation: found responses (1000,) or not finite, expected (1000,) finite",
@@ -278,6 +294,12 @@ def test_uneven_records_of_responses_alone_are_refused():
     )  # fmt: skip
     with pytest.raises(cf.errors.InputError, match="found uneven instants; expected even steps"):
         cf.identify(records)
+
+
+def test_the_fewest_evaluations_of_subset_simulation_are_taken():
+    assert (
+        0.0 < cf.chance.subset_simulation(lambda u: u.sum(axis=1), 4, 2.0, seed=7, size=100, more=100).probability < 1.0
+    )
 
 
 def test_nothing_to_write_is_no_universal_file(tmp_path):

@@ -85,3 +85,19 @@ def test_growth_of_many_modes_is_that_of_the_eigenvalues(sense):
     found = ct.stability.of_contact(contact, speeds)
     np.testing.assert_allclose(found.growth, ct.stability.poles(contact, speeds).real.max(axis=1), atol=1e-8)
     assert np.ptp(found.growth) > 10.0
+
+
+def test_speeds_known_for_all_bodies_are_those_that_each_knows():
+    def body(*speeds):
+        return ct.ModalBody(
+            omega=[1.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[1.0]], stiffness_by_speed=[[0.5]],
+            known_speeds=speeds,
+        )  # fmt: skip
+
+    contact = ct.gaps.rim_contact(rim(), mu=0.1)
+    for speeds, both in (
+        (((3.0, 20.0), (5.0, 30.0)), (5.0, 20.0)),
+        (((3.0, 40.0), (2.0, 30.0)), (3.0, 30.0)),
+        ((), (0.0, np.inf)),
+    ):
+        assert replace(contact, known=tuple(body(*one) for one in speeds)).known_speeds == both
