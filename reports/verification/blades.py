@@ -138,7 +138,7 @@ def fv32() -> list[Row]:
     rows = []
     for k, row in enumerate(reference("FV32").itertuples()):
         case = f"A5 FV32 tapered membrane, mode {k + 1}"
-        rows.append(check(case, "2-D, converged", row.check_hz, found[k], 0.0015))
+        rows.append(check(case, "2-D, converged", row.check_hz, found[k], 0.0011))
         rows.append(check(case, "NAFEMS, printed", row.frequency_hz, found[k], 0.075))
     return rows
 

@@ -64,9 +64,9 @@ def rows(quick: bool) -> list[Row]:
     formula = pushed_wave(B6)
     lines += [
         check("B6 pair n = 8, growth of the wave that the blade pushes [1/s]", "closed form", formula,
-              pushed.peak_growth, 1e-3),
+              pushed.peak_growth, 2.4e-5),
         check("B6 pair n = 8, width of its band [Hz]", "closed form", 2.0 * formula / (2.0 * np.pi * 8), high - low,
-              0.01),
+              3e-5),
     ]  # fmt: skip
     for name, pair in OTHERS.items():
         peak, by_hand = around(pair), loaded(pair)

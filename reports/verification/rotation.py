@@ -171,7 +171,7 @@ def reduced_rows(quick: bool) -> list[Row]:
             computed = poles[poles > 0.0][:count] / (2.0 * np.pi)
             k = int(np.abs(computed / exact - 1.0).argmax())
             case = f"A8 reduced {name}, whirl at {rpm:g} rpm, worst of {count}: mode {k + 1}"
-            found.append(check(case, "whirl_modes of the full model", exact[k], computed[k], 1e-4))
+            found.append(check(case, "whirl_modes of the full model", exact[k], computed[k], 3.5e-5))
     return found
 
 
