@@ -240,6 +240,25 @@ def test_a_channel_that_is_turned_over_shows_at_the_drive_point(held):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("response", "force", "noted"),
+    [((1, 1), (1, 1), False), ((1, -1), (1, 1), True), ((1, 1), (1, -1), True), ((1, -1), (1, -1), False),
+     ((1, 2), (1, 1), False), ((1, -2), (1, 1), False), ((2, -1), (1, 1), False)],
+)  # fmt: skip
+def test_the_sign_at_the_drive_point_is_that_of_both_directions(response, force, noted):
+    """Point and direction of the first channel and of the hammer; the responses are those of one direction at both."""
+    take = tapped(blocks=1)
+    points, directions = take.response.response_point.copy(), take.response.response_direction.copy()
+    points[:], directions[:], points[0], directions[0] = 9, 1, *response
+    at = {"response_point": np.array([force[0]]), "response_direction": np.array([force[1]])}
+    given = replace(
+        take, force=replace(take.force, **at),
+        response=replace(take.response, response_point=points, response_direction=directions),
+    )  # fmt: skip
+    assert any("channel 1: the mobility at the drive" in note for note in cf.frf.estimate(given).notes) == noted
+
+
+@pytest.mark.slow
 def test_a_roving_hammer_has_its_hit_points_as_sensors(held):
     hits = [replace(cut(tapped(drive=k), 0, BLOCK, f"point {k + 1}")) for k in range(3)]
     one = [
