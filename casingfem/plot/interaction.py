@@ -1,16 +1,18 @@
 """Pictures of coincidences: Campbell diagram in the blade's frame, and frequency over nodal diameters at one speed."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.campbell import Campbell
-from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
 from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, rpm_above, styled
 from casingfem.plot.ticks import label_decades
+
+if TYPE_CHECKING:  # pages of contact draw its table without the modes of structures
+    from casingfem.modal.campbell import Campbell
+    from casingfem.modal.interaction import DiskFrequencies, Interactions
 
 MARKS: dict[str, dict[str, Any]] = {
     "unstable": {"color": AFTER, "marker": "^", "linestyle": "", "markersize": 5.0},
@@ -18,12 +20,14 @@ MARKS: dict[str, dict[str, Any]] = {
     "resonance": {"color": PURPLE, "marker": "s", "linestyle": "", "markersize": 4.0},
     "safe": {"color": GREEN, "marker": "o", "linestyle": "", "markersize": 3.5},
 }
-Blade = Sequence[float] | FloatArray | Campbell | DiskFrequencies
+Blade: TypeAlias = "Sequence[float] | FloatArray | Campbell | DiskFrequencies"
 
 
 @styled
-def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Figure:
+def figure_campbell(found: "Interactions", blade: Blade, *, orders: int = 8) -> Figure:
     """Campbell diagram of a blade: waves |f_c -+ n f|, the blade's modes, engine orders; filled: contact excites."""
+    from casingfem.modal.interaction import blade_over_speed, wave_hz
+
     figure = new_figure(7.6, 4.8)
     axes: Any = figure.add_subplot()
     speed = np.linspace(*found.speed_hz, 400)
@@ -50,11 +54,13 @@ def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Fi
 
 
 @styled
-def figure_zzenf(found: Interactions, blade: Blade, speed_hz: float) -> Figure:
+def figure_zzenf(found: "Interactions", blade: Blade, speed_hz: float) -> Figure:
     """Frequency over nodal diameters at one speed: casing, blade, and the lines n f - f_c and f_c -+ n f.
 
     Left (SAFE) nodal diameters of the casing; for a bladed disk of N blades also (ZZENF) the line n f folded at N/2.
     """
+    from casingfem.modal.interaction import DiskFrequencies
+
     disk = isinstance(blade, DiskFrequencies)
     figure = new_figure(8.6 if disk else 7.6, 4.4)
     panels: Any = figure.subplots(1, 2 if disk else 1, squeeze=False)[0]
@@ -65,7 +71,7 @@ def figure_zzenf(found: Interactions, blade: Blade, speed_hz: float) -> Figure:
     return figure
 
 
-def _mark(axes: Any, found: Interactions) -> None:
+def _mark(axes: Any, found: "Interactions") -> None:
     """Coincidences: filled for the sum, hollow for the differences, with their n."""
     for filled, label in ((True, "f_c + f_b = n f: flutter"), (False, "difference: resonance")):
         shown = [c for c in found.meetings if (c.branch == "sum") is filled]
@@ -81,8 +87,10 @@ def _mark(axes: Any, found: Interactions) -> None:
         )  # fmt: skip
 
 
-def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None:
+def _safe(axes: Any, found: "Interactions", blade: Blade, speed_hz: float) -> None:
     """Casing modes and the blade frequencies that would coincide, over n."""
+    from casingfem.modal.interaction import blade_over_speed, wave_hz
+
     n = np.array([n for n, _, _ in found.pairs])
     at = np.array([speed_hz])
     f_c = np.array([float(wave_hz(n, freq, at, found.turning, -1)[0]) for n, _, freq in found.pairs])
@@ -102,7 +110,7 @@ def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None
     axes.xaxis.get_major_locator().set_params(integer=True)
 
 
-def _zigzag(axes: Any, found: Interactions, disk: DiskFrequencies, speed_hz: float) -> None:
+def _zigzag(axes: Any, found: "Interactions", disk: "DiskFrequencies", speed_hz: float) -> None:
     """The disk's families, and the line n f folded at half the number of blades."""
     most = max(n for n, _, _ in found.pairs)
     order = np.arange(most + 1)
@@ -118,7 +126,7 @@ def _zigzag(axes: Any, found: Interactions, disk: DiskFrequencies, speed_hz: flo
 
 
 @styled
-def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
+def figure_speeds(found: "Campbell", *, orders: int = 8) -> Figure:
     """A structure's frequencies over speed with engine orders, and dots at their crossings."""
     figure = new_figure(7.6, 4.6)
     axes: Any = figure.add_subplot()
