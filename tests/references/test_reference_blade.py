@@ -21,15 +21,15 @@ def table(reference):
     return reference("olson_lindberg_fan_blade.csv")
 
 
-def test_model_as_it_comes_is_within_03_percent_of_the_seven_converged_values(table):
-    """Default mesh: all seven 0.05 to 0.26 % below thin-shell theory.
-
-    A fully converged first-order shear model lies up to 0.42 % below (sixth to twelfth mode: 0.45 %), because thin
-    shells have no shear layer at the free edges; see the Kirchhoff limit below.
-    """
-    error = cf.modes(blade(), 12).freq[:7] / table.computed_love_ritz_hz[:7].to_numpy() - 1
-    assert np.abs(error).max() < 3e-3
+def test_model_as_it_comes_lies_below_thin_shell_theory_by_its_edge_layers(table):
+    """Default mesh: 0.08 to 0.40 % below, as thin shells have no shear layer at free edges; see the Kirchhoff limit."""
+    found = cf.modes(blade(), 12).freq
+    error = found / table.computed_love_ritz_hz.to_numpy() - 1
     assert np.all(error < 0.0)
+    assert np.abs(error[:7]).max() < 4.2e-3
+    graded = (0.0, 0.004, 0.025, 0.1, 0.5, 0.9, 0.975, 0.996, 1.0)
+    fine = cf.modes(blade(mesh=cf.ShellMesh(order=8, rows=graded, around=graded)), 12).freq
+    np.testing.assert_allclose(found, fine, rtol=2e-4)
 
 
 @pytest.mark.slow
@@ -40,16 +40,8 @@ def test_kirchhoff_limit_meets_all_twelve_thin_shell_values(table):
 
 
 @pytest.mark.slow
-def test_converged_shear_model_lies_below_thin_shell_theory_by_its_edge_layers(table):
-    fine = cf.modes(blade(mesh=cf.ShellMesh(order=8, rows=(0.0, 0.02, 0.5, 0.98, 1.0), around=4)), 12)
-    error = fine.freq / table.computed_love_ritz_hz.to_numpy() - 1
-    assert np.all(error < 0.0)
-    assert np.abs(error[:7]).max() < 4.5e-3
-
-
-@pytest.mark.slow
 def test_distance_to_the_measurement_before_updating(table):
-    """RMS 2.3 to 2.5 % over seven modes: what updating has to explain."""
+    """RMS 2.6 % over seven modes: what updating has to explain."""
     error = cf.modes(blade(), 7).freq / table.measured_AFFDL_hz[:7].to_numpy() - 1
-    assert 0.022 < np.sqrt(np.mean(error**2)) < 0.026
+    assert np.sqrt(np.mean(error**2)) == pytest.approx(0.026, abs=5e-4)
     assert cf.modes(blade(), 7).nodal_diameters.max() == -1
