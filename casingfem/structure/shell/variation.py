@@ -253,7 +253,7 @@ def layer_at(layers: Mapping[float, float], place: float, below: float) -> float
 SEEN = 1e-7  # estimated splits below this are not worth a warning
 # a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.verification.modes.loose_bolts
 PULL, TILT = 0.05, 0.5
-NEAR = 30.0  # sqrt(t/radius) nodes around at bolts on the wall: a fifth of sqrt(radius t) apart, an error of about 2e-4
+NEAR = 30.0  # sqrt(t/radius) nodes around at bolts on the wall: a fifth of sqrt(radius t) apart, 2e-4 of a frequency
 MOST = 128  # elements around up to which the default mesh follows every bolt
 
 
