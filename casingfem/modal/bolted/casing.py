@@ -78,20 +78,22 @@ def highest_wave(shell: Shell) -> int:
 
 
 def obstacle(shell: Shell) -> str:
-    """Why a casing is not computed by coupled harmonics; empty if it is.
+    """Why a casing is not computed by coupled harmonics, as what was found and expected; empty if it is.
 
     Something other than bolts varies around, or its bolts couple too many harmonics.
     """
     bolts = bolts_of(shell)
     if not bolts or shell.rotation is not None or not without_bolts(shell).axisymmetric:
-        return "found a shell that rotates, has no bolts or varies around apart from them"
+        found = "found a shell that rotates, has no bolts or varies around apart from them"
+        return f"{found}, expected a bolted casing at rest"
     period = int(np.gcd.reduce([replace(support, loose={}).period for support in bolts.values()]))
     size = 4 * DOFS * len(bolts) * highest_wave(shell) // period
     if size > MOST:
         narrow = np.degrees(min(b.patch for b in bolts.values()))
-        return f"found patches of {narrow:.3g} degrees, not evenly around: {size} coupled unknowns, at most {MOST}"
+        found = f"found patches of {narrow:.3g} degrees, not evenly around: {size} coupled unknowns"
+        return f"{found}, expected at most {MOST}"
     loose = sum(len(support.loose) for support in bolts.values())
-    return f"found {loose} loose bolts, at most {LOOSE}" if loose > LOOSE else ""
+    return f"found {loose} loose bolts, expected at most {LOOSE}" if loose > LOOSE else ""
 
 
 def require_bolts_alone(shell: Shell) -> None:
@@ -104,7 +106,7 @@ def require_bolts_alone(shell: Shell) -> None:
     """
     found = obstacle(shell)
     if found:
-        raise ModelError("modes-method", f'method "bolts": {found}, expected a bolted casing at rest; use "shell"')
+        raise ModelError("modes-method", f'method "bolts": {found}; use "shell"')
 
 
 class Shape(NamedTuple):

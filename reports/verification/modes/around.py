@@ -45,7 +45,7 @@ ANGLES = (0.4567, 2.0)  # rad
 MILD = FourierField.of({4: 0.002, 9: 0.001})
 MESHES = ((8, 29), (8, 25), (8, 28), (8, 32), (7, 28), (7, 33), (7, 41), (9, 24))  # order, around; first the default
 QUICK = ((7, 33), (7, 28))
-BLADE, FEW = "tapered blade", 10
+FEW = 10  # modes of a plate or a blade
 
 
 def structures() -> Iterator[tuple[str, Shell]]:
@@ -60,8 +60,8 @@ def structures() -> Iterator[tuple[str, Shell]]:
     yield "long cylinder", cylinder
     yield "cos 8 theta in the radius", replace(plain, radius_defect=FourierField.of({8: 0.004}), mesh=None)
     yield "8, 20 and 4 waves in the radius", replace(plain, radius_defect=WAVES, mesh=None)
-    for name in ("mistuning", "rig_casing", "tapered_blade"):
-        yield {"tapered_blade": BLADE}.get(name, name), replace(study_shell(name), mesh=None)
+    for name in ("mistuning", "rig_casing", "tapered_blade", "rotating_blade", "olson_lindberg"):
+        yield name, replace(study_shell(name), mesh=None)
     pieces, walls = CASINGS["the same, cone of 5 mm"]
     yield "cylinder and thicker cone, waves", replace(chart_shell(pieces, walls, WALL), radius_defect=MILD, mesh=None)
     parts, rings = next(iter(STIFFENED.values()))
@@ -92,7 +92,7 @@ def narrower(breaks: FloatArray) -> tuple[float, ...]:
 
 def default_row(name: str, shell: Shell) -> Row:
     """Error and time of a structure's default mesh."""
-    count = FEW if name == BLADE else COUNT
+    count = COUNT if shell.chart.periodic else FEW
     exact, _ = solved(replace(shell, mesh=refined(shell.mesh, shell.chart.periodic)), count)
     (found, first), (_, second) = solved(shell, count), solved(shell, count)
     mesh = shell.mesh

@@ -138,7 +138,7 @@ def test_a_band_has_the_modes_of_a_count():
         (cf.Clamped(), {}, "no bolts"),
         (BOLTS, {"radius_defect": cf.FourierField.of({3: 1e-3})}, "varies around apart from them"),
         (cf.Bolts(count=60, k=1e8, spacing=0.1), {}, "patches of 1.91 degrees, not evenly around"),
-        (cf.Bolts(count=60, k=1e8, loose=dict.fromkeys(range(1, 26), 0.0)), {}, "25 loose bolts, at most 24"),
+        (cf.Bolts(count=60, k=1e8, loose=dict.fromkeys(range(1, 26), 0.0)), {}, "25 loose bolts, expected at most 24"),
     ],
 )
 def test_what_the_method_does_not_cover_is_refused(base, parts, found):
