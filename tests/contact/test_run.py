@@ -203,3 +203,20 @@ def test_all_that_contact_exports_is_light():
     code = f"import sys; from contact import *; sys.exit(', '.join(m for m in {heavy} if m in sys.modules) or 0)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_histories_longer_than_asked_for_are_left_out_of_the_document_and_counted():
+    result = impact()
+    numbers, ends = 4 * result.time.size * result.impulse.size, 2 * sum(map(len, result.intervals))
+    assert 0 < ends < numbers // 8
+    histories = {name: numbers // 4 for name in ("time", "force", "gap", "windowed_force")}
+
+    def left_out(most):
+        document = result.to_dict(most=most)
+        (one,) = document["contacts"]
+        assert {"time", "force", "gap", "windowed_force", "intervals"} - set(one) == set(document["left_out"])
+        return document["left_out"]
+
+    assert left_out(None) == left_out(numbers) == {}
+    assert left_out(numbers - 1) == left_out(ends) == histories
+    assert left_out(ends - 1) == histories | {"intervals": ends}

@@ -206,8 +206,8 @@ def event_stepper(system: EventSystem, h: float, restitution: float, words: str)
     soft, closed, fastest = np.flatnonzero(~rigid), np.zeros(k, dtype=bool), np.zeros(k)
     closed[soft] = pressing(system.S[np.ix_(soft, soft)], gap[soft]) > 0.0
     v, impulse = np.array(system.v), np.zeros(k)
-    if np.any(rigid & (gap <= 0.0)):
-        v, impulse, closed = impact(system, system.q, v, closed, rigid & (gap <= 0.0), restitution, fastest)
+    if np.any(touching := rigid & (gap <= 0.0)):
+        v, impulse, closed = impact(system, system.q, v, closed, touching, restitution, fastest)
     known = Known(system, h)
     work = _work(known, system)
     work.q[:], work.v[:], work.closed[:], work.push[:] = system.q, system.v, closed, impulse

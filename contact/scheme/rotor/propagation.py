@@ -57,7 +57,7 @@ def step_of(rotor: Rotor, omega: float, h: float) -> tuple[Array, Array]:
     scale = np.ones(len(A))  # coordinates times a frequency are velocities: the matrices have one size
     scale[:m] = np.maximum(rotor.body.omega, 0.01 * top)
     A, Q = scale[:, None] * A / scale, Q / (scale[:, None] * scale)
-    halvings = max(0, math.ceil(math.log2(max(top * h / SHORT, 1.0))))
+    halvings = math.ceil(math.log2(max(top * h / SHORT, 1.0)))
     short = h / 2**halvings
     place, weight = np.polynomial.legendre.leggauss(POINTS)
     W = np.zeros_like(Q)

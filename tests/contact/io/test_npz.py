@@ -10,6 +10,7 @@ import pytest
 
 import casingfem as cf
 import contact as ct
+from contact.io.npz import write_npz
 from tests.contact.synthetic_rim import blade, ring
 
 READERS = {"contact": (ct.ModalBody.load, ct.InputError), "casingfem": (cf.ModalBasis.load, cf.errors.InputError)}
@@ -176,3 +177,9 @@ def test_a_result_with_another_document(tmp_path, document):
     np.savez(path, **members_of(path) | {"document": document})
     with pytest.raises(ct.InputError, match=r"result\.npz: key 'document': found"):
         ct.Result.load(path)
+
+
+def test_objects_are_not_written(tmp_path):
+    with pytest.raises(ValueError, match="member 'b': found object, expected numbers or text"):
+        write_npz(tmp_path / "a.npz", {"a": np.zeros(2), "b": np.array([None, 1.0])})
+    assert not list(tmp_path.iterdir())

@@ -145,6 +145,17 @@ def test_a_beam_that_is_set_spinning_turns_that_way_at_that_speed(scheme):
     assert nodes[..., 2] == pytest.approx(np.repeat(2.0 * result.state_time[:, None], 4, axis=1), abs=1e-6)
 
 
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.scheme.Newmark(beta=0.25, gamma=0.5)], ids=str)
+def test_angular_momentum_of_a_turning_beam_is_that_of_its_lumped_masses_and_sections(scheme):
+    beam = replace(BEAM, torque=0.0, spin=2.0, elements=4, angle_deg=30.0, height=0.05)
+    start = scheme.prepare(replace(CIRCLE, beam=beam, radius=1.0), ct.Unilateral(), dt=1e-6, courant=None)
+    lumped = beam.mass * beam.length**2 * (1.0 / 3.0 + 1.0 / (6.0 * 4**2))
+    sections = beam.mass * beam.height**2 / 12.0
+    momentum, impulse = start.angular_momentum()
+    assert momentum == pytest.approx(2.0 * (lumped + sections), rel=1e-12)
+    assert impulse == 0.0
+
+
 @pytest.mark.campaign
 def test_a_stiffening_ring_becomes_the_rigid_circle():
     t_end = 1.15 * CIRCLE.first_contact_time

@@ -69,7 +69,12 @@ def test_contacts_wedged_without_compliance_are_refused():
 
 @pytest.mark.parametrize(
     ("A", "b", "word"),
-    [(np.eye(2), np.zeros(3), "shapes"), (np.array([[np.nan]]), np.zeros(1), "finite")],
+    [
+        (np.eye(2), np.zeros(3), "shapes"),
+        (np.ones(2), np.zeros(2), "shapes"),
+        (np.array([[np.nan, 1.0], [1.0, 0.0]]), np.zeros(2), "finite"),
+        (np.eye(2), np.array([0.0, np.inf]), "finite"),
+    ],
 )
 def test_bad_arrays_are_named(A, b, word):
     with pytest.raises(ct.InputError, match=word):

@@ -491,6 +491,38 @@ def test_every_column_of_a_row_is_that_of_the_recorded_run(scene):
     assert len({row[name] for name in COLUMNS if name.endswith("_J")}) == 5  # no two alike
 
 
+def lever():
+    """Two modes of 1 and 4 Hz seen at two places."""
+    return ct.ModalBody(
+        omega=2.0 * np.pi * np.array([1.0, 4.0]), zeta=[0.0, 0.0], channels=("near", "far"),
+        rows=[[0.5, 0.0], [-2.0, 0.25]], S=np.zeros((2, 2)),
+    )  # fmt: skip
+
+
+def moved(what):
+    """Amplitude [m] of a run of 1 s that starts with modal velocities."""
+    scene = ct.Scene(what=what, t_end=1.0, dt=1e-3, record=sweep_record(1000), law=ct.Coulomb(mu=0.0))
+    return row_of(scene, ct.run(scene)).get("amplitude_m")
+
+
+def test_amplitude_of_a_body_at_one_point_is_the_largest_displacement_of_its_channels():
+    velocity = [2.0 * np.pi, 0.0]
+    side = ct.gaps.Side(body=lever(), channel="near", sign=1, velocity=velocity)
+    other = ct.gaps.Side(body=lever(), channel="near", sign=-1, velocity=velocity)
+    assert moved(ct.PointGap(sides=(side,), clearance=10.0)) == pytest.approx(2.0, rel=1e-4)
+    assert moved(ct.PointGap(sides=(side, other), clearance=10.0)) is None  # modes of two bodies
+    patch = ct.Patch(body=lever(), normal=("near",), clearance=10.0, velocity=velocity)
+    assert moved(patch) == pytest.approx(2.0, rel=1e-4)
+
+
+def test_amplitude_of_a_chain_is_its_largest_coordinate():
+    chain = [ct.Wall(), ct.PointMass(mass=1.0, x=1.0, velocity=0.5)]
+    scene = ct.Scene(what=chain, scheme=ct.MoreauJean(), t_end=1.0, dt=1e-3, record=sweep_record(1000))
+    result = ct.run(scene)
+    assert row_of(scene, result)["amplitude_m"] == pytest.approx(np.abs(result.state).max(), rel=1e-12)
+    assert row_of(scene, result)["amplitude_m"] == pytest.approx(0.5 * result.state_time[-1], rel=1e-9)
+
+
 def test_wear_and_flags_of_a_row():
     worn = ct.Abradable(E=1e9, yield_stress=2e4, hardening=1e6, thickness=1e-3, width=0.02, tip=6e-3, bars=2)
     what = ct.RotatingRim(ring(zeta=0.01), blade(zeta=0.01), clearance=-2e-5, speed_hz=5.0, lean_deg=20.0)

@@ -94,6 +94,33 @@ def test_amplification_of_drawn_chains_is_below_whiteheads_bound():
     drawn(400)
 
 
+def test_the_worst_deviations_give_the_largest_amplification():
+    found = cf.modal.amplification(chain(6), 2, sigma=0.02, draws=12, seed=4, zeta=ZETA)
+    assert found.amplification.argmax() not in (0, 11)
+    one = cf.modal.engine_order_response(chain(6), 2, [40.0, 65.0], zeta=ZETA, deviations=found.worst)
+    assert one.amplification == pytest.approx(found.amplification.max(), rel=1e-9)
+    assert np.std(found.worst) < 0.06
+    again = cf.modal.amplification(chain(6), 2, sigma=0.02, draws=12, seed=5, zeta=ZETA)
+    assert not np.allclose(again.amplification, found.amplification)
+    with pytest.raises(ValueError, match="draws = 0"):
+        cf.modal.amplification(chain(6), 2, sigma=0.02, draws=0, seed=4, zeta=ZETA)
+    with pytest.raises(ValueError, match=r"sigma = 0\.2"):
+        cf.modal.amplification(chain(6), 2, sigma=0.2, draws=1, seed=4, zeta=ZETA)
+
+
+def test_amplitudes_are_proportional_to_the_force_which_is_one_newton_by_default():
+    speeds = [33.0, 34.0, 35.0]
+    one = cf.modal.engine_order_response(chain(), 3, speeds, zeta=ZETA, deviations=0.01 * np.cos(np.arange(12)))
+    three = cf.modal.engine_order_response(
+        chain(), 3, speeds, force=3.0, zeta=ZETA, deviations=0.01 * np.cos(np.arange(12))
+    )
+    np.testing.assert_allclose(three.amplitude, 3.0 * one.amplitude, rtol=1e-12)
+    np.testing.assert_allclose([three.peak, three.tuned_peak], [3.0 * one.peak, 3.0 * one.tuned_peak], rtol=1e-12)
+    np.testing.assert_allclose(three.tuned, 3.0 * one.tuned, rtol=1e-12)
+    assert 33.0 < one.peak_hz < 35.0
+    assert one.amplification == pytest.approx(one.peak / one.tuned_peak)
+
+
 @pytest.mark.campaign
 def test_amplification_comes_near_whiteheads_bound_and_does_not_pass_it():
     """Many drawn chains, then a climb from the worst of them."""
@@ -113,7 +140,14 @@ def test_amplification_comes_near_whiteheads_bound_and_does_not_pass_it():
     [
         (lambda: cf.modal.engine_order_response(chain(), 0, [30.0], zeta=ZETA), "response.order: found 0"),
         (lambda: cf.modal.engine_order_response(chain(), 3, [30.0, 20.0], zeta=ZETA), "ascending speeds"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [30.0, 31.0, 31.0], zeta=ZETA), "ascending speeds"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [0.0, 31.0], zeta=ZETA), "ascending speeds above 0"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [30.0, np.inf], zeta=ZETA), "ascending speeds"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [[30.0], [31.0]], zeta=ZETA), "ascending speeds"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [], zeta=ZETA), "ascending speeds"),
         (lambda: cf.modal.engine_order_response(chain(), 3, [30.0], zeta=1.5), "response.zeta: found 1.5"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [30.0], zeta=1.0), "response.zeta: found 1"),
+        (lambda: cf.modal.engine_order_response(chain(), 3, [30.0], zeta=-0.1), "response.zeta: found -0.1"),
         (lambda: cf.modal.engine_order_response(chain(), 3, [33.0, 34.0]), "a wheel without damping"),
         (
             lambda: cf.modal.engine_order_response(
