@@ -49,7 +49,7 @@ def fitted(evaluate: Evaluate, start: Point, active: Sequence[int], bounds: Boun
     x = np.zeros(len(start.x))
     x[on] = start.x[on]
     best = start if np.array_equal(x, start.x) else evaluate(x)
-    for _ in range(ROUNDS if on else 0):
+    for _ in range(ROUNDS):
         low, high = bounds.lower[on] - best.x[on], bounds.upper[on] - best.x[on]
         step = bounded_step(best, on, low, high)
         if step is None:
@@ -73,7 +73,7 @@ def bounded_step(at: Point, on: list[int], low: FloatArray, high: FloatArray) ->
     """The least-squares step of some changes within their bounds; None if the data do not depend on them."""
     A = at.jacobian[:, on]
     norms = np.linalg.norm(A, axis=0)
-    if not len(at.values) or not np.any(norms):
+    if not np.any(norms):
         return None
     unit = np.where(norms > 0.0, norms, 1.0)
     width = np.maximum(high - low, 1e-300)
@@ -82,18 +82,17 @@ def bounded_step(at: Point, on: list[int], low: FloatArray, high: FloatArray) ->
 
 
 def gains(at: Point, active: Sequence[int], bounds: Bounds) -> FloatArray:
-    """Expected decrease of chi^2 by each change, (changes,), to first order; the active changes stay free."""
+    """Expected decrease of chi^2 by each change, (changes,), to first order; -inf for active ones, which stay free."""
     on = list(active)
     J, r = at.jacobian, at.values
     if on and len(r):
         Q, _ = np.linalg.qr(J[:, on])
         J, r = J - Q @ (Q.T @ J), r - Q @ (Q.T @ r)
     square, slope = np.sum(J**2, axis=0), J.T @ r
-    seen = square > 1e-12 * max(float(np.sum(at.jacobian**2, axis=0).max(initial=0.0)), 1e-300)
+    seen = square > 1e-12 * np.sum(at.jacobian**2, axis=0).max(initial=0.0)
     step = np.where(seen, -slope / np.where(seen, square, 1.0), 0.0)
     step = np.clip(step, bounds.lower - at.x, bounds.upper - at.x)
     promised = -(2.0 * step * slope + step**2 * square)
-    promised[on] = -np.inf
     return np.where(seen, promised, -np.inf)
 
 
