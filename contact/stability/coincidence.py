@@ -20,14 +20,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, Indices, readonly
 from contact.model.gaps.permanent import ClosedContact, HandPair
+from contact.stability.together import roots
 from contact.stability.waves import FreePoles, Waves, waves_of
 
 REACH = 4.0  # times the fastest speed: coincidences up to there, whose bands may extend into the range
 LOOKS = 65  # speeds at which frequencies are compared
 AT_REST = 1e-12  # of a frequency: waves and modes that are nearer at rest are equal there
-SECANTS, MET = 40, 1e-13  # steps of a root, and the difference of the frequencies that ends them, relative
+MET = 1e-13  # of the largest frequency: difference of two that coincide
 SEEN = 1e-9  # of the largest residue: one contact does not see less
 TOGETHER = 1e-6  # of a blade mode's frequency: modes that are nearer meet a wave together, as a disk's pairs do
 ALIKE = 0.05  # of two bodies seen alike: less is what meshes and round-off add
@@ -178,24 +179,19 @@ def _crossings(seen: Waves, sense: float, fastest: float, *, modes: bool) -> lis
     k, i, j = np.nonzero((apart[:-1] * apart[1:] < 0.0) | ((apart[1:] == 0.0) & (apart[:-1] != 0.0)))
     if not k.size:
         return []
-    speed, open_ = at[k].copy(), np.arange(k.size)
-    low, high, below, above = at[k].copy(), at[k + 1].copy(), apart[k, i, j], apart[k + 1, i, j]
-    for _ in range(SECANTS):  # the Illinois method (Dowell & Jarratt, BIT 11, 1971, 168), all roots at once
-        speed[open_] = (low * above - high * below)[open_] / (above - below)[open_]
-        found = seen.poles(speed[open_], sense)
+
+    def between(speed: Array, which: Indices) -> Array:
+        found = seen.poles(speed, sense)
         if found is None:
-            return []
-        one, other = frequencies(found, speed[open_])
-        row = np.arange(open_.size)
-        middle = one[row, i[open_]] - other[row, j[open_]]
-        far = np.abs(middle) > MET * np.abs(free.s.imag).max()
-        open_, middle = open_[far], middle[far]
-        if not open_.size:
-            break
-        inside = middle * above[open_] < 0.0  # the root is between the last two speeds
-        low[open_] = np.where(inside, high[open_], low[open_])
-        below[open_] = np.where(inside, above[open_], 0.5 * below[open_])
-        high[open_], above[open_] = speed[open_], middle
+            return np.full(which.size, math.nan)
+        one, other = frequencies(found, speed)
+        row = np.arange(which.size)
+        return np.asarray(one[row, i[which]] - other[row, j[which]])
+
+    ends, values = (at[k], at[k + 1]), (apart[k, i, j], apart[k + 1, i, j])
+    speed = roots(between, ends, values, MET * float(np.abs(free.s.imag).max()))
+    if np.isnan(speed).any():
+        return []
     return list(zip(speed.tolist(), waves[i].tolist(), others[j].tolist(), strict=True))
 
 

@@ -13,8 +13,10 @@ from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.io.columns import Column
 from contact.io.reported import Reported
+from contact.stability.together import maxima_between, roots
 
 Growth = Callable[[Array], Array]
+EDGE = 0.1  # of the least growth that counts: accuracy of the growth at the end of a band
 
 
 COLUMNS = (
@@ -100,30 +102,22 @@ def ascending(speed_hz: Array) -> Array:
 
 def _peak(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[float, float]:
     """Speed and value of the largest growth, refined between the neighbours of the largest sample."""
-    from scipy.optimize import minimize_scalar
-
     k = int(values.argmax())
     best = float(speed[k]), float(values[k])
     if best[1] <= floor:
         return best
-    bounds = float(speed[max(k - 1, 0)]), float(speed[min(k + 1, speed.size - 1)])
-    found = minimize_scalar(
-        lambda at: -float(rate(np.array([at]))[0]), bounds=bounds, method="bounded",
-        options={"xatol": 1e-9 * max(abs(bounds[0]), abs(bounds[1]))},
-    )  # fmt: skip
-    return (float(found.x), float(-found.fun)) if -found.fun > best[1] else best
+    near = np.clip(np.arange(k - 1, k + 2), 0, speed.size - 1)[:, None]
+    (found,) = maxima_between(rate, speed[near], values[near])
+    return max(best, (float(found), float(rate(np.array([found]))[0])), key=lambda point: point[1])
 
 
 def _bands(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[tuple[float, float], ...]:
-    """Intervals of speed with growth above `floor`."""
-    from scipy.optimize import brentq
-
+    """Intervals of speed with growth above `floor`; at their ends it is `floor` within a tenth."""
     above = values > floor
-    edges = [
-        float(brentq(lambda at: float(rate(np.array([at]))[0]) - floor, speed[k], speed[k + 1], xtol=1e-10))
-        for k in np.flatnonzero(above[1:] != above[:-1])
-    ]
-    return between(speed, above, edges)
+    k = np.flatnonzero(above[1:] != above[:-1])
+    ends, apart = (speed[k], speed[k + 1]), (values[k] - floor, values[k + 1] - floor)
+    edges = roots(lambda at, _: rate(at) - floor, ends, apart, EDGE * floor)
+    return between(speed, above, edges.tolist())
 
 
 def between(speed: Array, above: NDArray[np.bool_], edges: list[float]) -> tuple[tuple[float, float], ...]:

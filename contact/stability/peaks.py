@@ -28,11 +28,11 @@ from contact.stability.growth_map import StabilityMap, scan
 from contact.stability.maxima import maxima, prominence
 from contact.stability.mode_groups import largest_mode, mode_numbers
 from contact.stability.split_casing import mean_contact
+from contact.stability.together import maxima_between
 from contact.stability.waves import Waves, waves_of
 
 Vector = NDArray[np.complex128]
 MOST = 40  # peaks, the highest ones
-PARABOLAS = 4  # steps of refinement
 PROMINENCE = 0.1  # of its growth, by which a peak rises from what lies between it and a higher one
 TRAVELS = 0.8  # of the energy of n diameters, in waves of one sense: less is a standing wave
 EQUAL = 1e-6  # of the energy: both waves of a pattern at rest before the blade have the same
@@ -158,27 +158,9 @@ def _refined(contact: ClosedContact, found: StabilityMap, floor: float) -> tuple
     k = np.sort(places[np.argsort(-padded[places], kind="stable")][:MOST]) - 1
     near = np.clip(np.stack([k - 1, k, k + 1]), 0, at.size - 1)
     x, y = at[near], values[near]
-    for _ in range(PARABOLAS):  # all peaks at once
-        vertex = _vertex(x, y)
-        x, y = np.vstack([x, vertex]), np.vstack([y, growth(contact, vertex)])
-        ascending = np.argsort(x, axis=0, kind="stable")
-        x, y = np.take_along_axis(x, ascending, axis=0), np.take_along_axis(y, ascending, axis=0)
-        best = np.clip(y.argmax(axis=0), 1, len(x) - 2)
-        around = best + np.arange(-1, 2)[:, None]
-        x, y = np.take_along_axis(x, around, axis=0), np.take_along_axis(y, around, axis=0)
-    speed = np.take_along_axis(x, y.argmax(axis=0)[None], axis=0)[0]
+    speed = maxima_between(lambda hz: growth(contact, hz), x, y)
     leading = [max(every, key=lambda s: (float(s.real), float(s.imag))) for every in poles_each(contact, speed)]
     return speed, [complex(s.real, abs(s.imag)) for s in leading]
-
-
-def _vertex(x: Array, y: Array) -> Array:
-    """Maxima of parabolas through three points each, (3, peaks); the middle point if a parabola has none."""
-    left, right = x[1] - x[0], x[2] - x[1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        first, second = (y[1] - y[0]) / left, (y[2] - y[1]) / right
-        vertex = 0.5 * (x[0] + x[1]) - first * 0.5 * (x[2] - x[0]) / (second - first)
-    inside = np.isfinite(vertex) & (vertex > x[0]) & (vertex < x[2])
-    return np.asarray(np.where(inside, vertex, np.where(left > right, 0.5 * (x[0] + x[1]), 0.5 * (x[1] + x[2]))))
 
 
 def _merged(
