@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casingfem.cli.pictures import figures, speed_figures, turn_of
 from casingfem.examples import first_sentence
-from casingfem.io.side_by_side import usable_cores
+from casingfem.io.side_by_side import aside, usable_cores
 from contact.io.infiles import read_bytes, text_of
 
 if TYPE_CHECKING:
-    from casingfem.plot.page import Page
+    from casingfem.plot.page import Page, Picture
     from casingfem.plot.pages.scene import Ran
     from contact.interacting import Interactions
     from contact.prepared import Scene
@@ -20,30 +21,45 @@ if TYPE_CHECKING:
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> "Page":
-    """The page about a scene; for rims, rubs and disks with the table of dangerous speeds and a film."""
-    from casingfem.plot.contact import rub_film as film_of
-    from casingfem.plot.pages.scene import scene_page
-    from contact.histories import rub_film
-    from contact.recovery import casing_motion
+    """The page about a scene; for rims, rubs and disks with the table of dangerous speeds and a film.
+
+    A second process draws the run while this one runs the scene at other speeds.
+    """
     from contact.rim_motion import rim_motion
     from contact.version import versions
 
-    casing = casing_motion(scene.what, result)
     rim = rim_motion(scene.what, result)
-    drawn = figures(scene, result, rim, casing)
     ran, found, why = run_numbers(scene, result, rim), None, ""
-    if ran.rubs:
-        say("interactions")
-        found, why = table_of(file)
-        if found is not None:
-            drawn |= speed_figures(scene, found, ran.speed_hz)
-    say("drawing")
-    film, text = rub_film(scene.what, result), text_of(read_bytes(file))
+    with aside(ran.rubs and usable_cores() > 1) as start:
+        drawn = start(partial(motion_of, scene, result, rim))
+        if ran.rubs:
+            say("interactions")
+            found, why = table_of(file)
+        say("drawing")
+        from casingfem.plot.pages.scene import scene_page
+
+        speeds = {} if found is None else speed_figures(scene, found, ran.speed_hz)
+        motion = drawn()
+    text = text_of(read_bytes(file))
     described = first_sentence(text)
     return scene_page(
-        file.stem, text, ran, drawn, found=found, why=why, lead=described if described.endswith(".") else "",
-        source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),
+        file.stem, text, ran, motion, speeds=speeds, found=found, why=why,
+        lead=described if described.endswith(".") else "", source={**scene.source, **versions()},
     )  # fmt: skip
+
+
+def motion_of(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "list[Picture]":
+    """Film and pictures of a run."""
+    from casingfem.plot.contact import rub_film as film_of
+    from casingfem.plot.pages.scene import motion_pictures
+    from contact.histories import rub_film
+    from contact.model.gaps.gap import RotatingRim
+    from contact.model.gaps.rub import Rub
+
+    film = rub_film(scene.what, result)
+    rubs = isinstance(scene.what, RotatingRim | Rub)
+    pictures = motion_pictures(figures(scene, result, rim), rubs=rubs)
+    return pictures if film is None else [film_of(film, result), *pictures]
 
 
 def table_of(file: Path) -> "tuple[Interactions | None, str]":

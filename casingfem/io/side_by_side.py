@@ -56,14 +56,14 @@ class Aside(Protocol):
 
 @contextmanager
 def aside(second: bool) -> Iterator[Aside]:
-    """One more process for parts of which this process needs the results later; this one goes on meanwhile."""
+    """A further process for each part of which this process needs the result later; this one goes on meanwhile."""
     if not second:
         yield lambda part: part
         return
-    from contact.io.workers import worker_pool
+    from contact.io.workers import parts_aside
 
-    with one_thread_for_children(), worker_pool(1) as pool:
-        yield lambda part: pool.submit(part).result
+    with one_thread_for_children(), parts_aside() as start:
+        yield start
 
 
 @contextmanager

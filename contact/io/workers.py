@@ -12,9 +12,10 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from contact.io.interrupts import interrupts_held
 from contact.io.progress import paused
@@ -52,6 +53,53 @@ def worker_pool(count: int) -> Iterator[ProcessPoolExecutor]:
             raise
         finally:
             pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def parts_aside() -> Iterator[Callable[[Callable[[], R]], Callable[[], R]]]:
+    """Start parts in one more process each; the result of such a start waits for the part's result or error.
+
+    They start as those of `worker_pool`, and end with the block. A part whose process is killed runs in this one.
+    """
+    started: list[BaseProcess] = []
+
+    def start(part: Callable[[], R]) -> Callable[[], R]:
+        with paused():
+            context = get_context("fork") if forks() else get_context("spawn")
+            receiver, sender = context.Pipe(duplex=False)
+            process = context.Process(target=_answer, args=(sender, part))
+            with interrupts_held():  # its parent ends it
+                process.start()
+        sender.close()
+        started.append(process)
+
+        def result() -> R:
+            try:
+                error, found = receiver.recv()
+            except EOFError:
+                return part()
+            if error is not None:
+                raise error
+            return cast(R, found)
+
+        return result
+
+    try:
+        yield start
+    finally:
+        for process in started:
+            process.terminate()
+            process.join()
+
+
+def _answer(sender: Connection, part: Callable[[], R]) -> None:
+    """Send a part's error and result from its process; nothing if they cannot be sent."""
+    _begin()
+    try:
+        answer: tuple[Exception | None, R | None] = (None, part())
+    except Exception as error:
+        answer = error, None
+    sender.send(answer)
 
 
 def forks() -> bool:

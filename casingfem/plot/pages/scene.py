@@ -74,21 +74,26 @@ class Ran:
     rotor: Any = None
 
 
-def scene_page(
-    name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "", lead: str = "",
-    source: Mapping[str, Any], films: Sequence[Picture] = (),
-) -> Page:  # fmt: skip
-    """The page; `found` is the result of `contact.interactions`, or `why` the reason if there is none.
+def motion_pictures(figures: Mapping[str, Figure], *, rubs: bool) -> list[Picture]:
+    """The figures of a run in the order of a page, with their captions."""
+    more = OF_RUBS if rubs else OF_RODS
+    return [Picture.of(figures[key], CAPTIONS[key] + more.get(key, "")) for key in CAPTIONS if key in figures]
 
-    `lead` is a sentence on the scene below the title.
+
+def scene_page(
+    name: str, scene: str, ran: Ran, motion: Sequence[Picture], *, speeds: Mapping[str, Figure] | None = None,
+    found: Any = None, why: str = "", lead: str = "", source: Mapping[str, Any],
+) -> Page:  # fmt: skip
+    """The page; `motion` are the pictures of the run, `speeds` figures over speed.
+
+    `found` is the result of `contact.interactions`, or `why` the reason if there is none; `lead` is a sentence on the
+    scene below the title.
     """
-    shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
-        sections.append(speeds_section(found, figures, speed_words(None, why) if found is None else (found.words,)))
-    more = OF_RUBS if ran.rubs else OF_RODS
-    pictures = (Picture.of(figures[key], CAPTIONS[key] + more.get(key, "")) for key in shown)
-    sections.append(Section("Motion", figures=(*films, *pictures)))
+        words = speed_words(None, why) if found is None else (found.words,)
+        sections.append(speeds_section(found, speeds or {}, words))
+    sections.append(Section("Motion", figures=tuple(motion)))
     sections.append(Section("Numbers", tuple(map(str, ran.flags)), tables=(*contacts_tables(ran), numbers_table(ran))))
     sections.append(Section("The scene", preformatted=scene))
     notice = str(ran.flags[0]) if ran.flags else ""

@@ -16,7 +16,7 @@ from casingfem.plot.interaction import figure_map, figure_speeds
 from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
 from casingfem.plot.pages.cycles import cycles_page
 from casingfem.plot.pages.interactions import interactions_page
-from casingfem.plot.pages.scene import scene_page
+from casingfem.plot.pages.scene import motion_pictures, scene_page
 from casingfem.plot.pages.sweep import sweep_page
 from casingfem.plot.rotor import figure_rotor_run
 from casingfem.plot.style import Drawn
@@ -124,14 +124,15 @@ def test_the_gate_finds_each_fault_of_a_figure():
 
 PAGES = {
     "rub": lambda figures: scene_page(
-        "rub", "[scene]", ran_sample(), figures, source=SOURCE, found=speeds_sample(), films=()
+        "rub", "[scene]", ran_sample(), motion_pictures(figures, rubs=True), speeds=figures, source=SOURCE,
+        found=speeds_sample(),
     ).html(),
     "rods": lambda figures: scene_page(
-        "rods", "[scene]", ran_sample(rubs=False, growth=None, rim=None, speed_hz=0.0), {}, source=SOURCE
+        "rods", "[scene]", ran_sample(rubs=False, growth=None, rim=None, speed_hz=0.0), (), source=SOURCE
     ).html(),
     "rotor": lambda figures: scene_page(
         "rotor", "[scene]", ran_sample(rubs=False, growth=None, rim=None, contacts=(), closings=0, least_gap=np.nan,
-                                       rotor=rotor_sample()), {}, source=SOURCE,
+                                       rotor=rotor_sample()), (), source=SOURCE,
     ).html(),
     "sweep": lambda figures: sweep_page(
         "rub", ["speed.hz [turns/s]"], ["speed.hz"], run_rows("diverged", "grows"), SOURCE,

@@ -234,7 +234,7 @@ def test_the_strip_has_the_worst_verdict_of_each_speed_without_a_gap():
 
 def test_a_page_has_no_repr_and_every_number_its_unit():
     html = scene_page(
-        "rub", "[scene]", ran_sample(), {}, found=table(), source={"scene": "a.toml", "sha256": "0" * 64}
+        "rub", "[scene]", ran_sample(), (), found=table(), source={"scene": "a.toml", "sha256": "0" * 64}
     ).html()
     text = re.sub(r"<[^>]+>", " ", html.partition("<main>")[2])
     assert not re.search(r"\w+\(\w+=|\bnan\b|\binf\b|\d[eE][+-]\d", text)

@@ -39,3 +39,54 @@ def test_workers_have_what_their_parent_loaded_unless_a_thread_could_keep_a_lock
     script.write_text(textwrap.dedent(SCRIPT))
     done = subprocess.run([sys.executable, script, *words], capture_output=True, text=True, timeout=120, check=True)
     assert done.stdout.splitlines() == expected
+
+
+ASIDE = """
+import multiprocessing
+import os
+import signal
+import sys
+import time
+
+from contact.io.workers import parts_aside
+
+PARENT = os.getpid()
+
+
+def part():
+    return os.getpid() != PARENT, sum(range(10))
+
+
+def fails():
+    raise ValueError("what this part refuses")
+
+
+def killed():
+    if os.getpid() != PARENT:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "done by the parent"
+
+
+def never():
+    time.sleep(600.0)
+
+
+with parts_aside() as start:
+    waiting = [start(each) for each in (part, fails, killed, never)]
+    print(*waiting[0]())
+    try:
+        waiting[1]()
+    except ValueError as error:
+        print(error)
+    print(waiting[2]())
+print(len(multiprocessing.active_children()))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a script needs its parts in a module")
+def test_a_part_aside_gives_its_result_or_error_and_ends_with_the_block(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(textwrap.dedent(ASIDE))
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.splitlines() == ["True 45", "what this part refuses", "done by the parent", "0"]
