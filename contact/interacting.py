@@ -1,9 +1,9 @@
 """Table of dangerous speeds: closed contact proposes them, runs of the scene decide.
 
 The growth of closed contact (`contact.stability.peaks`) states at which speeds contact can feed a motion, and which
-one. Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, at its own speed and
-at speeds evenly over the range. There contact that opens may feed a motion that closed contact does not
-(`contact.speed_runs`).
+one. Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, at its own speed, at
+speeds evenly over the range, and midway between runs that disagree. There contact that opens may feed a motion that
+closed contact does not (`contact.speed_runs`).
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ from contact.stability.peaks import Peaks, growth_at, peaks
 from contact.stability.rotor import rotor_peaks
 from contact.stability.split_casing import AVERAGED
 
-RUNS = 60  # speeds evenly over the range
+RUNS = 24  # speeds evenly over the range
+ALIKE = 1e-9  # of the highest speed: critical speeds and peaks of a rotor that are the same
 AROUND, STEPS = 2.0, 200  # without a stated range: its end in the scene's highest speeds; its number of steps
 
 
@@ -159,8 +160,8 @@ def _spacing(runs: Sequence[SpeedRun]) -> str:
     """Sentence on the largest distance between neighbouring runs."""
     apart = float(np.diff([run.speed_hz for run in runs]).max())
     return (
-        f"Neighbouring runs are at most {apart:.3g} Hz ({60.0 * apart:,.0f} rpm) apart. A range ends midway between "
-        "two runs or where closed contact stops growing."
+        f"Neighbouring runs are at most {apart:.3g} Hz ({60.0 * apart:,.0f} rpm) apart, an eighth of it where they "
+        "disagree. A range ends midway between two runs or where closed contact stops growing."
     )
 
 
@@ -213,7 +214,8 @@ def interactions(
         Speeds [turns/s] at which the growth of closed contact is computed, ascending from above 0. If left out, 200
         speeds up to twice the highest speed of the scene, at which all bodies are known, and 600 m/s of the rim.
     runs
-        Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds.
+        Number of runs evenly over the range, at least 2, beside one at each peak and at the scene's own speeds. Where
+        neighbouring runs disagree, runs are added midway, to an eighth of the spacing.
     closed
         The same bodies with the springs of a law at the tips (`ct.stability.on_springs`); the scene's if left out.
     processes
@@ -248,9 +250,15 @@ def interactions(
     proposed = peaks(closed or what, speeds_of(scene) if speed_hz is None else speed_hz, mu=mu)
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
     own = [hz for hz in np.unique(rub_of(what).speed.hz).tolist() if low <= hz <= high]
-    at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows), *own])
-    poles = _above_floor(growth_at(closed or what, at, mu=mu), at, proposed)
-    taken = speed_runs(scene, at, poles, exact=_decide(scene, proposed), processes=processes)
+    even = np.linspace(low, high, runs)
+    at = np.concatenate([even, [peak.speed_hz for peak in proposed.rows], own])
+
+    def poles(speeds: Array) -> Array:
+        return _above_floor(growth_at(closed or what, speeds, mu=mu), speeds, proposed)
+
+    taken = speed_runs(
+        scene, at, poles, even=even, bands_hz=_bands(proposed), exact=_decide(scene, proposed), processes=processes
+    )
     return Interactions(rows=ranked(ranges(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
@@ -262,13 +270,23 @@ def _of_rotor(scene: Scene, rotor: Rotor, speed_hz: Array, runs: int, processes:
     if not low > 0.0:
         raise InputError(f"speed_hz: found {low:g} Hz, expected speeds above 0")
     own = [one["speed_hz"] for one in critical_speeds(rotor)] + np.abs(rotor.speed.hz).tolist()
-    at = np.array([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
-    at = np.unique(np.concatenate([at, [hz for hz in own if low <= hz <= high]]))
-    at = at[np.concatenate([[True], np.diff(at) > 1e-9 * high])]
-    poles = _above_floor(growth(rotor, at), at, proposed)
+    even = np.linspace(low, high, runs)
+    at = np.unique([*(peak.speed_hz for peak in proposed.rows), *(hz for hz in own if low <= hz <= high)])
+    at = at[np.diff(at, prepend=-math.inf) > ALIKE * high]
+    at = at[np.abs(at[:, None] - even).min(axis=1) > ALIKE * high]
+
+    def poles(speeds: Array) -> Array:
+        return _above_floor(growth(rotor, speeds), speeds, proposed)
+
     exact = True if isinstance(scene.what, Rotor) else None
-    taken = speed_runs(scene, at, poles, exact=exact, processes=processes)
+    at = np.concatenate([even, at])
+    taken = speed_runs(scene, at, poles, even=even, bands_hz=_bands(proposed), exact=exact, processes=processes)
     return Interactions(rows=ranked(ranges(taken, proposed.rows)), runs=taken, peaks=proposed)
+
+
+def _bands(proposed: Peaks) -> list[tuple[float, float]]:
+    """Ranges of speeds [turns/s] around the peaks in which closed contact grows."""
+    return [(peak.from_hz, peak.to_hz) for peak in proposed.rows]
 
 
 def _above_floor(poles: Array, speed_hz: Array, proposed: Peaks) -> Array:

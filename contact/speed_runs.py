@@ -1,5 +1,9 @@
 """Runs of one scene at many constant speeds, and the verdict of each (`contact.speed_verdict`).
 
+Where two neighbouring runs disagree, in their verdict or in the size of the motion, the scene is run midway too, and so
+on HALVED times: a boundary is known to an eighth of the spacing, and few runs are spent where nothing changes
+(`python -m reports.verification.rubs.speeds_between`).
+
 A run that is too short to decide is continued to twice its length, again and again up to LONGEST times t_end. A run
 that grows with contact that opens, and has passed no limit, is continued to four times its length: such a growth may
 end in a bounded motion, or pause where the contact begins to open. The last part of a growing run is repeated with half
@@ -13,6 +17,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -31,11 +36,12 @@ from contact.prepared import Scene
 from contact.record.record import STATES, Record, prime_stride
 from contact.result import Result
 from contact.run_many import Outcome, run_many, runs_alone
-from contact.speed_verdict import SpeedRun, decided, judged, times_longer
+from contact.speed_verdict import SpeedRun, at_end_of_band, decided, disagree, judged, times_longer
 
 WORTH, COPIES = 4.0, 0.3  # s: two processes start in less, fresh ones or copies of this one
 TOGETHER = 16  # scenes of a lot if several run in one loop
 LONGEST = 16  # times t_end: length to which runs are continued
+HALVED = 3  # times that the spacing of runs is halved where neighbours disagree
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
 DENSE, PAIRS = 12.0, 3  # states in a period of the fastest whirl that is looked at, and pairs of modes that are
 
@@ -51,26 +57,38 @@ class Lot(NamedTuple):
 
 
 def speed_runs(
-    scene: Scene, speed_hz: Array, poles: Array, *, exact: bool | None = None, processes: int = 1
+    scene: Scene, speed_hz: Array, poles: Callable[[Array], Array], *, even: Array | None = None,
+    bands_hz: Sequence[tuple[float, float]] = (), exact: bool | None = None, processes: int = 1,
 ) -> tuple[SpeedRun, ...]:  # fmt: skip
-    """Run a scene at speeds [turns/s] above 0, and judge each run.
+    """Run a scene at speeds [turns/s] above 0 and midway between neighbours that disagree, and judge each run.
 
-    `poles` (speeds,) are the growth rates of closed contact. They decide where all contacts stay closed: `exact` if
+    `poles` gives the growth rates of closed contact at speeds. They decide where all contacts stay closed: `exact` if
     they hold for the scene itself, not `exact` if for its average over time; such a growth must show in a long run.
-    None: they do not hold for this scene. `processes` share the runs if these take longer than starting processes; the
-    result is the same.
+    None: they do not hold for this scene. `even`: the speeds whose motions tell which motion is large, all if left out.
+    No run is added at the end of one of the `bands_hz` of closed contact that grows, if the run in it is unstable.
+    `processes` share the runs if these take longer than starting processes; the result is the same.
 
     >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
     >>> disk = BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5)
     >>> rim = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     >>> scene = Scene(what=Rub(rim, (disk.body(),), disk.tips(), clearance=1e-3), t_end=0.1, dt=1e-4)
-    >>> (found,) = speed_runs(scene, np.array([20.0]), np.zeros(1))
-    >>> found.verdict, found.amplitude_m  # nothing touches
-    ('safe', 0.0)
+    >>> found = speed_runs(scene, np.array([20.0, 30.0]), np.zeros_like)
+    >>> [(run.speed_hz, run.verdict, run.amplitude_m) for run in found]  # nothing touches
+    [(20.0, 'safe', 0.0), (30.0, 'safe', 0.0)]
     """
-    scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
-    return decided(_shared(Lot(scenes, speed_hz, poles, LONGEST, exact), processes))
+    known: dict[float, SpeedRun] = {}
+    chosen, own = np.unique(speed_hz), np.unique(speed_hz if even is None else even).tolist()
+    for _ in range(HALVED + 1):
+        lot = Lot([at_speed(scene, hz) for hz in chosen.tolist()], chosen, poles(chosen), LONGEST, exact)
+        known |= zip(chosen.tolist(), _shared(lot, processes, len(known)), strict=True)
+        speeds = sorted(known)
+        found = decided([known[hz] for hz in speeds], [known[hz] for hz in own])
+        apart = [pair for pair in pairwise(found) if disagree(*pair) and not at_end_of_band(*pair, bands_hz)]
+        chosen = np.array([0.5 * (one.speed_hz + other.speed_hz) for one, other in apart])
+        if not chosen.size:
+            break
+    return found
 
 
 def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
@@ -89,14 +107,14 @@ def runs_at_speeds(scenes: Sequence[Scene], speed_hz: Array, poles: Array) -> tu
     """
     own = [at_speed(scene, hz) for scene, hz in zip(scenes, speed_hz.tolist(), strict=True)]
     found = []
-    for run in _shared(Lot(own, speed_hz, poles, 1, None), 1):
+    for run in _shared(Lot(own, speed_hz, poles, 1, None), 1, 0):
         small = run.verdict == "resonance" and not run.amplitude_m > run.allowed_m
         found.append(replace(run, verdict="safe") if small else run)
     return tuple(found)
 
 
-def _shared(lot: Lot, processes: int) -> list[SpeedRun]:
-    """The verdict of each scene of a lot, computed by several processes if that takes less time."""
+def _shared(lot: Lot, processes: int, before: int) -> list[SpeedRun]:
+    """The verdict of each scene of a lot after `before` others, by several processes if that takes less time."""
     size = 1 if processes > 1 and runs_alone(lot.scenes[0], _record) else TOGETHER if processes > 1 else len(lot.scenes)
     numbers = range(0, len(lot.scenes), size)
     lots = [lot._replace(**{name: getattr(lot, name)[k : k + size] for name in Lot._fields[:3]}) for k in numbers]
@@ -105,7 +123,8 @@ def _shared(lot: Lot, processes: int) -> list[SpeedRun]:
     ended = 0
 
     def whole(done: float) -> tuple[str, float]:
-        return f"{ended} of {len(lot.scenes)} runs ended", min((ended + done) / len(lot.scenes), 1.0)
+        runs = f"{before + ended} of {before + len(lot.scenes)} runs ended"
+        return runs, min((before + ended + done) / (before + len(lot.scenes)), 1.0)
 
     def note() -> None:
         nonlocal ended

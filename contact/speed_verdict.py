@@ -171,7 +171,7 @@ def judged(
         return replace(run, why=f"the run failed: {outcome}")
     size = 1.0 if isinstance(what, Rotor) else rub_of(what).casing.line_radius(0)
     if growth is not None and growth.amplitude < STILL * size:
-        return replace(run, verdict="safe")
+        return replace(run, verdict="safe", amplitude_m=0.0)
     verdict, why = _of_growth(growth, passed=passed)
     run = replace(run, verdict=verdict, why=why, may_change=may_change(result))
     return run if exact is None else _with_poles(run, exact=exact)
@@ -195,13 +195,13 @@ def times_longer(result: Result) -> int:
     return 4 if result.growth is not None and result.growth.outcome == "grows" else 2
 
 
-def decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
+def decided(runs: Sequence[SpeedRun], even: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
     """Runs whose motion does not grow: a resonance if it is large, else safe.
 
-    Large means above `RESONANT` times the median amplitude, or above the allowed deflection of the rim [m], half of its
-    wall.
+    Large means above `RESONANT` times the median amplitude of the runs at `even` speeds, or above the allowed
+    deflection of the rim [m], half of its wall.
     """
-    calm = [run.amplitude_m for run in runs if run.verdict in ("resonance", "safe")]
+    calm = [run.amplitude_m for run in even if run.verdict in ("resonance", "safe")]
     most = RESONANT * float(np.median(calm)) if calm else math.inf
     return tuple(
         replace(run, verdict="safe")
@@ -209,6 +209,27 @@ def decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
         else run
         for run in runs
     )
+
+
+def disagree(one: SpeedRun, other: SpeedRun) -> bool:
+    """Whether something lies between two neighbouring runs: another verdict, or motions as far apart as a resonance.
+
+    >>> run = SpeedRun(speed_hz=20.0, verdict="safe", closed=0.0, growth=0.0, low=0.0, high=0.0, amplitude_m=2e-5,
+    ...                half_wall_s=math.inf, n=4, wave="with", body="casing")
+    >>> [disagree(run, replace(run, amplitude_m=size)) for size in (5e-5, 7e-5)]
+    [False, True]
+    """
+    small, large = sorted((one.amplitude_m, other.amplitude_m))
+    return (one.verdict, one.slow) != (other.verdict, other.slow) or large > RESONANT * small
+
+
+def at_end_of_band(one: SpeedRun, other: SpeedRun, bands_hz: Sequence[tuple[float, float]]) -> bool:
+    """Whether just one of two runs is in a band in which closed contact grows, and is unstable as the band states."""
+    for low, high in bands_hz:
+        first, then = (low <= run.speed_hz <= high for run in (one, other))
+        if first != then and (one if first else other).verdict == "unstable":
+            return True
+    return False
 
 
 def _with_poles(run: SpeedRun, *, exact: bool) -> SpeedRun:

@@ -110,23 +110,23 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 @click.option(
     "--runs",
     type=click.IntRange(2, 100_000),
-    default=60,
-    show_default=True,
-    help="Number of runs, evenly spaced over the range.",
+    help="Number of runs evenly over the range, by default 24; more are added where they disagree.",
 )
 @options
-def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
+def interactions(file: Path, runs: int | None, as_json: bool, out: Path | None) -> None:
     """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub, a disk or a rotor.
 
     Poles of closed contact propose speeds and the growing motion. The scene is run at each of these speeds, at its own
-    speed, and at --runs speeds evenly over the range; the runs decide. The range is speed.scan, by default up to twice
+    speed, at --runs speeds evenly over the range, and midway between runs that disagree; the runs decide. The range is
+    speed.scan, by default up to twice
     the scene's speed. --out DIR gets the table, its picture and the page interactions.html.
     """
+    from contact.interacting import RUNS
     from contact.scene.stability import load_interactions
 
     scene = load_interactions(file)
     with ProgressMessage(f"interactions {file.name}"):
-        found = scene.solve(runs, usable_cores())
+        found = scene.solve(runs or RUNS, usable_cores())
     document = found.to_dict()
     files: dict[str, Content] = {"interactions.json": json_text(document)}
     if out is not None:

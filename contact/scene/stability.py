@@ -96,7 +96,7 @@ class InteractionScene:
     closed: RotatingRim | Rub | None = None
 
     def solve(self, runs: int = RUNS, processes: int = 1) -> Interactions:
-        """The table of dangerous speeds, from runs evenly over the speeds and one at each peak."""
+        """The table of dangerous speeds, from runs evenly over the speeds, at each peak, and between those."""
         return interactions(self.scene, self.speed_hz, runs=runs, closed=self.closed, processes=processes)
 
 

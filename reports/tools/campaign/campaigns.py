@@ -138,6 +138,7 @@ CAMPAIGNS = (
     Campaign(
         "verification.rubs.run_growth", "200 verdicts on growth against long runs at a tenth of the step", ("contact",)
     ),
+    Campaign("verification.rubs.speeds_between", "verdicts over speed against many more runs", ("contact",)),
     Campaign("verification.rubs.growth_intervals", "intervals of growth beside poles of closed contact", ("contact",)),
     Campaign(
         "verification.rubs.beside",
