@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.experiment.correlation.expansion import expand
+from casingfem.experiment.correlation.mac import comac
+from casingfem.experiment.rig.structure import loaded
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PLATE = cf.Shell(
@@ -246,6 +249,61 @@ REFUSED = {
         lambda: updated(outliers="drop"),
         'outliers: found \'drop\', expected "set-aside" or "keep"',
     ),
+    "no modes to expand": (
+        lambda: expand(np.ones((4, 1)), np.eye(4)[:, :2], np.arange(4), modes=[]),
+        "expand: 0 modes on 4 channels",
+    ),
+    "more modes to expand than channels": (
+        lambda: expand(np.ones((2, 1)), np.ones((2, 3)), np.arange(2), modes=[0, 1, 2]),
+        "expand: 3 modes on 2 channels",
+    ),
+    "modes to expand that look alike": (
+        lambda: expand(np.ones((4, 1)), np.ones((4, 2)), np.arange(4), modes=[0, 1]),
+        "expand: 2 modes cannot be distinguished on 4 channels",
+    ),
+    "paired shapes of other sizes": (
+        lambda: comac(np.ones((3, 2)), np.ones((3, 1))),
+        "paired shapes need equal sizes (channels, modes), not (3, 2) and (3, 1)",
+    ),
+    "paired shapes in a row": (
+        lambda: comac(np.ones(3), np.ones(3)),
+        "paired shapes need equal sizes (channels, modes), not (3,) and (3,)",
+    ),
+    "no paired shapes": (
+        lambda: comac(np.ones((3, 0)), np.ones((3, 0))),
+        "paired shapes need equal sizes (channels, modes), not (3, 0) and (3, 0)",
+    ),
+    "a paired shape of zeros": (
+        lambda: comac(np.ones((3, 2)), np.eye(3)[:, :2] * [1.0, 0.0]),
+        "paired shapes: one is zero at every channel",
+    ),
+    "a measured shape of zeros": (
+        lambda: comac(np.eye(3)[:, :2] * [1.0, 0.0], np.ones((3, 2))),
+        "paired shapes: one is zero at every channel",
+    ),
+    "a mass that lifts": (
+        lambda: loaded(cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.5]]), [0, 1], [0.1, -0.1]),
+        "mass: found -0.1 kg, expected masses of 0 kg or more",
+    ),
+    "a mass of no number": (
+        lambda: loaded(cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.5]]), [0, 1], [0.1, np.inf]),
+        "expected masses of 0 kg or more",
+    ),
+    "sections of other sizes": (
+        lambda: cf.imported.BladeSections.cylindrical(*[np.ones((3, 5))] * 3, np.ones((3, 4))),
+        "sections: found z (3, 5), r (3, 5), theta_1 (3, 5), theta_2 (3, 4); expected four arrays (sections, stations)",
+    ),
+    "sections of no number": (
+        lambda: cf.imported.BladeSections.cylindrical(
+            np.ones((3, 5)), np.ones((3, 5)), np.full((3, 5), [0.0, 0.0, np.nan, 0.0, 0.0]), np.ones((3, 5))
+        ),
+        "sections: found nan or inf in theta_1; expected finite numbers",
+    ),
+    "the thickness of a survey of radii": (
+        lambda: cf.SurveyField.from_points(np.linspace(0.0, 6.2, 40), np.zeros(40), np.ones(40)).mean_thickness,
+        "a radius survey has no mean thickness; see mean_radius",
+    ),
+    "an order below 1": (lambda: cf.ShellMesh(order=0, rows=1, around=1), "order"),
     "an address": (lambda: cf.updating.get_value(PLATE, "wing.span"), "wing.span"),
     "an address within the chart": (lambda: cf.updating.get_value(PLATE, "chart.radius"), "chart.radius"),
     "an address within no structure": (

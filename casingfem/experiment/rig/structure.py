@@ -183,7 +183,7 @@ def loaded(rig: Rig, probes: Sequence[int], mass: ArrayLike) -> Rig:
     at = rig.checked(probes)
     m = np.broadcast_to(np.asarray(mass, np.float64), (len(at),))
     if not (np.isfinite(m).all() and m.min() >= 0.0):
-        raise InputError(f"mass: found {m.min()!r}, expected masses of 0 kg or more")
+        raise InputError(f"mass: found {m.min():g} kg, expected masses of 0 kg or more")
     beyond = residual_shapes(rig.S, at)
     rows = np.hstack([rig.rows, beyond])
     added = rows[at].T @ (m[:, None] * rows[at])

@@ -19,6 +19,20 @@ RIG = "[rig]\nseed = 1\nzeta = 0.01\n[[rig.drive]]\nat = [0.1, 0.0]\n[[rig.senso
 TEST = '[rig.test]\nkind = "exact"\nband_hz = [100.0, 200.0]\nresolution_hz = 1.0\n'
 SCAN = "[rig.scan]\nheight = 0.1\ntones_hz = [150.0]\nmirror_hz = 2.0\nseconds = 1.0\nfs = 1000.0\norders = 2\n"
 SOLID = '[material]\nE = 2e11\nnu = 0.3\nrho = 7800.0\n[solid]\nmesh = "MESH"\n[support.root]\nkind = "clamped"\n'
+PANEL = (
+    THIN.partition("[chart]")[0]
+    + """[chart]
+kind = "panel"
+radius = 0.5
+length = 0.25
+angle_deg = 40.0
+[shell]
+thickness = 3e-3
+[support.base]
+kind = "clamped"
+"""
+)
+WAVES = '[[imperfection]]\nof = "radius"\nseed = 1\nrandom = [{{p = 2, median = 1e-4}}, {{p = {p}, median = 1e-4}}]\n'
 BOLTS = 'kind = "bolts"\ncount = 3\nk = 1e8\nwidth_m = 0.01\n'
 
 
@@ -67,6 +81,8 @@ def told(tmp_path):
         (CASING + REDUCE + "axis = [0.0, 0.0, 1.0]\n", "reduce.axis: .*it is for imported meshes"),
         (CASING + REDUCE.replace("top", "rim"), "reduce.interface: found 'rim'"),
         (STEEL_PLATE.replace('kind = "clamped"\n', BOLTS), "bolts: found an edge without angles, 'root'"),
+        (PANEL.replace('kind = "clamped"\n', BOLTS), "width_m: found an open edge, expected a closed casing"),
+        (CASING + WAVES.format(p=2), r"found harmonics \[2, 2\], expected each p once"),
         (SOLID + "[rotation]\nspeed_hz = 10.0\n", "rotation.axis: found nothing"),
         (SOLID + "[rotation]\nspeed_hz = 1.0\nhub_radius = 0.1\n", "rotation.hub_radius: found it on an imported mesh"),
         (SOLID.replace('kind = "clamped"', 'kind = "bolts"\ncount = 3\nk = 1.0'), "support.root.kind: found 'bolts'"),

@@ -51,7 +51,6 @@ def identify_output_only(
     band: tuple[float, float] | None = None,
     order: int | None = None,
     n_max: int | None = None,
-    references: Sequence[int] | None = None,
     seconds: float | None = None,
 ) -> Identified:
     """Modes of responses to random loads that are not measured.
@@ -64,8 +63,6 @@ def identify_output_only(
         As of `identify`.
     order
         Largest order of the subspace models; None takes it from the number of peaks of each band.
-    references
-        Points whose sensors are references; None takes up to four that explain the others best.
     seconds
         Longest lag of the correlations [s]; None takes an eightieth of the record.
 
@@ -76,11 +73,12 @@ def identify_output_only(
 
     Notes
     -----
-    The loads must be random, many, and without peaks of their own in the band. Shapes have no scale.
+    The loads must be random, many, and without peaks of their own in the band. Shapes have no scale. Up to four sensors
+    that explain the others best are the references.
     """
     started, rules = time.perf_counter(), USUAL
     y, fs, frfs = _usable(records)
-    own = _references(frfs, y, references)
+    own = chosen_references(y / y.std(axis=1, keepdims=True))
     lags = _lags(y, fs, seconds, records.path)
     scale = y.std(axis=1)
     tell("correlations")
@@ -134,17 +132,6 @@ def _usable(records: FrfSet) -> tuple[FloatArray, float, FrfSet]:
     names = ("response_point", "response_direction", "reference_point", "reference_direction")
     left = replace(records, responses=values[alive], **{name: getattr(records, name)[alive] for name in names})
     return y[alive], 1.0 / step, left
-
-
-def _references(frfs: FrfSet, y: FloatArray, points: Sequence[int] | None) -> IntArray:
-    if points is None:
-        return chosen_references(y / y.std(axis=1, keepdims=True))
-    at = np.flatnonzero(np.isin(frfs.response_point, list(points)))
-    missing = sorted(set(points) - set(frfs.response_point.tolist()))
-    if missing or not len(at):
-        found = f"references at points {', '.join(map(str, missing)) or 'none'}"
-        raise InputError(frfs.path, found=found, expected="points of the record")
-    return at
 
 
 def _lags(y: FloatArray, fs: float, seconds: float | None, path: str) -> int:

@@ -201,6 +201,49 @@ def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
     assert cf.load_study(tmp_path / "study.toml").shell.radius_defect.outside == "fit"
 
 
+MERIDIAN = 'kind = "meridian"\nstart = [0.5, 0.0]\nfillet = 4e-3\n' + "".join(
+    f"[[chart.piece]]\nto = {to}\n" for to in ([0.5, 0.5], [0.8, 0.5], [0.8, 0.3])
+)
+
+
+@pytest.mark.parametrize(
+    ("header", "of", "points", "words"),
+    [
+        ("radius_m", "radius", [(0.1, 0.5), (0.5, 0.65)],
+         r"rig.csv: found 36 points on a radial part of the meridian, first at theta 0 deg, z 0.5 m; expected points"),
+        ("thickness_m", "thickness", [(0.1, 3e-3), (0.4, 3e-3)],
+         "rig.csv: found thicknesses at heights z, and a meridian that has a height more than once; expected a"),
+    ],
+)  # fmt: skip
+def test_points_without_a_place_on_a_meridian_are_refused(header, of, points, words, tmp_path):
+    text = STUDY.replace('kind = "cylinder"\nradius = 0.5\nheight = 0.5\n', MERIDIAN).replace('"radius"', f'"{of}"')
+    rows = [
+        f"{angle},{z},{value * (1.0 + 1e-4 * np.cos(np.radians(3 * angle)))}"
+        for z, value in points for angle in range(0, 360, 10)
+    ]  # fmt: skip
+    table(tmp_path, "\n".join([f"theta_deg,z_m,{header}", *rows, ""]))
+    (tmp_path / "study.toml").write_text(text)
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.load_study(tmp_path / "study.toml")
+
+
+@pytest.mark.parametrize("falls", [False, True])
+def test_thicknesses_on_a_meridian_that_rises_or_falls_have_their_heights(falls, tmp_path):
+    """A cone of 45 degrees: a height z is an arc length of z times the root of two from its lower end."""
+    ends = [[0.5, 0.0], [0.4, 0.1]][:: -1 if falls else 1]
+    chart = f'kind = "meridian"\nstart = {ends[0]}\n[[chart.piece]]\nto = {ends[1]}\n'
+    text = STUDY.replace('kind = "cylinder"\nradius = 0.5\nheight = 0.5\n', chart).replace('"radius"', '"thickness"')
+    rows = [
+        f"{angle},{z},{3e-3 * (1.0 + (0.01 + 0.2 * z) * np.cos(np.radians(3 * angle)))}"
+        for z in (0.02, 0.06, 0.09) for angle in range(0, 360, 10)
+    ]  # fmt: skip
+    table(tmp_path, "\n".join(["theta_deg,z_m,thickness_m", *rows, ""]))
+    (tmp_path / "study.toml").write_text(text)
+    field, z = cf.load_study(tmp_path / "study.toml").structure.thickness_defect, np.array([0.03, 0.08])
+    s = np.sqrt(2.0) * (0.1 - z if falls else z)
+    np.testing.assert_allclose(field.derivatives(s, 0.0).value, 0.01 + 0.2 * z, rtol=1e-6)
+
+
 def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
     """Degrees, millimetres, centimetres with decimal commas, and a column that nobody uses: cos 3 theta of 1 mm."""
     theta, heights = np.arange(0, 360, 10), (20, 40)
