@@ -25,21 +25,20 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
 
     A second process draws the run while this one runs the scene at other speeds.
     """
-    from contact.rim_motion import rim_motion
     from contact.version import versions
 
-    rim = rim_motion(scene.what, result)
-    ran, found, why = run_numbers(scene, result, rim), None, ""
-    with aside(ran.rubs and usable_cores() > 1) as start:
-        drawn = start(partial(motion_of, scene, result, rim))
-        if ran.rubs:
+    rubs, found, why = turns(scene.what), None, ""
+    with aside(rubs and usable_cores() > 1) as start:
+        drawn = start(partial(motion_of, scene, result))
+        if rubs:
             say("interactions")
             found, why = table_of(file)
         say("drawing")
         from casingfem.plot.pages.scene import scene_page
 
-        speeds = {} if found is None else speed_figures(scene, found, ran.speed_hz)
-        motion = drawn()
+        speeds = {} if found is None else speed_figures(scene, found, turn_of(scene.what))
+        rim, motion = drawn()
+    ran = run_numbers(scene, result, rim)
     text = text_of(read_bytes(file))
     described = first_sentence(text)
     return scene_page(
@@ -48,18 +47,25 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     )  # fmt: skip
 
 
-def motion_of(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "list[Picture]":
-    """Film and pictures of a run."""
-    from casingfem.plot.contact import rub_film as film_of
-    from casingfem.plot.pages.scene import motion_pictures
-    from contact.histories import rub_film
+def turns(what: object) -> bool:
+    """Whether a scene's problem has a rim before blades, and therefore dangerous speeds."""
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
 
+    return isinstance(what, RotatingRim | Rub)
+
+
+def motion_of(scene: "Scene", result: "Result") -> "tuple[RimMotion | None, list[Picture]]":
+    """Motion of the rim in a run, the run's film and pictures."""
+    from casingfem.plot.contact import rub_film as film_of
+    from casingfem.plot.pages.scene import motion_pictures
+    from contact.histories import rub_film
+    from contact.rim_motion import rim_motion
+
+    rim = rim_motion(scene.what, result)
     film = rub_film(scene.what, result)
-    rubs = isinstance(scene.what, RotatingRim | Rub)
-    pictures = motion_pictures(figures(scene, result, rim), rubs=rubs)
-    return pictures if film is None else [film_of(film, result), *pictures]
+    pictures = motion_pictures(figures(scene, result, rim), rubs=turns(scene.what))
+    return rim, pictures if film is None else [film_of(film, result), *pictures]
 
 
 def table_of(file: Path) -> "tuple[Interactions | None, str]":
@@ -76,15 +82,12 @@ def table_of(file: Path) -> "tuple[Interactions | None, str]":
 def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "Ran":
     """Results of a run for the page, all contacts together."""
     from casingfem.plot.pages.scene import Ran
-    from contact.model.gaps.gap import RotatingRim
-    from contact.model.gaps.rub import Rub
     from contact.on_rotor import rotor_history
 
     energy, windowed = result.energy, result.windowed_force()
-    rubs = isinstance(scene.what, RotatingRim | Rub)
     least = result.least_gap
     return Ran(
-        rubs=rubs, steps=result.steps, dt=result.dt, span=result.steps * result.dt, window=result.window,
+        rubs=turns(scene.what), steps=result.steps, dt=result.dt, span=result.steps * result.dt, window=result.window,
         contacts=list(result.records()), contact_columns=result.described(), force=float(windowed.max(initial=0.0)),
         impulse=float(result.impulse.sum()), closed=float(result.contact_steps.max(initial=0)) * result.dt,
         closings=sum(map(len, result.intervals)), least_gap=float(least.min()) if least.size else math.nan,

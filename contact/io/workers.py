@@ -93,13 +93,12 @@ def parts_aside() -> Iterator[Callable[[Callable[[], R]], Callable[[], R]]]:
 
 
 def _answer(sender: Connection, part: Callable[[], R]) -> None:
-    """Send a part's error and result from its process; nothing if they cannot be sent."""
+    """Send a part's error and result from its process; or the error of sending them."""
     _begin()
     try:
-        answer: tuple[Exception | None, R | None] = (None, part())
+        sender.send((None, part()))
     except Exception as error:
-        answer = error, None
-    sender.send(answer)
+        sender.send((error, None))
 
 
 def forks() -> bool:

@@ -61,6 +61,10 @@ def fails():
     raise ValueError("what this part refuses")
 
 
+def unsent():
+    return lambda: None
+
+
 def killed():
     if os.getpid() != PARENT:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -72,13 +76,14 @@ def never():
 
 
 with parts_aside() as start:
-    waiting = [start(each) for each in (part, fails, killed, never)]
+    waiting = [start(each) for each in (part, fails, unsent, killed, never)]
     print(*waiting[0]())
-    try:
-        waiting[1]()
-    except ValueError as error:
-        print(error)
-    print(waiting[2]())
+    for each in waiting[1:3]:
+        try:
+            each()
+        except Exception as error:
+            print(error)
+    print(waiting[3]())
 print(len(multiprocessing.active_children()))
 """
 
@@ -89,4 +94,6 @@ def test_a_part_aside_gives_its_result_or_error_and_ends_with_the_block(tmp_path
     script = tmp_path / "script.py"
     script.write_text(textwrap.dedent(ASIDE))
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120, check=True)
-    assert done.stdout.splitlines() == ["True 45", "what this part refuses", "done by the parent", "0"]
+    result, error, unsent, killed, left = done.stdout.splitlines()
+    assert (result, error, killed, left) == ("True 45", "what this part refuses", "done by the parent", "0")
+    assert "pickle" in unsent
