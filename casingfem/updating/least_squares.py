@@ -146,9 +146,9 @@ def secant(S: FloatArray, step: FloatArray, slope: FloatArray, change: FloatArra
 
 
 def convex(J: FloatArray, S: FloatArray, damping: float) -> bool:
-    """Whether the model of unit-scaled variables has a minimum that round-off does not hide."""
+    """Whether the model of unit-scaled variables has a minimum that round-off does not hide; S may be zero."""
     curvature = np.linalg.eigvalsh(J.T @ J + S) + damping
-    return bool(not S.any() or curvature[0] > CONVEX * curvature[-1])
+    return bool(curvature[0] > CONVEX * curvature[-1])
 
 
 def damped_model(r: FloatArray, J: FloatArray, S: FloatArray, damping: float) -> tuple[FloatArray, FloatArray]:
