@@ -27,7 +27,8 @@ from casingfem.study.imported import MeshStudy, build_imported, is_imported, mes
 from casingfem.study.plausible import add_implausible
 from casingfem.study.problems import FromFile, Problems, StudyError
 from casingfem.study.tables.tasks import REQUIRED, ParameterTable, ReduceTable, StudyFile, UpdateTable
-from casingfem.updating.addresses import Structure, get_value, with_value
+from casingfem.updating.addresses import Structure, address_of, get_value, with_value
+from casingfem.updating.numbers import HeldNumber
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes
 from contact.io.infiles import pipes_read_once, read_bytes
@@ -207,8 +208,17 @@ def load_update(
                 raise ValueError(f"name: found {entry.name} again, expected each parameter once")
             parameters.append(Parameter(**entry.model_dump(exclude={"start"})))
             if start is not None:
+                require_stated(tables, start, entry.name)
                 start = with_start_value(start, entry)
     return table, tuple(parameters), start
+
+
+def require_stated(tables: StudyFile, structure: Structure, name: str) -> None:
+    """Refuse a number of a ring's section that the study does not state: the updated study could not state it."""
+    match address_of(structure, name):
+        case HeldNumber(edge, ("section", key)) if getattr(tables.support[edge], key, None) is None:
+            stated = [known for known in ("width", "depth", "diameter") if getattr(tables.support[edge], known, None)]
+            raise ValueError(f"name: found {name}, expected a number that the study states: {' or '.join(stated)}")
 
 
 def load_shapes(

@@ -13,6 +13,7 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
+from casingfem.cli.sweep import motion_words
 from tests.probed import numbers_of_document
 
 DATA = Path(__file__).parents[3] / "data"
@@ -61,6 +62,24 @@ def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path, hel
     assert {row["verdict"] for row in document["interactions"]} >= {"unstable"}
     assert call("interactions", scene, "--runs", "1").exit_code == 2
     held(1e-4, document=numbers_of_document(document))
+
+
+def test_a_sweep_names_the_motions_of_its_runs_and_the_fastest_growth_with_its_interval():
+    row = {"motion": "grows", "growth_1_s": 3.0, "growth_low_1_s": 2.0, "growth_high_1_s": 4.0, "body": "casing",
+           "n": 3, "source": "friction", "half_wall_at_s": 0.2}  # fmt: skip
+    keys, values = ["speed.hz", "contact.friction"], [(50.0, 0.1), (60.0, 0.2), (70.0, 0.3), (80.0, 0.4)]
+    rows = [row, row | {"growth_1_s": 12.345}, row | {"motion": "bounded", "growth_1_s": 99.0}, {"motion": None}]
+    assert motion_words(keys, rows, values) == [
+        "motion of the runs: 2 grows, 1 bounded",
+        "fastest growth 12.35 1/s (95 %: 2 to 4) at speed.hz = 60.0, contact.friction = 0.2: n = 3 of the casing,"
+        " energy from friction; half the wall at 0.2 s",
+    ]
+    alone = row | {"n": None, "source": None, "half_wall_at_s": None}
+    assert motion_words(keys, [alone], values[:1])[1] == (
+        "fastest growth 3 1/s (95 %: 2 to 4) at speed.hz = 50.0, contact.friction = 0.1: the casing"
+    )
+    assert motion_words(keys, [row | {"motion": "decays"}], values[:1]) == ["motion of the runs: 1 decays"]
+    assert motion_words(keys, [{"motion": None}, {}], values[:2]) == []
 
 
 def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path):
