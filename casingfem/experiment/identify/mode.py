@@ -23,7 +23,6 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 NOWHERE = float("nan")
 TWO = 0.1  # least ratio of singular values of residues that contain two shapes
 FEW = 6  # channels from which on they confirm each other; fewer need clearer peaks
-MANY = 8  # channels from which on a mode can be local
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -246,7 +245,7 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
         yield f"its peak is {ratio:.2g} times the residual there{few}, expected {least:.2g} or more: use more sensors"
     if phase < rules.in_phase:
         yield f"only {100.0 * phase:.0f} % of its shape is in phase: two modes, or a phase error of a sensor?"
-    if channels >= MANY and share < rules.local:
+    if share < rules.local:
         yield (
             f"only {max(1, round(share * channels))} of {channels} channels show it: a local mode, of a fixture or a"
             " sensor's mount?"

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.experiment.circle.orientation import quadrature
-from casingfem.experiment.identify.mode import MANY, NOWHERE, Mode
+from casingfem.experiment.identify.mode import NOWHERE, Mode
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.io.arrays import FloatArray
 
 HALF = 0.5  # bandwidths within which two modes may be one; assurance above which shapes are similar
+MANY = 8  # channels from which on shapes are compared
 SAME = 2.0  # standard deviations within which two frequencies do not differ
 ALIKE = 25.0  # largest chi-squared of differences of fitted poles by chance: 4.5 standard deviations
 

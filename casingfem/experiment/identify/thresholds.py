@@ -62,7 +62,7 @@ class Thresholds:
     narrow
         Bandwidth in lines below which damping cannot be estimated.
     local
-        Share of the channels below which a mode is local (from 8 channels on).
+        Share of the channels below which a mode is local; of 8 channels, one is more.
     ended
         Ringing left when the record ends (of its start) from which it is reported.
     """
