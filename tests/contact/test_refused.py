@@ -16,6 +16,7 @@ RIM = ct.RotatingRim(ring(), blade(), clearance=1e-5, speed_hz=5.0)
 FRAME = ct.LinearBody(M=np.ones(2), K=2.0 * np.eye(2), Q=np.array([[1.0, 0.0]]), gap0=np.array([0.1]))
 BODY = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
 RING = ct.bodies.ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
+WAVE = ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0)
 ROD = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="right")
 RUNS = {"t_end": 1e-3, "dt": 1e-5}
 
@@ -311,6 +312,90 @@ REFUSED = {
     "dangerous speeds of one run": (
         lambda: ct.interactions(ct.Scene(what=RIM, t_end=1.0, dt=1e-5), [1.0, 2.0], runs=1),
         "runs: found 1, expected at least 2: one at each end of the range",
+    ),
+    "values of a law of no number": (
+        lambda: ct.laws.Response(ct.Penalty(stiffness=1e6).response.function, [1.0, np.nan, 2.0]),
+        "expected a list of finite numbers",
+    ),
+    "pairs of other waves": (
+        lambda: ct.gaps.disk_contact(WAVE, replace(WAVE, n=3), stiffness=1e5, blades=9),
+        "n: found casing 2, disk 3, 9 blades, expected the same n >= 1 for both pairs and more than 2 n blades",
+    ),
+    "waves that the blades do not distinguish": (
+        lambda: ct.gaps.disk_contact(WAVE, WAVE, stiffness=1e5, blades=4),
+        "n: found casing 2, disk 2, 4 blades, expected the same n >= 1",
+    ),
+    "pairs without waves": (
+        lambda: ct.gaps.disk_contact(replace(WAVE, n=0), replace(WAVE, n=0), stiffness=1e5, blades=4),
+        "n: found casing 0, disk 0, 4 blades",
+    ),
+    "a contact that attracts": (
+        lambda: ct.gaps.disk_contact(WAVE, WAVE, stiffness=-1e5, blades=9),
+        "stiffness: found -100000.0",
+    ),
+    "a force on what turns in a rub where it is at rest": (
+        lambda: ct.Rub(
+            replace(ring(), participation=np.ones((3, 10))),
+            (blade(),),
+            [ct.ContactPoint()],
+            clearance=1e-4,
+            forces=[ct.gaps.BodyForce(on="casing", acceleration=1.0, casing_turns=True)],
+        ),
+        "forces: found a force with turning = 'casing', expected turning = 'blades' as in the rub",
+    ),
+    "so slow a turn": (
+        lambda: ct.stability.floquet_growth(RIM, np.array([1e-7]), mu=0.1),
+        "steps a turn, expected at most",
+    ),
+    "a rotor in a casing that does not move to the side": (
+        lambda: ct.stability.rotor_stability(
+            R.rotor_rub(RUB.rotor, ring(), [R.rigid_tip()], clearance=5e-4), [10.0, 20.0]
+        ),
+        "casing: found no pair of modes of one nodal diameter, expected one: keep more modes",
+    ),
+    "rigid contacts that overlap by events": (
+        lambda: ct.run(
+            ct.Patch(body=replace(BODY, S=np.zeros((2, 2))), normal=("x", "y"), clearance=0.5, pressed=[0.0, -1.0]),
+            scheme=ct.scheme.EventDriven(),
+            t_end=1e-2,
+            dt=1e-3,
+        ),
+        "clearance: found -0.5 m at a rigid contact, expected >= 0",
+    ),
+    "damping of a rigid motion by events": (
+        lambda: ct.run(
+            ct.Patch(
+                body=replace(BODY, omega=[0.0, 2.0], damping=np.array([[0.5, 0.0], [0.0, 0.0]]), S=1e-6 * np.eye(2)),
+                normal=("x", "y"),
+                clearance=1.0,
+            ),
+            scheme=ct.scheme.EventDriven(),
+            t_end=1e-2,
+            dt=1e-3,
+        ),
+        "damping: found damping of a rigid motion, expected none",
+    ),
+    "a damping by events that is not symmetric": (
+        lambda: ct.run(
+            ct.Patch(
+                body=replace(BODY, damping=np.array([[0.5, 0.1], [0.0, 0.5]]), S=1e-6 * np.eye(2)),
+                normal=("x", "y"),
+                clearance=1.0,
+            ),
+            scheme=ct.scheme.EventDriven(),
+            t_end=1e-2,
+            dt=1e-3,
+        ),
+        "damping: found a matrix that is not symmetric, expected a symmetric one for EventDriven",
+    ),
+    "rigid contacts by events that depend on each other": (
+        lambda: ct.run(
+            ct.Patch(body=replace(BODY, rows=np.ones((2, 2)), S=np.zeros((2, 2))), normal=("x", "y"), clearance=1.0),
+            scheme=ct.scheme.EventDriven(),
+            t_end=1e-2,
+            dt=1e-3,
+        ),
+        "contact: found linearly dependent rigid contacts, expected a compliance",
     ),
     "forces on what is not there": (
         lambda: ct.recovery.rub_forces(RIM, None, "blades"),
