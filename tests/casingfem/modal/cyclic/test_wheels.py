@@ -8,7 +8,7 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from reports.verification.modes.cyclic import bladed_disk
+from reports.verification.modes.cyclic import bent_plate, bladed_disk
 
 N, COUNT = 4, 4
 TURNING = cf.Rotation(omega=900.0)
@@ -46,6 +46,18 @@ def test_a_free_wheel_has_its_six_rigid_motions(disk):
     whole = cf.modal.wheel_modes(found)
     assert whole.rigid == 6
     assert whole.freq[5] < 1e-3 * whole.freq[6]
+
+
+@pytest.mark.parametrize("make", [lambda: bent_plate(4, counts=(2, 2)), lambda: bladed_disk(4, SMALL)])
+def test_modes_of_a_sector_around_the_wheel_solve_its_equations(make):
+    """Displacements and, on shells, rotations in the frames of the nodes: K u = omega^2 M u on the whole wheel."""
+    found = cf.modal.wheel_modes(cf.modal.cyclic_modes(make(), 2))
+    system = found.structure.assembled()
+    u = found.fields.reshape(-1, len(found))[system.free]
+    inertia = (system.M @ u) * found.omega**2
+    np.testing.assert_allclose(system.K @ u, inertia, atol=1e-5 * np.abs(inertia).max())
+    assert found.nodal_diameters.tolist().count(1) == 4
+    assert len(found.doublets) == 2
 
 
 @pytest.mark.slow
