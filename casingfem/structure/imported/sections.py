@@ -207,8 +207,6 @@ def numbers(table: StrictCsv) -> dict[str, FloatArray]:
 def sections_of(table: StrictCsv) -> list[IntArray]:
     """Rows of each section in the order of the file, from root to tip."""
     number = table.integers("section")
-    if not len(number):
-        raise table.refuse_header(found="no rows", expected=f"at least {LEAST_SECTIONS} sections")
     starts = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
     back = starts[1:][np.diff(number[starts]) <= 0]
     if len(back):

@@ -3,6 +3,7 @@
 import pytest
 
 import casingfem as cf
+from reports.verification.modes.mesh_files import WRITERS
 
 STUDY = """
 [material]
@@ -68,3 +69,38 @@ def test_a_percentage_that_the_schema_refuses_is_named_too(tmp_path):
         cf.errors.InputError, match=r"reduce.zeta: found 2.0, expected less than 1 .*2 percent are 0.02"
     ):
         cf.load_study(file)
+
+
+SOLID = """
+[material]
+E = 210e9
+nu = 0.3
+rho = 7800.0
+[solid]
+mesh = "MESH"
+[support.root]
+kind = "clamped"
+[rotation]
+speed_hz = 80.0
+"""
+
+
+@pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
+@pytest.mark.parametrize(
+    ("axis", "centre", "refused"),
+    [
+        ("[0.0, 0.0, 2.0]", "[0.0, 0.0, 0.0]", False),  # 30 m along the axis is no radius
+        ("[0.0, 0.0, -1.0]", "[0.2, 0.0, -90.0]", False),
+        ("[1.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]", True),
+        ("[1.0, 0.0, 0.0]", "[0.0, 0.0, 30.0]", False),
+        ("[0.0, 0.0, 1.0]", "[30.0, 0.0, 0.0]", True),
+    ],
+)
+def test_the_speed_of_the_tip_is_that_at_its_distance_from_the_axis(axis, centre, refused, tmp_path):
+    file, write = WRITERS["Gmsh 2.2, text"]
+    ends = {"root": (0, 0.0), "tip": (0, 1.0)}
+    place = cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [0.2, 0.05, 0.01] + [0, 0, 30], groups=ends)
+    write(place, tmp_path / file)
+    study = tmp_path / "study.toml"
+    study.write_text(SOLID.replace("MESH", file) + f"axis = {axis}\ncentre = {centre}\n")
+    assert ("rotation" in problems_of(study)) is refused

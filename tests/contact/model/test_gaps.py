@@ -159,3 +159,17 @@ def test_a_disk_of_mistuned_blades_as_a_body():
 def test_disks_that_cannot_be_are_refused(name, value):
     with pytest.raises(ct.InputError, match=f"{name}: found {value}"):
         ct.gaps.BladedDisk(**{"blades": 3, "freq_hz": 100.0, "modal_mass": 0.25} | {name: value})
+
+
+@pytest.mark.parametrize(
+    ("omega", "mass", "known"),
+    [([0.0, 9.0], 4.0, True), ([9.0, 0.0], 4.0, True), ([5.0, 9.0], 4.0, False), ([0.0, 0.0], 4.0, False),
+     ([0.0, 9.0], math.nan, False)],
+)  # fmt: skip
+def test_mean_velocity_and_momentum_are_those_of_the_one_rigid_motion_of_a_body_of_known_mass(omega, mass, known):
+    body = ct.ModalBody(omega=omega, zeta=[0.0, 0.0], channels=("x",), rows=[[0.5, 0.1]], S=[[1e-6]])
+    velocity = [6.0 if w == 0.0 else 0.2 for w in omega]
+    side = ct.gaps.Side(body=body, channel="x", sign=1, velocity=velocity, mass=mass)
+    (motion,) = ct.run(ct.PointGap(sides=(side,), clearance=9.0), t_end=0.1, dt=1e-3).motions
+    expected = (3.0, 12.0) if known else (math.nan, math.nan)
+    assert (motion.mean_velocity, motion.momentum) == pytest.approx(expected, nan_ok=True)

@@ -217,3 +217,20 @@ def test_cells_in_the_edges_of_a_blade_are_too_small_for_a_warning():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         cf.Solid(mesh=mesh, material=cf.Material(E=180e9, nu=0.3, rho=8000.0), supports={"root": cf.Clamped()})
+
+
+@pytest.mark.parametrize(("radius", "refused"), [(1.99e-3, True), (2.01e-3, False), (19.9, False), (20.1, True)])
+def test_the_mean_radius_of_a_table_is_that_of_a_blade(radius, refused, tmp_path):
+    table = [[*row[:2], f"{radius * (0.96 + 0.02 * float(row[0])):.9g}", *row[3:]] for row in rows()]
+    file = written(tmp_path, [[row[0], f"{float(row[1]) * radius / 215.0}", *row[2:]] for row in table],
+                   HEADER.replace("r_mm", "r_m").replace("z_mm", "z_m"))  # fmt: skip
+    if not refused:
+        assert len(cf.imported.BladeSections.from_csv(file).surfaces) == 3
+        return
+    with pytest.raises(InputError, match=rf"found a mean radius of {radius:.4g} m; expected 0.002 to 20 m; are these"):
+        cf.imported.BladeSections.from_csv(file)
+
+
+def test_a_table_without_rows_has_no_sections(tmp_path):
+    with pytest.raises(InputError, match="found no rows below the header; expected at least one row"):
+        cf.imported.BladeSections.from_csv(written(tmp_path, []))

@@ -257,3 +257,24 @@ def test_lines_of_quadratic_edges_have_their_middle_last(tmp_path):
     ends, middle = mesh.points[edge[:2]], mesh.points[edge[2]]
     np.testing.assert_allclose(middle, half(*ends), atol=1e-12)
     assert sorted(edge.tolist()) == [0, 6, 7]
+
+
+@pytest.mark.parametrize("number", [55, 56, 57, 58, 82, 151, 2414, 999, 54])
+def test_sets_without_a_part_of_the_mesh_are_passed_over_and_others_named(number, tmp_path):
+    mesh = cf.imported.grid_mesh("hexahedron", (1, 1, 1), lambda u: u)
+    cell = [int(k) + 1 for k in mesh.cells[0]]
+    path = tmp_path / "part.unv"
+    path.write_text(nodes(mesh.points) + data_set(number, "anything", "else") + elements(115, [cell]))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert len(cf.read_mesh(path).cells) == 1
+    said = " ".join(str(one.message) for one in caught)
+    assert (f"set {number}" in said) is (number in (999, 54))
+
+
+def test_a_node_of_set_15_has_four_whole_numbers_and_a_place(tmp_path):
+    path = tmp_path / "part.unv"
+    for words in ("1 0 0 11 0.0 0.0", "1 0 0 1.5 0.0 0.0 0.0"):
+        path.write_text(data_set(15, words))
+        with pytest.raises(cf.errors.ModelError, match=f"found '{words}', expected four whole numbers and x, y, z"):
+            cf.read_mesh(path)
