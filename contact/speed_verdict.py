@@ -27,6 +27,7 @@ from contact.stability.of_run import disk_path, of_rotor_run, whirl_sense
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
 CLOSED = 0.99  # of the time: a contact that stays closed
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
+APART = 2.0  # times: between motions that differ by more there may be a resonance
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 FOLDS = 3.0  # e-folds of closed contact in a run that show: then a twentieth of the motion has become as large as it
 SHORT = "the run is too short for its growth: lengthen t_end"
@@ -212,15 +213,15 @@ def decided(runs: Sequence[SpeedRun], even: Sequence[SpeedRun]) -> tuple[SpeedRu
 
 
 def disagree(one: SpeedRun, other: SpeedRun) -> bool:
-    """Whether something lies between two neighbouring runs: another verdict, or motions as far apart as a resonance.
+    """Whether something may lie between two neighbouring runs: they differ in their verdict, or by APART in the motion.
 
     >>> run = SpeedRun(speed_hz=20.0, verdict="safe", closed=0.0, growth=0.0, low=0.0, high=0.0, amplitude_m=2e-5,
     ...                half_wall_s=math.inf, n=4, wave="with", body="casing")
-    >>> [disagree(run, replace(run, amplitude_m=size)) for size in (5e-5, 7e-5)]
+    >>> [disagree(run, replace(run, amplitude_m=size)) for size in (3e-5, 5e-5)]
     [False, True]
     """
     small, large = sorted((one.amplitude_m, other.amplitude_m))
-    return (one.verdict, one.slow) != (other.verdict, other.slow) or large > RESONANT * small
+    return (one.verdict, one.slow) != (other.verdict, other.slow) or large > APART * small
 
 
 def at_end_of_band(one: SpeedRun, other: SpeedRun, bands_hz: Sequence[tuple[float, float]]) -> bool:
