@@ -126,7 +126,7 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
 def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
     """Growth of the motion in a rotor's run, alone or in a casing; `amplitude` is the largest distance of the disk.
 
-    The distance is from the disk's mean position; both are taken over the last half of the run. None with too few
+    The distance is from the disk's mean position over the whole turns of the last half of the run. None with too few
     states.
 
     >>> import contact as ct
@@ -152,9 +152,21 @@ def of_rotor_run(what: Rotor | Rub, result: Ran) -> RunGrowth | None:
     if found is None:
         return None
     path, half = disk_path(what, q), len(q) // 2
-    moved = np.abs(path - path[half:].mean())
+    moved = np.abs(path - path[_first_of_turns(result.state_time, turn) :].mean())
     growth = _verdict(seen._replace(wall=math.inf), result, q, found, Sizes(moved, lambda at, _: moved[at]))
     return replace(growth, amplitude=float(moved[half:].max()))  # the transient after the loss of a blade has decayed
+
+
+def _first_of_turns(time: Array, turn: float) -> int:
+    """First of the states that make up the whole turns of the last half of a run; the half without a whole one.
+
+    >>> [_first_of_turns(np.linspace(0.0, 1.0, 101), turn) for turn in (0.2, 0.5, np.inf)]
+    [61, 51, 50]
+    """
+    half = time.size // 2
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    turns = math.floor((time.size - half) * step / turn + 1e-9)
+    return time.size - round(turns * turn / step) if turns else half
 
 
 def disk_path(what: Rotor | Rub, q: Array) -> NDArray[np.complex128]:
