@@ -26,6 +26,50 @@ def points(value):
     return cf.SurveyField.from_points(theta, np.zeros(36), np.full(36, value))
 
 
+def gap(degrees):
+    """A survey of points all around, but for one gap."""
+    theta = np.radians(np.linspace(0.0, 360.0 - degrees, 60))
+    return cf.SurveyField.from_points(theta, np.zeros(60), np.full(60, 0.5), n_max=1)
+
+
+def responses(lines=40, off=0.0):
+    """Frequency responses over lines, of which one is off by a part of the step."""
+    x = 100.0 + 0.1 * np.arange(lines)
+    x[lines // 2] += 0.1 * off
+    H = 1.0 / (102.0**2 - x**2 + 2j * 0.004 * 102.0 * x)
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=[H, 0.5 * H], unit="m/N", response_point=[1, 2])
+    return cf.identify(frfs)
+
+
+def alone(samples):
+    y = np.random.default_rng(1).standard_normal((3, samples))
+    records = cf.frf.FrfSet.from_arrays(
+        kind="time", x=np.arange(samples) / 500.0, responses=y, unit="m", response_point=[1, 2, 3]
+    )
+    return cf.identify(records)
+
+
+def recorded(fs):
+    """At least 2.56 samples in a period of the highest frequency."""
+    rig = cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0]])
+    noise = [cf.rig.Random(rms=1.0, band=(60.0, 700.0))]
+    return cf.rig.record(rig, noise, drives=[0], sensors=[0], fs=fs, block=64, blocks=1, seed=1)
+
+
+def sized(metres):
+    """A solid that warns of its size in metres."""
+    mesh = cf.imported.grid_mesh("hexahedron20", (3, 1, 1), lambda u: u * metres / np.sqrt(3.0))
+    return cf.Solid(mesh=mesh, material=STEEL).assembled()
+
+
+def surveyed(part):
+    """A casing whose radius is off the survey's mean by this part."""
+    return cf.Shell(
+        chart=cf.Cylinder(radius=0.5 / (1.0 + part), height=0.1), thickness=3e-3, material=STEEL,
+        radius_defect=points(0.5), mesh=cf.ShellMesh(order=4, rows=1, around=8),
+    )  # fmt: skip
+
+
 def scan(**changes):
     given = {"fs": 10.0, "velocity": np.zeros(4), "angle": np.arange(4.0), "tones": (1.0, 2.0)}
     return cf.circle.ScanRecord(**given | changes)
@@ -125,6 +169,18 @@ TAKEN_REFUSED = {
         1.0,
         ABOVE,
     ),
+    "largest harmonic": (lambda x: cf.FourierField.of({x: 1e-9}), 10_000, 10_001),
+    "stations of a chord": (lambda x: cf.Blade(length=0.2, chord=(0.1,) * x), 8, 9),
+    "gap of a survey": (gap, 89.9, 90.1),
+    "lines of responses": (responses, 30, 29),
+    "uneven lines": (lambda x: responses(off=x), 0.049, 0.051),
+    "samples of responses alone": (alone, 2000, 1999),
+    "sampling of a record": (recorded, 2.56 * 700.0, 2.559 * 700.0),
+    "unknowns of a mesh": (lambda x: cf.ShellMesh(order=2, rows=1, around=x), 100_000, 100_001),
+    "upper end of a band of modes": (lambda x: cf.modes(PLATE, band=(1.0, x)), 90.0, 1e15),
+    "nodal size": (sized, 24.9, 25.1),
+    "radius beside a survey": (surveyed, 0.099, 0.101),
+    "radius above a survey": (surveyed, -0.09, -0.1),
     "speeds of meetings": (lambda x: cf.interactions({8: [300.0]}, [120.0], speed_hz=(x, 90.0)), 0.0, -1e-9),
     "frequencies of meetings": (lambda x: cf.interactions({8: [x]}, [120.0], speed_hz=(0.0, 90.0)), 1e-9, 0.0),
     "frequencies of a blade": (lambda x: cf.interactions({8: [300.0]}, [x], speed_hz=(0.0, 90.0)), 1e-9, 0.0),
@@ -135,5 +191,5 @@ TAKEN_REFUSED = {
 def test_the_last_number_is_taken_and_the_next_is_not(name):
     make, taken, refused = TAKEN_REFUSED[name]
     make(taken)
-    with pytest.raises((cf.errors.InputError, cf.errors.ModelError, ValueError)):
+    with pytest.raises((cf.errors.InputError, cf.errors.ModelError, cf.errors.ModelWarning, ValueError)):
         make(refused)

@@ -24,6 +24,14 @@ def rub(**changes):
     return ct.Rub(rim3(), (nodes(1),), tips(1), **changes)
 
 
+def shaft(elements):
+    """Of one piece; between its ends are one node fewer than elements."""
+    bearings = [ct.rotor.Bearing(at=at, kxx=2e7) for at in (0.0, 0.6)]
+    disk = ct.rotor.Disk(at=0.0, mass=2.0, polar=0.04, diametral=0.02)
+    piece = ct.rotor.Piece(length=0.6, diameter=0.06, elements=elements)
+    return ct.rotor.Shaft(pieces=[piece], disks=[disk], bearings=bearings)
+
+
 def disk(**changes):
     return ct.gaps.BladedDisk(**{"blades": 5, "freq_hz": 100.0, "modal_mass": 0.4, "coupling": 0.05, **changes})
 
@@ -84,6 +92,20 @@ TAKEN_REFUSED = {
     "stiffness of a stop": (lambda x: random_body(1, 1, stiffness=x), 1e-9, 0.0),
     "restitution of a stop": (lambda x: random_body(1, 1, restitution=x), 1.0, ABOVE),
     "least restitution of a stop": (lambda x: random_body(1, 1, restitution=x), 0.0, -1e-9),
+    "diameters of a rim": (lambda x: ct.gaps.pair_rim(replace(PAIR, n=x), radius=0.5), 1, 0),
+    "bars under a tip": (lambda x: replace(COATING, bars=x), 10_000, 10_001),
+    "least frequency of a mode": (lambda x: replace(BODY, omega=[x, 2.0]), 1e-50, 0.99e-50),
+    "clearance of a rim": (lambda x: ct.RotatingRim(ring(), blade(), speed_hz=1.0, clearance=x), 0.045 * BELOW, 0.0451),
+    "interference of a rim": (
+        lambda x: ct.RotatingRim(ring(), blade(), speed_hz=1.0, clearance=x),
+        -0.045 * BELOW,
+        -0.0451,
+    ),
+    "unit": (lambda x: replace(ROD, E=x), 1e60, 1.01e60),
+    "small unit": (lambda x: replace(ROD, E=x), 1.01e-60, 0.99e-60),
+    "samples": (lambda x: ct.Record(every=x), 10_000_000, 10_000_001),
+    "nodes of a shaft": (lambda x: shaft(x), 399, 400),
+    "gyroscopic matrix": (lambda x: replace(BODY, gyroscopic=np.array([[0.0, 1.0], [-1.0 + x, 0.0]])), 0.9e-8, 1.1e-8),
     "speeds": (
         lambda x: ct.stability.peaks(ct.gaps.HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [x, 60.0]),
         1e-3,
