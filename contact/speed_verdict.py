@@ -220,7 +220,7 @@ def disagree(one: SpeedRun, other: SpeedRun) -> bool:
     >>> [disagree(run, replace(run, amplitude_m=size)) for size in (3e-5, 5e-5)]
     [False, True]
     """
-    small, large = sorted((one.amplitude_m, other.amplitude_m))
+    small, large = sorted((one.shown_m, other.shown_m))
     return (one.verdict, one.slow) != (other.verdict, other.slow) or large > APART * small
 
 
