@@ -32,6 +32,28 @@ def shaft(elements):
     return ct.rotor.Shaft(pieces=[piece], disks=[disk], bearings=bearings)
 
 
+def shaken(degrees):
+    """A blade with two tips this far apart, shaken with its casing."""
+    two = [replace(tip, angle_deg=angle) for tip, angle in zip(tips(2), (0.0, degrees), strict=True)]
+    bearers = {"on": "blades", "acceleration": 1.0, "radius": 0.4}
+    what = ct.Rub(rim3(), (replace(nodes(2), participation=np.ones((3, 3))),), two, clearance=1e-4,
+                  forces=[ct.gaps.BodyForce(**bearers)])  # fmt: skip
+    return ct.run(what, t_end=1e-4, dt=1e-5)
+
+
+def coated(**changes):
+    """A rim of 0.45 m radius with a coating."""
+    what = ct.RotatingRim(ring(), blade(), clearance=1e-4, speed_hz=5.0)
+    return ct.run(what, law=replace(COATING, **changes), t_end=1e-4, dt=1e-5)
+
+
+def consistent(size):
+    """Equal masses with a mass matrix that is not lumped, by central differences."""
+    M = np.diag(np.full(size, 2.0)) + np.diag(np.full(size - 1, 0.5), 1) + np.diag(np.full(size - 1, 0.5), -1)
+    body = ct.LinearBody(M=M, K=np.diag(np.arange(1.0, size + 1.0)), Q=np.eye(1, size), gap0=np.array([0.1]))
+    return ct.run(body, scheme=ct.CentralDifference(), t_end=1e-3, dt=1e-4)
+
+
 def disk(**changes):
     return ct.gaps.BladedDisk(**{"blades": 5, "freq_hz": 100.0, "modal_mass": 0.4, "coupling": 0.05, **changes})
 
@@ -106,6 +128,15 @@ TAKEN_REFUSED = {
     "samples": (lambda x: ct.Record(every=x), 10_000_000, 10_000_001),
     "nodes of a shaft": (lambda x: shaft(x), 399, 400),
     "gyroscopic matrix": (lambda x: replace(BODY, gyroscopic=np.array([[0.0, 1.0], [-1.0 + x, 0.0]])), 0.9e-8, 1.1e-8),
+    "spread of tips": (shaken, 10.0, 10.1),
+    "spread of tips the other way": (shaken, 350.0, 349.9),
+    "length of a tip": (lambda x: coated(tip=x), 0.5 * np.pi * 0.45 * BELOW, 0.5 * np.pi * 0.45 * 1.0001),
+    "bars around a rim": (
+        lambda x: coated(tip=x, bars=10),
+        2.0 * np.pi * 0.45e-5 * 1.001,
+        2.0 * np.pi * 0.45e-5 * 0.999,
+    ),
+    "consistent masses": (consistent, 200, 201),
     "speeds": (
         lambda x: ct.stability.peaks(ct.gaps.HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [x, 60.0]),
         1e-3,
