@@ -102,6 +102,8 @@ class ProgressMessage:
 
     def say(self, what: str, done: float | None = None) -> None:
         """Change the text; `done` is the finished share of the work, 0 to 1, None if unknown."""
+        if not self._whole:  # a share of a step is none of the command
+            self._since = None
         self.what, self._detail, self._most, self._whole = what, "", False, done is not None
         self._reach(done)
 
