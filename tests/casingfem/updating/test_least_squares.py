@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from casingfem.updating.least_squares import levenberg_marquardt
+from casingfem.updating.solve import stepped
 
 T = np.linspace(0.0, 3.0, 25)
 FAR = np.full(2, 50.0)
@@ -151,3 +152,20 @@ def test_a_parameter_without_effect_stays():
     J = np.array([[1.0, 0.0], [2.0, 0.0], [0.5, 0.0]])
     end = Counted(lambda x: J @ x - [3.0, 6.0, 1.5], lambda x: J).solved([0.0, 7.0])
     assert end.x == pytest.approx([3.0, 7.0], rel=1e-4)
+
+
+class Bounded:
+    """A problem that has a solution up to a length from the start."""
+
+    def __init__(self, reach):
+        self.reach = reach
+
+    def state(self, x):
+        if x[0] > self.reach:
+            raise ValueError("springs turned negative")
+
+
+@pytest.mark.parametrize(("reach", "share"), [(9.0, 1.0), (7.9, 0.5), (3.9, 0.25), (1.9, 0.125), (0.9, 0.0)])
+def test_a_step_is_halved_until_the_structure_there_has_a_solution(reach, share):
+    found = stepped(Bounded(1.0 + reach), np.array([1.0, 2.0]), np.array([8.0, -4.0]))
+    assert found.tolist() == [1.0 + 8.0 * share, 2.0 - 4.0 * share]
