@@ -19,7 +19,9 @@ from contact.cycles.switched import Complex, Forcing
 NEAR = 1e-12  # of the drive's frequency: a pole that is nearer to a harmonic has no forced vibration
 TIMES = 16  # samples of a period for each harmonic, at least
 FEWEST = 512  # samples of a period: shorter touches may be missed
-ZERO = 3  # Newton steps to the zero of a gap between two samples
+ZERO = 30  # most Newton steps to the zero of a gap between two samples; a step out of its bounds halves them
+SETTLED = 1e-13  # rad: a shorter step ends them
+TIE = 1e-9  # relative difference of two samples that are equally near an extremum
 
 
 class Response(NamedTuple):
@@ -163,8 +165,13 @@ def _closed(y: Complex) -> Complex:
     if not contact.size:
         return found
     for _ in range(ZERO):
-        value, slope, _ = _at(y[contact], angle)
-        angle = np.clip(angle - value / np.where(slope == 0.0, np.inf, slope), low, high)
+        before, (value, slope, _) = angle, _at(y[contact], angle)
+        ahead = (value < 0.0) == opens
+        low, high = np.where(ahead, angle, low), np.where(ahead, high, angle)
+        angle = angle - value / np.where(slope == 0.0, np.inf, slope)
+        angle = np.where((angle >= low) & (angle <= high), angle, 0.5 * (low + high))
+        if np.abs(angle - before).max() < SETTLED:
+            break
     sense = np.where(opens, -1.0, 1.0)
     np.add.at(found[:, 0], contact, -sense * angle / (2.0 * np.pi))
     np.add.at(found[:, 1:], contact, sense[:, None] * np.exp(-1j * angle[:, None] * m) / (1j * np.pi * m))
@@ -196,7 +203,7 @@ def _brackets(y: Complex, free: Array) -> list[Bracket]:
     part = free[contact, at] / (free[contact, at] - after[contact, at])
     found = [Bracket(contact, shut[contact, at], step * at, step * (at + part), step * (at + 1))]
     bend, tilt = before - 2.0 * free + after, before - after
-    alone = (shut == (before < 0.0)) & (shut == (after < 0.0)) & (np.abs(tilt) <= np.abs(bend))
+    alone = (shut == (before < 0.0)) & (shut == (after < 0.0)) & (np.abs(tilt) <= (1.0 + TIE) * np.abs(bend))
     near = (free * bend > 0.0) & (8.0 * free * bend < tilt**2 + 8.0 * bend**2)  # nearer to zero than a step's bend
     contact, at = np.nonzero(alone & near)
     if not contact.size:
@@ -204,13 +211,22 @@ def _brackets(y: Complex, free: Array) -> list[Bracket]:
     inside, low, high = shut[contact, at], step * (at - 1), step * (at + 1)
     middle = step * (at + 0.5 * tilt[contact, at] / bend[contact, at])
     for _ in range(ZERO):
-        value, slope, curve = _at(y[contact], middle)
+        before, (value, slope, curve) = middle, _at(y[contact], middle)
         middle = np.clip(middle - slope / np.where(curve == 0.0, np.inf, curve), low, high)
+        if np.abs(middle - before).max() < SETTLED:
+            break
     value, _, curve = _at(y[contact], middle)
-    crosses = (value < 0.0) != inside
+    crosses = ((value < 0.0) != inside) & _once(contact, middle, step)
     half = np.sqrt(np.abs(2.0 * value / np.where(curve == 0.0, np.inf, curve)))
     pair = Bracket(contact, inside, low, middle - half, middle), Bracket(contact, ~inside, middle, middle + half, high)
     return [*found, *(Bracket(*(part[crosses] for part in one)) for one in pair)]
+
+
+def _once(contact: Indices, middle: Array, step: float) -> NDArray[np.bool_]:
+    """Whether each extremum is the first one of its place: one midway between two samples is near both."""
+    place = np.mod(middle / step, round(2.0 * np.pi / step))
+    apart = np.abs(place - place[:, None])
+    return np.asarray(~np.tril((contact == contact[:, None]) & (apart < 0.01), -1).any(axis=1))
 
 
 def reals(y: Complex) -> Array:
