@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
@@ -37,14 +37,6 @@ def side_by_side(workers: int) -> Iterator[Each]:
 
     with one_thread_for_children(), worker_pool(workers) as pool:
         yield pool.map
-
-
-def largest_first(
-    each: Each, function: Callable[[A], B], items: Sequence[A], size: Callable[[A], float]
-) -> Iterator[tuple[int, B]]:
-    """Index and result of each item, the largest item first, so that no large one starts last."""
-    order = sorted(range(len(items)), key=lambda k: -size(items[k]))
-    yield from zip(order, each(function, [items[k] for k in order]), strict=True)
 
 
 class Aside(Protocol):

@@ -67,12 +67,6 @@ class Waves:
     groups: tuple[Indices, ...]
     parts: tuple[Complex, Complex]
 
-    def order_of(self, pole: int) -> float:
-        """Order k of a column of `poles`."""
-        return float(
-            np.repeat([self.order[group[0]] for group in self.groups], [2 * g.size for g in self.groups])[pole]
-        )
-
     def poles(self, speed: Array, sense: float) -> FreePoles | None:
         """Poles at speeds [rad/s] of one sense of rotation; None if two of them coincide.
 

@@ -36,6 +36,15 @@ def test_orders_beyond_half_of_the_blades_are_aliased_and_answer_as_their_wave(o
     assert found.amplification == 1.0
 
 
+@pytest.mark.parametrize("n", [0, 1, 4, 7])
+def test_the_stiffness_of_a_wave_in_air_is_that_of_the_forces_between_the_blades(n):
+    wave, omega = np.exp(2j * np.pi * n * np.arange(8) / 8), 630.0
+    forces = AIR.between(8, omega) @ wave
+    np.testing.assert_allclose(forces, AIR.of_diameter(n, 8, omega) * wave, rtol=1e-12)
+    assert AIR.between(8, omega)[2, 3] == 40.0 - 0.05j * omega  # on blade 2 by its neighbour 3
+    assert AIR.between(8, omega)[7, 0] == 40.0 - 0.05j * omega
+
+
 def test_air_damps_a_wave_that_runs_with_it_and_not_the_one_against_it():
     with_it, against = (
         cf.modal.engine_order_response(chain(), order, [30.0, 36.0], zeta=ZETA, influence=AIR) for order in (3, 9)
