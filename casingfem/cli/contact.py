@@ -132,15 +132,17 @@ def interactions(file: Path, runs: int | None, as_json: bool, out: Path | None) 
     if out is not None:
         from casingfem.cli.pictures import speed_figures
         from casingfem.plot.pages.interactions import interactions_page
-        from casingfem.plot.style import png
+        from casingfem.plot.style import Drawn
 
         figures = speed_figures(scene.scene, found)
+        table = Drawn(figures["interactions"])
         card = ["COMPUTED: dangerous speeds, by runs at speeds that poles of closed contact propose"]
         card += [f"{column.name}: {column.text}" for column in found.COLUMNS]
         names = [column.name for column in found.COLUMNS]
         files["interactions.csv"] = csv_text(found.records(), "\n".join(card), names)
-        files["interactions.png"] = png(figures["interactions"])
-        files["interactions.html"] = interactions_page(file.stem, found, figures, source_of(file))
+        files["interactions.png"] = table.png
+        page = interactions_page(file.stem, found, figures | {"interactions": table}, source_of(file))
+        files["interactions.html"] = page
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 

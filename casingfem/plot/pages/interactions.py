@@ -18,6 +18,7 @@ from casingfem.plot.pages.speeds import (
     speed_strip,
     with_rpm,
 )
+from casingfem.plot.style import Drawn
 
 STATES = {"unstable": "bad", "not decided": "open", "resonance": "open"}
 FURTHER = {
@@ -33,7 +34,7 @@ SENTENCES = {
 }
 
 
-def interactions_page(name: str, found: Any, figures: Mapping[str, Figure], source: Mapping[str, Any]) -> str:
+def interactions_page(name: str, found: Any, figures: Mapping[str, Figure | Drawn], source: Mapping[str, Any]) -> str:
     """HTML of the page on the table of dangerous speeds, `found` of class `contact.interacting.Interactions`."""
     sections = [
         speeds_section(found, figures),
@@ -45,7 +46,7 @@ def interactions_page(name: str, found: Any, figures: Mapping[str, Figure], sour
     )  # fmt: skip
 
 
-def speeds_section(found: Any, figures: Mapping[str, Figure], words: tuple[str, ...] = ()) -> Section:
+def speeds_section(found: Any, figures: Mapping[str, Figure | Drawn], words: tuple[str, ...] = ()) -> Section:
     """Pictures over speed and the table; `found` is None if there is no table."""
     rotor = found is not None and found.peaks.rotor
     captions = OF_SPEED | ({"interactions": OF_ROTOR} if rotor else {})
