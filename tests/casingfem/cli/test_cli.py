@@ -531,3 +531,24 @@ def test_the_program_itself_refuses_and_helps(tmp_path):
     expected = "found no such file, expected one [study-file]"
     assert bad.stderr == f"{tmp_path / 'no.toml'}: {expected}\n"
     assert "Commands:" in invoke().output
+
+
+def test_doctor_prints_each_finding_on_a_line_and_how_to_install_what_is_missing():
+    document = json.loads(invoke("doctor", "--json").stdout)
+    lines = invoke("doctor").stdout.splitlines()
+    starts = [line[:30].strip() for line in lines]
+    for key, value in document.items():
+        if key == "extras":
+            assert all(f"extra {name}" in starts for name in value)
+        elif isinstance(value, dict):
+            assert all(f"{key}.{name}" in starts for name in value)
+        else:
+            assert key in starts or value == []
+    shown = {start: line[31:] for start, line in zip(starts, lines, strict=True)}
+    for name, found in document["extras"].items():
+        state = "installed" if found["installed"] else f"not installed ({', '.join(found['missing'])})"
+        assert shown[f"extra {name}"] == f"{state}: {found['for']}"
+    wanted = [found["install"] for found in document["extras"].values() if not found["installed"]]
+    assert [line.strip() for line in lines if not line[:30].strip()] == wanted
+    assert shown["versions.numpy"] == np.__version__
+    assert "None" not in shown.values()
