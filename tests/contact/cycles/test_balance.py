@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.cycles.orbit_series import gaps_of
 from reports.verification.outside.two_masses import FOLDS, masses
 from reports.verification.schemes.cycles import mass_on_stop, rod
 from tests.contact.cycles.bodies import random_body
@@ -53,6 +54,18 @@ def test_amplitudes_converge_to_those_of_shooting_with_the_third_power_of_the_ha
     assert 1e-3 < few < 5e-3
     assert many < few / 8**3
     assert many < 1e-6
+
+
+@pytest.mark.parametrize("start", [0.0, 0.1, 0.37, 0.6])
+def test_an_orbit_is_nearly_its_balance_wherever_it_starts(start):
+    family = mass_on_stop(100.0).over("freq_hz", freq_hz=0.16)
+    first = ct.cycles.orbit(family, 0.16)
+    orbit = ct.cycles.orbit(family, 0.16, start=start, guess=first.x)
+    assert orbit.start == start
+    found = ct.cycles.balance(family, 0.16, harmonics=40, guess=orbit)
+    assert found.iterations <= 2
+    assert ct.cycles.balance(family, 0.16, harmonics=40).y == pytest.approx(found.y, abs=1e-6 * np.abs(found.y).max())
+    assert gaps_of(family, orbit, 40) == pytest.approx(found.y, abs=1e-5 * np.abs(found.y).max())
 
 
 def test_contacts_that_press_on_a_common_compliance_move_as_in_shooting():
