@@ -1,8 +1,8 @@
 """Growth: 40 modes of the reference frustum on finer and finer meshes: seconds, memory, share of the machine's dgemm.
 
 `python -m reports.benchmarks.growth [--quick | --large] [--out DIR]` takes meshes of order 7 with 10,000 to 200,000
-unknowns (--quick: 4,000; --large: 500,000 too) and writes growth.csv. Each mesh has a child process with limits of 25
-minutes and 14 GB; its row states whether it ended. Times are processor seconds (of one thread if
+unknowns (--quick: 4,000; --large: 500,000 and a million too) and writes growth.csv. Each mesh has a child process with
+limits of 25 minutes and 14 GB; its row states whether it ended. Times are processor seconds (of one thread if
 OPENBLAS_NUM_THREADS=1) of assembly, of plan and factor of K - sigma M, and of the whole of `modes`. "GF/s" counts the
 factor's multiplications and additions, "of dgemm" sets them against a product of two dense matrices of 1,500 rows.
 "Leaf unknowns" and "leaf work" are the shares of the factor's first fronts: the interiors of elements, most of them.
@@ -33,7 +33,7 @@ from reports.verification.modes.frustum import COUNT, reference_frustum
 ORDER, DENSE = 7, 1500
 QUICK = ((1, 16),)
 FULL = ((2, 21), (4, 50), (7, 59), (10, 83))  # rows, elements around
-LARGE = ((16, 127),)
+LARGE = ((16, 127), (23, 178))
 COLUMNS = ("assemble s", "plan s", "factor s", "modes s", "GF/s", "of dgemm", "leaf unknowns", "leaf work",
            "factor MB", "counted")  # fmt: skip
 
