@@ -40,6 +40,15 @@ def test_a_rim_stops_at_half_its_wall_and_keeps_all_up_to_there():
         "Add a [coating]",
     ):
         assert words in str(error)
+    energy = result.energy
+    parts = {
+        "friction": energy.friction,
+        "the turning rim": energy.rotation,
+        "the contact law": -energy.lost_in_contact,
+    }
+    given = sorted(((joules, part) for part, joules in parts.items() if joules > 0.0), reverse=True)
+    fed = ", ".join(f"{part} ({joules:.3g} J)" for joules, part in given if joules > 0.01 * given[0][0])
+    assert f"The energy came from {fed}." in str(error)
     whole = ct.run(rim(), law=DIGS, t_end=result.steps * 2e-5 - 1e-6, dt=2e-5, on_limit="flag")
     assert np.array_equal(whole.force, result.force)  # the same run, to the bit
 

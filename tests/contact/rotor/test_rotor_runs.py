@@ -185,3 +185,10 @@ def test_a_shaft_may_move_by_a_tenth_of_its_length_at_any_node():
     assert ct.run(replace(rotor, unbalance=R.Unbalance(moment=1e-3)), t_end=0.05, dt=2e-5).divergence is None
     with pytest.raises(ct.InputError, match=r"limit: found 0\.0, expected a positive length"):
         replace(rotor, limit=0.0)
+
+
+@pytest.mark.parametrize("hz", [[10.0, 300.0], [-300.0, 10.0], [300.0, 300.0]])
+def test_a_step_is_compared_with_the_fastest_of_the_speeds(hz):
+    rotor = R.Rotor.of(R.Jeffcott(mass=M, stiffness=K, zeta=ZETA), ct.Speed(time=[0.0, 1.0], hz=hz))
+    with pytest.raises(ct.LimitError, match=r"speed = 300 Hz has 3\.33 steps a period"):
+        ct.run(rotor, t_end=1.0, dt=1e-3)
