@@ -28,7 +28,7 @@ PAGES = {
     "update": (("update", "studies/rig_casing.toml"), "update.html"),
     "scene_disk": (("report", "scenes/bladed_disk.toml"), "report.html"),
     "scene_rods": (("report", "scenes/two_rods.toml"), "report.html"),
-    "interactions": (("interactions", "scenes/bladed_disk.toml", "--runs", "30"), "interactions.html"),
+    "interactions": (("interactions", "scenes/bladed_disk.toml"), "interactions.html"),
     "sweep": (("sweep", "scenes/two_rods_sweep.toml", "--jobs", "1"), "sweep.html"),
     "cycles": (("cycles", "scenes/cycles/bouncing_ball.toml"), "cycles.html"),
     "identification": (("identify", "test/frfs.uff"), "identified.html"),
