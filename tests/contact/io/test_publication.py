@@ -8,6 +8,7 @@ import stat
 import subprocess
 import sys
 import threading
+import time
 from itertools import count
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from contact.io.publication import lock
 from contact.io.publication.digests import digest_of
 from contact.io.publication.manifest import HERE, MANIFEST
 from contact.io.publication.recovery import recover
+from contact.io.publication.staging import start_of
 
 OLD = {"a.csv": "old a", "sub/b.csv": "old b", "gone.csv": "not of the new set"}
 NEW = {"a.csv": "new a", "sub/b.csv": "new b", "added.csv": "only in the new set"}
@@ -327,3 +329,17 @@ def test_a_folder_that_may_not_be_written_is_named(tmp_path):
     assert Path(caught.value.filename) == folder
     folder.chmod(0o700)
     assert found(folder) == (OLD, set())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system does not state when a process began")
+def test_a_process_is_known_by_its_start_until_it_ends():
+    own = start_of(os.getpid())
+    assert 0 < own < time.clock_gettime(time.CLOCK_BOOTTIME) * os.sysconf("SC_CLK_TCK")
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as child:
+        began = start_of(child.pid)
+        assert began > own
+        assert start_of(child.pid) == began
+        child.stdin.close()
+        os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT)
+        assert start_of(child.pid) == 0  # ended, and not yet waited for
+    assert start_of(child.pid) == 0
