@@ -35,10 +35,12 @@ def test_runs_that_all_grow_stay_as_they_are():
     assert decided([replace(alone, amplitude_m=9e-4)], [grows])[0].verdict == "safe"
 
 
-@pytest.mark.parametrize(("factor", "found"), [(2.99, False), (3.01, True)])
-def test_runs_disagree_where_one_is_more_than_three_times_the_other(factor, found):
+@pytest.mark.parametrize(("factor", "found"), [(1.99, False), (2.01, True)])
+def test_runs_disagree_where_one_is_more_than_twice_the_other(factor, found):
     other = replace(RUN, amplitude_m=factor * RUN.amplitude_m)
     assert disagree(RUN, other) is disagree(other, RUN) is found
+    stopped = replace(RUN, amplitude_m=1.0, limit_m=factor * RUN.amplitude_m)  # a run counts up to where it stopped
+    assert disagree(RUN, stopped) is found
 
 
 def test_runs_of_other_verdicts_disagree_whatever_their_size():
