@@ -82,6 +82,10 @@ def told(tmp_path):
         (CASING + REDUCE.replace("top", "rim"), "reduce.interface: found 'rim'"),
         (STEEL_PLATE.replace('kind = "clamped"\n', BOLTS), "bolts: found an edge without angles, 'root'"),
         (PANEL.replace('kind = "clamped"\n', BOLTS), "width_m: found an open edge, expected a closed casing"),
+        (
+            THIN + '[support.base]\nkind = "elastic"\nk_r = 1e8\naround = [{p = 4, cos = 0.1}, {p = 0, cos = 0.1}]\n',
+            r"around: found harmonics \[4, 0\], expected each p >= 1 once",
+        ),
         (CASING + WAVES.format(p=2), r"found harmonics \[2, 2\], expected each p once"),
         (SOLID + "[rotation]\nspeed_hz = 10.0\n", "rotation.axis: found nothing"),
         (SOLID + "[rotation]\nspeed_hz = 1.0\nhub_radius = 0.1\n", "rotation.hub_radius: found it on an imported mesh"),

@@ -234,3 +234,16 @@ def test_the_mean_radius_of_a_table_is_that_of_a_blade(radius, refused, tmp_path
 def test_a_table_without_rows_has_no_sections(tmp_path):
     with pytest.raises(InputError, match="found no rows below the header; expected at least one row"):
         cf.imported.BladeSections.from_csv(written(tmp_path, []))
+
+
+@pytest.mark.parametrize("closed", [(True, False), (False, True), (True, True), (False, False)])
+def test_an_edge_is_closed_where_the_surfaces_nearly_meet_and_has_one_point_there(closed):
+    r = np.array([[0.20], [0.21], [0.24]]) + np.zeros(9)
+    z = np.linspace(0.0, 0.03, 9) + 0.0 * r
+    half = np.full((3, 9), 0.02)
+    for end, meets in zip((0, -1), closed, strict=True):
+        half[:, end] = 0.02 * (0.9e-4 if meets else 1.1e-4)
+    found = cf.imported.BladeSections.cylindrical(z, r, -half, half)
+    assert found.closed == closed
+    for surface in found.surfaces:
+        assert [np.array_equal(*surface[:, end]) for end in (0, -1)] == list(closed)
