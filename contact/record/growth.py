@@ -40,6 +40,9 @@ class Cause:
     stored states are too far apart. `source`: the source of the largest work [J], such as "the turning rim" or
     "friction"; "" if there is none. `closed` is the fraction of the time in which the contact that touches most was
     closed.
+
+    >>> Cause(body="casing", n=4, share=0.9, travel=1.0, source="friction", work=1.5, closed=0.5).words
+    'the n = 4 motion of the casing, which travels with the rotation of the blades'
     """
 
     body: str
@@ -86,6 +89,10 @@ class RunGrowth:
     at half the step differs, that of the last part repeated at the same step from a slightly different start.
     `passes`: whether a run that passed a limit of its motion does so at half the step too; it is computed if the growth
     is not known, or half the step gives less than half of it, else None.
+
+    >>> RunGrowth(rate=10.0, low=9.0, high=11.0, state="grows", amplitude=1e-4, steady=0.5, since=0.1,
+    ...           time_to_half_wall=math.inf, cause=None, half_step=10.2).check
+    'converged'
     """
 
     rate: float

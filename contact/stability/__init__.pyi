@@ -1,6 +1,6 @@
 from .closed_contact import poles
 from .growing import of_contact, of_rim
-from .growth_map import StabilityMap
+from .growth_map import StabilityMap, scan
 from .of_run import of_run
 from .on_springs import on_springs, slope_of
 from .peaks import Peaks, peaks
@@ -25,5 +25,6 @@ __all__ = [
     "perfect_mean",
     "poles",
     "rotor_stability",
+    "scan",
     "slope_of",
 ]

@@ -77,6 +77,10 @@ def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = N
 
     `rate` gives growth [1/s] at speeds [Hz]; growth below `floor` counts as zero; `seeds` are further speeds to
     examine, so that a band narrower than the grid is found. Raises InputError unless there are two ascending speeds.
+
+    >>> found = scan(lambda hz: 1.0 - (hz - 5.0) ** 2, np.linspace(0.0, 10.0, 8), floor=1e-9)
+    >>> round(found.peak_speed_hz, 6), [tuple(round(end, 6) for end in band) for band in found.bands_hz]
+    (5.0, [(4.0, 6.0)])
     """
     speed = ascending(speed_hz)
     extra = np.zeros(0) if seeds is None else np.asarray(seeds, dtype=float)

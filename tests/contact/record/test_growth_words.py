@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from contact.record.growth import Cause, RunGrowth
+import contact as ct
 
-CAUSE = Cause(body="casing", n=4, share=0.9, travel=1.0, source="friction", work=1.5, closed=0.5)
-GROWS = RunGrowth(
+CAUSE = ct.record.Cause(body="casing", n=4, share=0.9, travel=1.0, source="friction", work=1.5, closed=0.5)
+GROWS = ct.record.RunGrowth(
     rate=10.0, low=9.0, high=11.0, state="grows", amplitude=1e-4, steady=0.5, since=0.1, time_to_half_wall=0.5,
     cause=CAUSE,
 )  # fmt: skip

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.stability.growth_map import scan
 
 GRID = np.linspace(10.0, 50.0, 41)
 
@@ -19,7 +18,7 @@ def ends(a, m, w, damping=1.0):
 
 
 def test_a_band_ends_where_growth_is_zero_and_its_peak_is_refined():
-    found = scan(bell((5.0, 30.3, 4.0)), GRID, floor=1e-6)
+    found = ct.stability.scan(bell((5.0, 30.3, 4.0)), GRID, floor=1e-6)
     assert found.peak_speed_hz == pytest.approx(30.3, abs=1e-4)
     assert found.peak_growth == pytest.approx(4.0, rel=1e-9)
     assert found.bands_hz == (pytest.approx(ends(5.0, 30.3, 4.0), abs=3e-6),)
@@ -34,7 +33,7 @@ def test_a_band_ends_where_growth_is_zero_and_its_peak_is_refined():
 
 def test_two_bands_and_the_larger_peak():
     bells = (3.0, 18.2, 2.0), (6.0, 40.7, 3.0)
-    found = scan(bell(*bells), GRID, floor=1e-6)
+    found = ct.stability.scan(bell(*bells), GRID, floor=1e-6)
     assert found.peak_speed_hz == pytest.approx(40.7, abs=1e-4)
     assert [band == pytest.approx(ends(*one), abs=1e-5) for band, one in zip(found.bands_hz, bells, strict=True)] == [
         True, True
@@ -43,7 +42,7 @@ def test_two_bands_and_the_larger_peak():
 
 @pytest.mark.parametrize(("middle", "cut"), [(10.5, 0), (49.5, 1)])
 def test_a_band_that_the_range_cuts_ends_with_the_range(middle, cut):
-    found = scan(bell((5.0, middle, 4.0)), GRID, floor=1e-6)
+    found = ct.stability.scan(bell((5.0, middle, 4.0)), GRID, floor=1e-6)
     (band,) = found.bands_hz
     exact = list(ends(5.0, middle, 4.0))
     exact[cut] = GRID[[0, -1]][cut]
@@ -52,10 +51,10 @@ def test_a_band_that_the_range_cuts_ends_with_the_range(middle, cut):
 
 
 def test_growth_everywhere_is_one_band_and_nowhere_none():
-    whole = scan(lambda v: 2.0 + 0.01 * v, GRID, floor=1e-6)
+    whole = ct.stability.scan(lambda v: 2.0 + 0.01 * v, GRID, floor=1e-6)
     assert whole.bands_hz == ((10.0, 50.0),)
     assert (whole.peak_speed_hz, whole.peak_growth) == pytest.approx((50.0, 2.5), rel=1e-6)
-    none = scan(bell((0.9, 30.3, 4.0)), GRID, floor=1e-6)
+    none = ct.stability.scan(bell((0.9, 30.3, 4.0)), GRID, floor=1e-6)
     assert (none.bands_hz, none.diverges) == ((), False)
     assert none.peak_growth == pytest.approx(-0.1, abs=0.01)
     assert repr(none).splitlines()[1] == "no growth from 10 to 50 Hz"
@@ -63,8 +62,8 @@ def test_growth_everywhere_is_one_band_and_nowhere_none():
 
 def test_a_band_between_two_speeds_is_found_at_a_seed_within_the_range():
     rate = bell((5.0, 30.47, 0.05))
-    assert not scan(rate, GRID, floor=1e-6).diverges
-    found = scan(rate, GRID, floor=1e-6, seeds=np.array([5.0, 30.47, 60.0]))
+    assert not ct.stability.scan(rate, GRID, floor=1e-6).diverges
+    found = ct.stability.scan(rate, GRID, floor=1e-6, seeds=np.array([5.0, 30.47, 60.0]))
     assert found.bands_hz == (pytest.approx(ends(5.0, 30.47, 0.05), abs=1e-6),)
     assert set(found.seen_hz.tolist()) > set(GRID.tolist())
     assert (found.seen_hz.min(), found.seen_hz.max()) == (10.0, 50.0)
@@ -74,13 +73,13 @@ def test_a_band_between_two_speeds_is_found_at_a_seed_within_the_range():
 
 def test_growth_below_the_floor_counts_as_none():
     rate = bell((1.3, 30.0, 4.0))
-    assert not scan(rate, GRID, floor=0.31).diverges
-    (band,) = scan(rate, GRID, floor=0.2).bands_hz
+    assert not ct.stability.scan(rate, GRID, floor=0.31).diverges
+    (band,) = ct.stability.scan(rate, GRID, floor=0.2).bands_hz
     assert band == pytest.approx(ends(1.3, 30.0, 4.0, 1.2), abs=0.05)
 
 
 def test_a_document_has_speeds_growth_peak_and_bands():
-    found = scan(bell((5.0, 30.3, 4.0)), GRID, floor=1e-6)
+    found = ct.stability.scan(bell((5.0, 30.3, 4.0)), GRID, floor=1e-6)
     document = found.to_dict()
     assert document["speed_hz"] == GRID.tolist()
     assert document["growth"] == found.growth.tolist()
@@ -91,4 +90,4 @@ def test_a_document_has_speeds_growth_peak_and_bands():
 @pytest.mark.parametrize("speeds", [[1.0], [2.0, 1.0], [1.0, 1.0], [[1.0, 2.0]], []])
 def test_speeds_that_do_not_ascend_are_refused(speeds):
     with pytest.raises(ct.InputError, match="found numbers that do not ascend, expected at least two ascending speeds"):
-        scan(bell((5.0, 30.0, 4.0)), np.array(speeds), floor=1e-6)
+        ct.stability.scan(bell((5.0, 30.0, 4.0)), np.array(speeds), floor=1e-6)
