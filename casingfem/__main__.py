@@ -12,7 +12,7 @@ def run() -> None:
     """Run a command line; Ctrl-C during imports also ends it without a traceback.
 
     At its end nothing is left to collect: what lives goes with the process. Without `gc.freeze`, Python examines all
-    objects again, which takes a third of the time of a short rub.
+    objects once more, which takes some tenths of a second.
     """
     gc.set_threshold(OBJECTS)
     try:

@@ -160,8 +160,8 @@ def _spacing(runs: Sequence[SpeedRun]) -> str:
     """Sentence on the largest distance between neighbouring runs."""
     apart = float(np.diff([run.speed_hz for run in runs]).max())
     return (
-        f"Neighbouring runs are at most {apart:.3g} Hz ({60.0 * apart:,.0f} rpm) apart, an eighth of it where they "
-        "disagree. A range ends midway between two runs or where closed contact stops growing."
+        f"Neighbouring runs are at most {apart:.3g} Hz ({60.0 * apart:,.0f} rpm) apart. A range ends where closed "
+        "contact stops growing, or midway between two runs, which are closer there."
     )
 
 

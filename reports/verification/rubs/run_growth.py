@@ -18,8 +18,7 @@ number of both.
 
 The growth rates of both runs in the last stretch are compared if three conditions hold: the short run grows by e or
 more there, its interval is within 10 %, and half the step gives the same growth. Contacts that stay closed and contacts
-that open are listed separately. A growth that is further off is tested with the changed starts below: "off by start"
-has no rate of its own, since the same changes of the start change it by as much.
+that open are listed separately.
 
 A run that passed half its wall or a tenth of the radius before its growth could be fitted grows ("passed").
 
@@ -27,9 +26,8 @@ Each difference is tested. "start": a change of the start by 1e-9 to 3e-9 of it 
 that of the long one, so that neither run decides; a table has both for each change. "later": in the last stretch of the
 short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at the step of the
 short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after its end, and grows
-to half the wall before the end of the long run. The time of this depends on the start and the step. "interval": neither
-run grows, and the further rate of the long run is within the interval of the short run's growth. "step": the short run
-at its half step has the verdict of the long one. "short": the run states that it is too short. A difference that no
+to half the wall before the end of the long run. The time of this depends on the start and the step. "step": the short
+run at its half step has the verdict of the long one. "short": the run states that it is too short. A difference that no
 test explains is a FAIL, and so is a set of draws of which fewer than 99 % have the same sign.
 """
 
@@ -230,13 +228,6 @@ def by_start(what: ct.RotatingRim | ct.Rub, mu: float) -> list[tuple[str, str]]:
     return found
 
 
-def varies(what: ct.RotatingRim | ct.Rub, mu: float, planned: float, begin: float, end: float) -> bool:
-    """Whether changed starts change the growth between two instants [s] of the long run by more than WITHIN."""
-    copies = (moved(what, k * MOVED) for k in range(1, COPIES + 1))
-    rates = np.array([rate_in(one, long_run(one, mu, planned), begin, end) for one in copies])
-    return bool(np.ptp(rates) > WITHIN * abs(rates.mean()))
-
-
 def escapes(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: float) -> bool:
     """Whether the motion at the step of the short run keeps its level after `end` [s] and grows later."""
     more = ended(what, mu, LONGER * planned, STEP, record=ct.Record(every=FINER, state_every=FINER), on_limit="flag")
@@ -269,9 +260,6 @@ def explained(
         folds = rate_in(what, long, grown.since, end) * (end - grown.since)
         if verdict == ("grows" if folds > SAME else "decays" if folds < -SAME else "bounded"):
             return "later", others
-        rest = rate_in(what, long, end, float(long.state_time[-1]))
-        if not grows(verdict) and becomes != "grows" and grown.low <= rest <= grown.high:
-            return "interval", others
     if becomes == "grows" and not grows(verdict) and escapes(what, mu, end, planned):
         return "escapes", others
     fine = verdict_of(ended(what, mu, planned, 0.5 * STEP))
@@ -294,7 +282,7 @@ def compared(seed: int) -> Row:
         "planned s": planned, "first verdict": verdict_of(runs[0][0]), "verdict": verdict,
         "long run": becomes,
         "folds": folds if math.isfinite(folds) else None, "growth 1/s": grown.rate, "low": grown.low,
-        "high": grown.high, "since s": grown.since, "end s": end, "fine 1/s": None, "off": None, "off by start": False,
+        "high": grown.high, "since s": grown.since, "end s": end, "fine 1/s": None, "off": None,
         "check": grown.check, "half step 1/s": grown.half_step, "check share": grown.check_share,
         "closed": grown.cause.closed if grown.cause else None, "body": grown.body, "n": grown.nodal_diameters,
         "seconds": seconds,
@@ -302,10 +290,7 @@ def compared(seed: int) -> Row:
     linear = grown.check == "converged" and grown.rate * (end - grown.since) > 1.0
     if linear and 0.5 * (grown.high - grown.low) < WITHIN * grown.rate:
         fine = rate_in(what, long, grown.since, min(end, float(long.state_time[-1])))
-        off = grown.rate / fine - 1.0
-        row |= {"fine 1/s": fine, "off": off}
-        if abs(off) > WITHIN:
-            row["off by start"] = varies(what, mu, planned, grown.since, end)
+        row |= {"fine 1/s": fine, "off": grown.rate / fine - 1.0}
     same = grows(verdict) == (becomes == "grows")
     agrees = same and (grows(verdict) or verdict == becomes)
     why, others = ("", []) if agrees else explained(what, mu, short, long, verdict, becomes, planned)
@@ -347,13 +332,11 @@ def main(out: Path, quick: bool = False, count: int = 200, first: int = 0, fresh
 
 def counted(rows: Sequence[Row]) -> Row:
     """How many draws agree, how many are undecided, and how many growths are within 10 %."""
-    known = [row for row in rows if row["off"] is not None]
-    off = [(abs(float(str(row["off"]))), float(str(row["closed"])) > CLOSED) for row in known]
+    off = [(abs(float(str(row["off"]))), float(str(row["closed"])) > CLOSED) for row in rows if row["off"] is not None]
     checked = [row for row in rows if row["check"]]
     unlike = [row for row in rows if not row["sign agrees"]]
     unexplained = sum(row["why"] == "NOT" for row in rows)
-    wide = any(abs(float(str(row["off"]))) > WITHIN and not row["off by start"] for row in known)
-    few = len(unlike) > (1.0 - SIGNS) * len(rows) and len(rows) >= MANY
+    wide, few = any(value > WITHIN for value, _ in off), len(unlike) > (1.0 - SIGNS) * len(rows) and len(rows) >= MANY
     return {
         "draws": len(rows), **{state: sum(row["verdict"] == state for row in rows) for state in STATES},
         "undecided after 0.5 s": sum(row["first verdict"] == "undecided" for row in rows),
@@ -364,7 +347,6 @@ def counted(rows: Sequence[Row]) -> Row:
         "within 10 %": sum(closed and value <= WITHIN for value, closed in off),
         "opens": sum(not closed for _, closed in off),
         "opens, within 10 %": sum(not closed and value <= WITHIN for value, closed in off),
-        "off by start": sum(bool(row["off by start"]) for row in known),
         "checked": len(checked), "converged": sum(row["check"] == "converged" for row in checked),
         "verdict": "FAIL" if unexplained or wide or few else "pass",
     }  # fmt: skip

@@ -59,6 +59,8 @@ def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path, hel
     document = json.loads(found.stdout)
     ran = [run["speed_hz"] for run in document["runs"]]
     assert set(np.linspace(ran[0], ran[-1], 6).tolist()) < set(ran)
+    first = 6 + len(document["closed_contact"]["peaks"]) + 1  # and the scene's own speed
+    assert len(ran) <= 8 * (first - 1) + 1  # each interval is halved three times at most
     assert {row["verdict"] for row in document["interactions"]} >= {"unstable"}
     assert call("interactions", scene, "--runs", "1").exit_code == 2
     held(1e-4, document=numbers_of_document(document))
