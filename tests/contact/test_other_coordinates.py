@@ -103,15 +103,17 @@ def test_whirl_with_a_blade_that_stiffens_is_that_of_a_stiffer_blade_at_one_spee
     assert one.rub_force[0] != pytest.approx(stable(casing, blade, [hz, 1.0001 * hz]).rub_force[0], rel=0.01)
 
 
+def rims(which):
+    """A rim, and the same with the modes of one body in other coordinates."""
+    parts = {"casing": ring(), "blade": blade()}
+    changed = parts | {which: turned(parts[which])}
+    return [ct.RotatingRim(**each, clearance=-1e-5, speed_hz=20.0, lean_deg=25.0) for each in (parts, changed)]
+
+
 @pytest.mark.parametrize("which", ["blade", "casing"])
 def test_exact_growth_of_a_rim_in_other_coordinates_is_the_same(which):
-    parts = {"casing": ring(), "blade": blade()}
-    given = ct.RotatingRim(**parts, clearance=-1e-5, speed_hz=20.0, lean_deg=25.0)
-    other = ct.RotatingRim(
-        **parts | {which: turned(parts[which])}, clearance=-1e-5, speed_hz=20.0, lean_deg=25.0
-    )  # fmt: skip
     speeds = np.array([20.0, 37.0])
-    one, two = (ct.stability.floquet_growth(rim, speeds, mu=0.3) for rim in (given, other))
+    one, two = (ct.stability.floquet_growth(rim, speeds, mu=0.3) for rim in rims(which))
     np.testing.assert_allclose(two, one, rtol=1e-5, atol=1e-5)
     assert np.ptp(one) > 1e-3
 
@@ -119,12 +121,7 @@ def test_exact_growth_of_a_rim_in_other_coordinates_is_the_same(which):
 @pytest.mark.slow
 @pytest.mark.parametrize("which", ["blade", "casing"])
 def test_a_rub_in_other_coordinates_is_the_same(which):
-    parts = {"casing": ring(), "blade": blade()}
-    given = ct.RotatingRim(**parts, clearance=-1e-5, speed_hz=20.0, lean_deg=25.0)
-    other = ct.RotatingRim(
-        **parts | {which: turned(parts[which])}, clearance=-1e-5, speed_hz=20.0, lean_deg=25.0
-    )  # fmt: skip
-    one, two = (ct.run(rim, law=ct.Coulomb(mu=0.2), **RUN) for rim in (given, other))
+    one, two = (ct.run(rim, law=ct.Coulomb(mu=0.2), **RUN) for rim in rims(which))
     assert one.impulse[0] > 0.0
     np.testing.assert_allclose(two.force, one.force, rtol=1e-6, atol=1e-6 * one.force.max())
     np.testing.assert_allclose(two.gap, one.gap, atol=1e-6 * np.abs(one.gap).max())
