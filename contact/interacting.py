@@ -38,7 +38,7 @@ from contact.stability.peaks import Peaks, growth_at, peaks
 from contact.stability.rotor import rotor_peaks
 from contact.stability.split_casing import AVERAGED
 
-RUNS = 24  # speeds evenly over the range
+RUNS = 60  # speeds evenly over the range
 ALIKE = 1e-9  # of the highest speed: critical speeds and peaks of a rotor that are the same
 AROUND, STEPS = 2.0, 200  # without a stated range: its end in the scene's highest speeds; its number of steps
 

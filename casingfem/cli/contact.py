@@ -110,7 +110,7 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 @click.option(
     "--runs",
     type=click.IntRange(2, 100_000),
-    help="Number of runs evenly over the range, by default 24; more are added where they disagree.",
+    help="Number of runs evenly over the range, by default 60; more are added where they disagree.",
 )
 @options
 def interactions(file: Path, runs: int | None, as_json: bool, out: Path | None) -> None:
