@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.expansion import expand
-from casingfem.experiment.correlation.mac import comac
-from casingfem.experiment.rig.structure import loaded
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PLATE = cf.Shell(
@@ -250,43 +247,43 @@ REFUSED = {
         'outliers: found \'drop\', expected "set-aside" or "keep"',
     ),
     "no modes to expand": (
-        lambda: expand(np.ones((4, 1)), np.eye(4)[:, :2], np.arange(4), modes=[]),
+        lambda: cf.correlation.expand(np.ones((4, 1)), np.eye(4)[:, :2], np.arange(4), modes=[]),
         "expand: 0 modes on 4 channels",
     ),
     "more modes to expand than channels": (
-        lambda: expand(np.ones((2, 1)), np.ones((2, 3)), np.arange(2), modes=[0, 1, 2]),
+        lambda: cf.correlation.expand(np.ones((2, 1)), np.ones((2, 3)), np.arange(2), modes=[0, 1, 2]),
         "expand: 3 modes on 2 channels",
     ),
     "modes to expand that look alike": (
-        lambda: expand(np.ones((4, 1)), np.ones((4, 2)), np.arange(4), modes=[0, 1]),
+        lambda: cf.correlation.expand(np.ones((4, 1)), np.ones((4, 2)), np.arange(4), modes=[0, 1]),
         "expand: 2 modes cannot be distinguished on 4 channels",
     ),
     "paired shapes of other sizes": (
-        lambda: comac(np.ones((3, 2)), np.ones((3, 1))),
+        lambda: cf.correlation.comac(np.ones((3, 2)), np.ones((3, 1))),
         "paired shapes need equal sizes (channels, modes), not (3, 2) and (3, 1)",
     ),
     "paired shapes in a row": (
-        lambda: comac(np.ones(3), np.ones(3)),
+        lambda: cf.correlation.comac(np.ones(3), np.ones(3)),
         "paired shapes need equal sizes (channels, modes), not (3,) and (3,)",
     ),
     "no paired shapes": (
-        lambda: comac(np.ones((3, 0)), np.ones((3, 0))),
+        lambda: cf.correlation.comac(np.ones((3, 0)), np.ones((3, 0))),
         "paired shapes need equal sizes (channels, modes), not (3, 0) and (3, 0)",
     ),
     "a paired shape of zeros": (
-        lambda: comac(np.ones((3, 2)), np.eye(3)[:, :2] * [1.0, 0.0]),
+        lambda: cf.correlation.comac(np.ones((3, 2)), np.eye(3)[:, :2] * [1.0, 0.0]),
         "paired shapes: one is zero at every channel",
     ),
     "a measured shape of zeros": (
-        lambda: comac(np.eye(3)[:, :2] * [1.0, 0.0], np.ones((3, 2))),
+        lambda: cf.correlation.comac(np.eye(3)[:, :2] * [1.0, 0.0], np.ones((3, 2))),
         "paired shapes: one is zero at every channel",
     ),
     "a mass that lifts": (
-        lambda: loaded(cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.5]]), [0, 1], [0.1, -0.1]),
+        lambda: cf.rig.loaded(cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.5]]), [0, 1], [0.1, -0.1]),
         "mass: found -0.1 kg, expected masses of 0 kg or more",
     ),
     "a mass of no number": (
-        lambda: loaded(cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.5]]), [0, 1], [0.1, np.inf]),
+        lambda: cf.rig.loaded(cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.5]]), [0, 1], [0.1, np.inf]),
         "expected masses of 0 kg or more",
     ),
     "sections of other sizes": (

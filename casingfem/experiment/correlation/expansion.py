@@ -71,10 +71,16 @@ class Expansion:
 def expand(
     measured: FloatArray, at_sensors: FloatArray, labels: IntArray, modes: Sequence[int] | None = None
 ) -> Expansion:
-    """Expand measured shapes (channels, measured) by the model's shapes at the channels (channels, modes).
+    """Express measured shapes in the modes of a model, by least squares at the sensors (SEREP).
+
+    With the model's shapes at the channels Phi_s: q = Phi_s^+ psi (O'Callahan, Avitabile and Riemer, IMAC 1989).
 
     Parameters
     ----------
+    measured
+        Measured shapes psi, (channels, measured).
+    at_sensors
+        The model's mode shapes at the same channels, (channels, modes).
     labels
         Sensor number of each channel, (channels,); the channels of a sensor are left out together.
     modes

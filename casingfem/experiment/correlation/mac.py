@@ -109,11 +109,29 @@ def nearest_in_plane(measured: ArrayLike, plane: ArrayLike) -> FloatArray:
 
 
 def comac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
-    """COMAC of each channel over paired shapes (channels, m), in [0, 1]; nan for a channel without motion on one side.
+    """Coordinate modal assurance criterion (COMAC): agreement of paired shapes at each channel.
 
     COMAC_c = (sum_k |a_ck b_ck|)^2/(sum_k a_ck^2 sum_k b_ck^2)   (Lieven and Ewins, IMAC 1988)
+
     Low values can mean a small amplitude as well as an error: compare them with `ecomac`.
 
+    Parameters
+    ----------
+    measured, computed
+        Real shapes in columns, (channels, shapes) each; column k of one is paired with column k of the other.
+
+    Returns
+    -------
+    FloatArray
+        Values from 0 to 1, (channels,); nan for a channel without motion on one side.
+
+    Raises
+    ------
+    ValueError
+        The arrays differ in size, or a shape is zero at every channel.
+
+    Examples
+    --------
     >>> comac([[1.0, 2.0], [1.0, -1.0]], [[1.0, 2.0], [1.0, 3.0]]).round(3).tolist()
     [1.0, 0.8]
     """
@@ -123,11 +141,30 @@ def comac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
 
 
 def ecomac(measured: ArrayLike, computed: ArrayLike) -> FloatArray:
-    """Enhanced COMAC of each channel, 0 if all shapes agree; shapes have unit length and matching signs.
+    """Enhanced COMAC: mean difference of paired shapes at each channel, 0 if they agree.
 
     ECOMAC_c = sum_k |a_ck - b_ck|/(2 m)   (Hunt, IMAC 1992)
-    A sensor with the wrong sign shows here, but not in COMAC.
 
+    The m pairs of shapes are first scaled to unit length and given matching signs. A sensor with the wrong sign shows
+    here, but not in COMAC.
+
+    Parameters
+    ----------
+    measured, computed
+        Real shapes in columns, (channels, shapes) each; column k of one is paired with column k of the other.
+
+    Returns
+    -------
+    FloatArray
+        Values from 0 to 1, (channels,).
+
+    Raises
+    ------
+    ValueError
+        The arrays differ in size, or a shape is zero at every channel.
+
+    Examples
+    --------
     >>> ecomac([[1.0], [1.0]], [[1.0], [-1.0]]).round(3).tolist()
     [0.0, 0.707]
     """

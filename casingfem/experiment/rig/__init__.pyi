@@ -4,7 +4,7 @@ from .files import rig_angles, truth, write_rig_uff
 from .record import measured, record
 from .rig import Converter, Probe, Rig, noisy
 from .scan import Tone, Turning, scan
-from .structure import Place, circle, rig_of
+from .structure import Place, circle, loaded, rig_of
 from .troubles import Troubles, troubled_frfs
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "Turning",
     "circle",
     "estimate",
+    "loaded",
     "measured",
     "noisy",
     "record",

@@ -161,13 +161,20 @@ def damping_spread(zeta: float, spread: float, count: int, *, seed: int) -> Floa
 
 
 def loaded(rig: Rig, probes: Sequence[int], mass: ArrayLike) -> Rig:
-    """The rig with masses [kg] at probes, which act in all three directions like sensors.
+    """The rig with masses [kg] at probes (mass loading), such as the masses of sensors.
 
-    The displacements at the masses m are u = R q + B z with B B^T = S there: modes and residual, which the masses also
-    excite. With T = (|q'|^2 + u'^T m u')/2 and V = (q^T Omega^2 q + z^T z)/2 this is a small eigenproblem, whose static
-    response is that of the bare structure. M = I + R^T m R (modes and residuals), solved again. As many modes as before
-    are kept; the rest goes into S. Damping stays diagonal: the complex modes of a close pair with different damping are
-    not modelled.
+    A mass acts in the direction of its probe: a sensor needs three probes. The displacements at the masses m are u =
+    R q + B z with B B^T = S there: modes and residual, which the masses also excite. With T = (|q'|^2 + u'^T m u')/2
+    and V = (q^T Omega^2 q + z^T z)/2 this is a small eigenproblem, whose static response is that of the bare structure.
+    M = I + R^T m R (modes and residuals), solved again. As many modes as before are kept; the rest goes into S. Damping
+    stays diagonal: the complex modes of a close pair with different damping are not modelled.
+
+    Parameters
+    ----------
+    probes
+        Indices of the probes, from 0.
+    mass
+        Mass [kg] at each of these probes, or one for all.
 
     Raises
     ------

@@ -3,6 +3,7 @@
 import io
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,6 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.cli.sweep import motion_words
 from tests.probed import numbers_of_document
 
 DATA = Path(__file__).parents[3] / "data"
@@ -66,22 +66,50 @@ def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path, hel
     held(1e-4, document=numbers_of_document(document))
 
 
-def test_a_sweep_names_the_motions_of_its_runs_and_the_fastest_growth_with_its_interval():
-    row = {"motion": "grows", "growth_1_s": 3.0, "growth_low_1_s": 2.0, "growth_high_1_s": 4.0, "body": "casing",
-           "n": 3, "source": "friction", "half_wall_at_s": 0.2}  # fmt: skip
-    keys, values = ["speed.hz", "contact.friction"], [(50.0, 0.1), (60.0, 0.2), (70.0, 0.3), (80.0, 0.4)]
-    rows = [row, row | {"growth_1_s": 12.345}, row | {"motion": "bounded", "growth_1_s": 99.0}, {"motion": None}]
-    assert motion_words(keys, rows, values) == [
-        "motion of the runs: 2 grows, 1 bounded",
-        "fastest growth 12.35 1/s (95 %: 2 to 4) at speed.hz = 60.0, contact.friction = 0.2: n = 3 of the casing,"
-        " energy from friction; half the wall at 0.2 s",
-    ]
-    alone = row | {"n": None, "source": None, "half_wall_at_s": None}
-    assert motion_words(keys, [alone], values[:1])[1] == (
-        "fastest growth 3 1/s (95 %: 2 to 4) at speed.hz = 50.0, contact.friction = 0.1: the casing"
+def swept(folder, **values):
+    """Rows of a sweep of a rubbing rim, and the printed lines on its motions; finished runs are read from the store."""
+    from reports.verification.robustness.diverging import RIM, at
+
+    scene = folder / "rim.toml"
+    vary = "".join(f'[[sweep.vary]]\nkey = "{key.replace("_", ".")}"\nvalues = {v}\n' for key, v in values.items())
+    scene.write_text(f"{at(60.0, ('t_end = 2.0', 't_end = 0.1'), scene=RIM)}[sweep]\n{vary}")
+    words = "sweep", scene, "--jobs", 1, "--out", folder / "out"
+    rows = json.loads(call(*words, "--json").stdout)["runs"]
+    return rows, [line for line in call(*words).stdout.splitlines() if line.startswith(("motion", "fastest"))]
+
+
+@pytest.mark.slow
+def test_a_sweep_names_the_motions_of_its_runs_and_the_fastest_growth_with_its_interval(tmp_path):
+    from reports.verification.robustness.diverging import bodies
+
+    bodies(tmp_path)
+    rows, (motions, fastest) = swept(tmp_path, speed_hz=[60.0, 110.0, 150.0, 100.0], contact_clearance=[-1e-5, 1e-3])
+    assert motions == "motion of the runs: 4 at rest, 3 grows, 1 bounded"
+    most = max((row for row in rows if row["motion"] == "grows"), key=lambda row: row["growth_1_s"])
+    between = f"95 %: {most['growth_low_1_s']:.3g} to {most['growth_high_1_s']:.3g}"
+    assert (most["speed.hz"], most["n"]) == (150.0, 4)
+    assert fastest == (
+        f"fastest growth {most['growth_1_s']:.4g} 1/s ({between}) at speed.hz = 150.0, contact.clearance = -1e-05:"
+        f" n = 4 of the casing, energy from the turning rim; half the wall at {most['half_wall_at_s']:.3g} s"
     )
-    assert motion_words(keys, [row | {"motion": "decays"}], values[:1]) == ["motion of the runs: 1 decays"]
-    assert motion_words(keys, [{"motion": None}, {}], values[:2]) == []
+    _, (motions, fastest) = swept(tmp_path, speed_hz=[110.0])  # a motion of blades that are not evenly spaced
+    assert motions == "motion of the runs: 1 grows"
+    assert " at speed.hz = 110.0: the blades, energy from friction; half the wall" in fastest
+    assert swept(tmp_path, contact_clearance=[1e-3])[1] == ["motion of the runs: 1 at rest"]
+    replace(ct.ModalBody.load(tmp_path / "casing.npz"), thickness=0.0).save(tmp_path / "casing.npz")
+    assert swept(tmp_path, speed_hz=[150.0])[1][1].endswith(
+        " at speed.hz = 150.0: n = 4 of the casing, energy from the turning rim"
+    )
+
+
+def test_a_sweep_of_rods_names_no_motion(tmp_path):
+    scene = (DATA / "scenes" / "two_rods.toml").read_text()
+    (tmp_path / "rods.toml").write_text(
+        f'{scene}[sweep]\n[[sweep.vary]]\nkey = "scheme.courant"\nvalues = [0.5, 0.9]\n'
+    )
+    printed = call("sweep", tmp_path / "rods.toml", "--jobs", 1).stdout
+    assert printed.startswith("2 runs over scheme.courant")
+    assert "motion" not in printed
 
 
 def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path):

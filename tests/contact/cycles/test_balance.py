@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.cycles.orbit_series import gaps_of
 from reports.verification.outside.two_masses import FOLDS, masses
 from reports.verification.schemes.cycles import mass_on_stop, rod
 from tests.contact.cycles.bodies import random_body
@@ -65,7 +64,6 @@ def test_an_orbit_is_nearly_its_balance_wherever_it_starts(start):
     found = ct.cycles.balance(family, 0.16, harmonics=40, guess=orbit)
     assert found.iterations <= 2
     assert ct.cycles.balance(family, 0.16, harmonics=40).y == pytest.approx(found.y, abs=1e-6 * np.abs(found.y).max())
-    assert gaps_of(family, orbit, 40) == pytest.approx(found.y, abs=1e-5 * np.abs(found.y).max())
 
 
 def test_contacts_that_press_on_a_common_compliance_move_as_in_shooting():
