@@ -44,6 +44,12 @@ class Expansion:
         Relative length of the part of each measured shape outside the modes, (measured,).
     left_out
         Error at each sensor when predicted from all others, over the rms of the shape, (sensors, measured).
+
+    Examples
+    --------
+    >>> shapes = np.array([[1.0, 0.0], [0.6, 0.8], [0.0, 1.0], [-0.6, 0.8]])
+    >>> expand(shapes @ [[2.0], [1.0]], shapes, np.arange(4), modes=[0, 1]).smoothed.ravel().round(12).tolist()
+    [2.0, 2.0, 1.0, -0.4]
     """
 
     modes: IntArray
