@@ -1,4 +1,4 @@
-from . import chance, errors, modal, plot, updating
+from . import chance, errors, modal, plot, study, updating
 from .experiment import circle, correlation, frf, rig, uff
 from .experiment.correlation.correlate import correlate
 from .experiment.frequency_table import FrequencyTable
@@ -95,6 +95,7 @@ __all__ = [
     "search_model",
     "shell",
     "solve_static",
+    "study",
     "uff",
     "update",
     "updating",

@@ -1,9 +1,5 @@
-"""study.toml: its schema, reading, and writing of updated studies."""
+"""Study files: reading study.toml, its schema, and writing of updated studies."""
 
-from casingfem.study.imported import MeshStudy
-from casingfem.study.load import Study, load_shell_study, load_study
-from casingfem.study.problems import StudyError
-from casingfem.study.tables.tasks import schema
-from casingfem.study.updated import perfect, updated_toml
+import lazy_loader
 
-__all__ = ["MeshStudy", "Study", "StudyError", "load_shell_study", "load_study", "perfect", "schema", "updated_toml"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

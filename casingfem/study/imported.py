@@ -33,7 +33,7 @@ OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshStudy(FromFile):
-    """A study on an imported mesh, as its file describes it.
+    r"""A study on an imported mesh, as its file describes it.
 
     Attributes
     ----------
@@ -51,6 +51,18 @@ class MeshStudy(FromFile):
         From [cyclic]: the wheel of which the structure is one sector; None without.
     source
         Name and hash of the input (the file and its mesh), versions, seed, for results.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> mesh = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n"
+    >>> text = '[material]\nE = 210e9\nnu = 0.3\nrho = 7800.0\n[shell]\nmesh = "wall.inp"\nthickness = 0.01\n'
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "wall.inp").write_text(mesh), Path(folder, "study.toml").write_text(text)
+    ...     study = cf.load_study(Path(folder, "study.toml"))
+    >>> isinstance(study, cf.study.MeshStudy), study.structure.thickness
+    (True, 0.01)
     """
 
     path: Path

@@ -55,6 +55,13 @@ class Study(FromFile):
         From [reduce]: the rim or tip for contact; None without.
     source
         Name and hash of the input (the file and all it refers to), versions, seed, for results.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> study = cf.load_study("data/studies/frustum.toml")
+    >>> study.path.name, study.shell.thickness
+    ('frustum.toml', 0.003)
     """
 
     path: Path
@@ -79,7 +86,12 @@ def load_shell_study(path: str | Path) -> Study:
     Raises
     ------
     StudyError
-        With all problems, one on each line: file: key: found X, expected Y.
+        With all problems, one on each line: file: key: found X, expected Y. An imported mesh is one.
+
+    Examples
+    --------
+    >>> load_shell_study("data/studies/frustum.toml").shell.thickness
+    0.003
     """
     study = load_study(path)
     if isinstance(study, MeshStudy):

@@ -33,7 +33,11 @@ KINDS = {"extra_forbidden": "study-key", "missing": "study-missing", "too_short"
 
 
 class StudyError(InputError):
-    """A study that cannot be used: `problems` lists them all, one line each, with file, key and code."""
+    """A study that cannot be used: `problems` lists them all, one line each, with file, key and code.
+
+    >>> StudyError(["study.toml: shell.thickness: found -3, expected a number above 0 [study-value]"]).codes
+    ('study-value',)
+    """
 
     def __init__(self, problems: Sequence[str]) -> None:
         self.problems = tuple(problems)

@@ -48,9 +48,31 @@ def even(support: Support) -> Support:
 
 
 def updated_toml(study: Study | MeshStudy, values: Mapping[str, float], folder: Path) -> str:
-    """The study's text with new parameter values, and file references relative to another folder.
+    """Write a study with other values of its parameters as the text of a study.toml.
 
     A harmonic from a survey is changed by a separate [[imperfection]] that is added to it.
+
+    Parameters
+    ----------
+    study
+        The study as it was read.
+    values
+        New values by address, such as "material.E" (`cf.updating.parameters` lists the addresses), in SI units.
+    folder
+        Folder of the new file: paths to surveys, tables and meshes are relative to it.
+
+    Raises
+    ------
+    InputError
+        The structure has no number at an address.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> study = cf.load_study("data/studies/frustum.toml")
+    >>> text = updated_toml(study, {"shell.thickness": 2.9e-3}, study.path.parent)
+    >>> [line for line in text.splitlines() if "thickness" in line]
+    ['thickness = 0.0029']
     """
     tables = study.file.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
     for name, value in values.items():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.study.updated import updated_toml
 from tests.casingfem.study.study_texts import FRUSTUM, STEEL, written
 
 CASING = f"""{FRUSTUM}[shell]
@@ -107,7 +106,7 @@ def test_each_number_of_an_updated_study_is_the_new_one_and_the_others_stay(text
         if name == "chart.height" or name.rpartition(".section.")[2] in ("area", "I_r", "I_z", "J"):
             continue  # elements end where strips do; and these follow from width and depth
         value = 1.07 * before[name] if before[name] else 0.003
-        again = cf.load_study(written(tmp_path, updated_toml(study, {name: value}, tmp_path))).structure
+        again = cf.load_study(written(tmp_path, cf.study.updated_toml(study, {name: value}, tmp_path))).structure
         exact = cf.updating.with_value(study.structure, name, value)
         assert cf.updating.get_value(again, name) == pytest.approx(value, rel=1e-12)
         for other in names:
@@ -115,7 +114,9 @@ def test_each_number_of_an_updated_study_is_the_new_one_and_the_others_stay(text
                 cf.updating.get_value(exact, other), rel=1e-12, abs=1e-15
             ), (name, other)
     moved = {name: value for name, value in before.items() if "thickness" in name}
-    both = cf.load_study(written(tmp_path, updated_toml(study, {k: 1.1 * v for k, v in moved.items()}, tmp_path)))
+    both = cf.load_study(
+        written(tmp_path, cf.study.updated_toml(study, {k: 1.1 * v for k, v in moved.items()}, tmp_path))
+    )
     for name, value in moved.items():
         assert cf.updating.get_value(both.structure, name) == pytest.approx(1.1 * value, rel=1e-12)
 
@@ -143,7 +144,7 @@ def test_a_number_of_a_section_that_the_study_does_not_state_is_not_updated(name
 )
 def test_a_harmonic_that_the_study_does_not_have_is_added(name, value, tmp_path):
     study = cf.load_study(written(tmp_path, CASING + SPRINGS))
-    again = cf.load_study(written(tmp_path, updated_toml(study, {name: value}, tmp_path))).structure
+    again = cf.load_study(written(tmp_path, cf.study.updated_toml(study, {name: value}, tmp_path))).structure
     exact = cf.updating.with_value(study.structure, name, value)
     z, theta = np.full(7, 0.1), np.linspace(0.0, 6.0, 7)
     of = name.partition(".")[0]
@@ -155,7 +156,7 @@ def test_a_harmonic_that_the_study_does_not_have_is_added(name, value, tmp_path)
 @pytest.mark.parametrize("name", ["support.base.k_r.p4.cos", "support.base.k_z.p6.sin", "support.base.k_rot.p4.sin"])
 def test_a_pattern_of_one_spring_leaves_the_other_springs_as_they_are(name, tmp_path):
     study = cf.load_study(written(tmp_path, CASING + SPRINGS))
-    again = cf.load_study(written(tmp_path, updated_toml(study, {name: 0.05}, tmp_path))).structure
+    again = cf.load_study(written(tmp_path, cf.study.updated_toml(study, {name: 0.05}, tmp_path))).structure
     exact = cf.updating.with_value(study.structure, name, 0.05)
     for spring in ("k_r", "k_z", "k_rot"):
         for part in ("p4.cos", "p4.sin", "p6.sin"):

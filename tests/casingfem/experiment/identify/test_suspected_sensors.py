@@ -1,10 +1,11 @@
 """Wrong sensors of a circle: each kind is named at its limit, with what it is, and no right one beside it."""
 
+import re
+
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.identify.labels import suspected
 from tests.casingfem.experiment.identify.test_completeness import ANGLES, THETA, receptances
 
 N = np.array([2, 2, 3, 3, 4, 4, 1, 1])
@@ -17,14 +18,22 @@ def waves(count=16, modes=8):
 
 
 def named(shapes, theta, most=5):
-    return dict(suspected(shapes, most, theta, np.arange(len(theta)) + 101))
+    """Notes on the sensors 101, 102, ... of responses of modes with these shapes, by the sensors named."""
+    points, freq = np.arange(len(theta)) + 101, 100.0 + 15.0 * np.arange(shapes.shape[1])
+    x = np.arange(90.0, freq[-1] + 10.0, 0.1)
+    frfs = receptances(x, [(f, 4e-3, r) for f, r in zip(freq, shapes.T, strict=True)], response_point=points)
+    found = cf.identify(frfs, angles=dict(zip(points.tolist(), np.degrees(theta).tolist(), strict=True)), n_max=most)
+    np.testing.assert_allclose(found.freq, freq, rtol=1e-5)
+    assert found.sure.all()
+    about = [note for note in found.notes if note.startswith("point")]
+    return {tuple(int(word) - 101 for word in re.findall(r"\b1\d\d\b", note.partition(":")[0])): note for note in about}
 
 
 def test_right_sensors_are_not_named():
     assert named(*waves()) == {}
 
 
-@pytest.mark.parametrize("size", [0.0, 1e-6, 1e-3])
+@pytest.mark.parametrize("size", [1e-6, 1e-3])
 def test_a_sensor_without_a_signal_of_the_structure_is_named(size):
     shapes, theta = waves()
     shapes[ONE] = size * np.array([1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0]) * np.sign(shapes[ONE])
