@@ -6,8 +6,9 @@ on HALVED times: a boundary is known to an eighth of the spacing, and few runs a
 
 A run that is too short to decide is continued to twice its length, again and again up to LONGEST times t_end. A run
 that grows with contact that opens, and has passed no limit, is continued to four times its length: such a growth may
-end in a bounded motion, or pause where the contact begins to open. The last part of a growing run is repeated with half
-the step (`contact.half_step`).
+end in a bounded motion, or pause where the contact begins to open. A motion that does not grow is run four times as
+long too if its contact opens and closed contact would grow: the contact may close later. The last part of a growing run
+is repeated with half the step (`contact.half_step`).
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from contact.prepared import Scene
 from contact.record.record import STATES, Record, prime_stride
 from contact.result import Result
 from contact.run_many import Outcome, run_many, runs_alone
-from contact.speed_verdict import SpeedRun, at_end_of_band, decided, disagree, judged, times_longer
+from contact.speed_verdict import CALM, SpeedRun, at_end_of_band, decided, disagree, judged, times_longer
 
 WORTH, COPIES = 4.0, 0.3  # s: two processes start in less, fresh ones or copies of this one
 TOGETHER = 16  # scenes of a lot if several run in one loop
@@ -171,10 +172,10 @@ def _judged(lot: Lot, ended: Callable[[], None]) -> list[SpeedRun]:
     def longer(i: int, outcome: Outcome) -> int:
         run = judged(scenes[i].what, outcome, float(lot.speed_hz[i]), float(lot.poles[i]), lot.exact)
         found[i].append(run)
-        if not (run.may_change and isinstance(outcome, Result)):
+        if not isinstance(outcome, Result):
             return 0
-        times = times_longer(outcome)
-        return times * outcome.steps if times * run.seconds <= lot.longest * found[i][0].seconds else 0
+        times = times_longer(run, first := found[i][0].seconds, exact=lot.exact)
+        return times * outcome.steps if times * run.seconds <= lot.longest * first else 0
 
     run_many(scenes, record=_record, ended=lambda _, __: ended(), longer=longer)
     return [_settled(runs) for runs in found]
@@ -187,7 +188,7 @@ def _settled(runs: Sequence[SpeedRun]) -> SpeedRun:
     """
     last = runs[0]
     for run in runs[1:]:
-        if run.verdict in ("safe", "resonance") or (run.seconds > 0.0 and last.verdict != "unstable"):
+        if run.verdict in CALM or (run.seconds > 0.0 and last.verdict != "unstable"):
             last = run
     return last
 

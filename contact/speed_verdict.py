@@ -25,9 +25,11 @@ from contact.run_many import Outcome
 from contact.stability.of_run import disk_path, of_rotor_run, whirl_sense
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
+CALM = ("safe", "resonance")
 CLOSED = 0.99  # of the time: a contact that stays closed
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 APART = 2.0  # times: between motions that differ by more there may be a resonance
+LATER = 4  # times the length of a first run: after which a contact that opens and closes has had time to stay closed
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 FOLDS = 3.0  # e-folds of closed contact in a run that show: then a twentieth of the motion has become as large as it
 SHORT = "the run is too short for its growth: lengthen t_end"
@@ -118,7 +120,7 @@ class SpeedRun:
         """
         if self.why:
             return f"{self.why[0].upper()}{self.why[1:]}."
-        if self.verdict not in ("safe", "resonance") or not (self.closed > 0.0 or self.growth > 0.0):
+        if self.verdict not in CALM or not (self.closed > 0.0 or self.growth > 0.0):
             return ""
         if not self.contact > 0.0:
             return "" if self.body == "rotor" else "The contact never closes."
@@ -191,9 +193,25 @@ def may_change(result: Result) -> bool:
     return growth.outcome == "undecided" or (growth.outcome == "grows" and opens)
 
 
-def times_longer(result: Result) -> int:
-    """Factor by which a run is continued whose verdict a longer run may change."""
-    return 4 if result.growth is not None and result.growth.outcome == "grows" else 2
+def times_longer(run: SpeedRun, first: float, *, exact: bool | None) -> int:
+    """Factor by which a run is continued because a longer one may change its verdict; 0 if none may.
+
+    `first` [s] is the length of the first run, `exact` as in `judged`. A run whose contact opens may close it later. If
+    closed contact grows fast enough to show, a motion that does not grow is therefore run LATER times as long.
+
+    >>> run = SpeedRun(speed_hz=20.0, verdict="safe", closed=30.0, growth=0.1, low=-0.2, high=0.4, amplitude_m=2e-5,
+    ...                half_wall_s=math.inf, n=4, wave="with", body="casing", seconds=0.5, contact=0.3)
+    >>> longer = replace(run, seconds=2.0)
+    >>> [times_longer(one, 0.5, exact=True) for one in (run, longer, replace(run, closed=-1.0))]
+    [4, 0, 0]
+    >>> [times_longer(replace(run, verdict=name, may_change=True), 0.5, exact=True) for name in ("unstable", "safe")]
+    [4, 2]
+    """
+    if run.may_change:
+        return 4 if run.verdict == "unstable" else 2
+    closes = exact is not None and run.opens and run.contact > 0.0 and LATER * first * run.closed > FOLDS
+    short = 0.0 < run.seconds < 0.999 * LATER * first
+    return math.ceil(0.999 * LATER * first / run.seconds) if run.verdict in CALM and closes and short else 0
 
 
 def decided(runs: Sequence[SpeedRun], even: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
@@ -202,7 +220,7 @@ def decided(runs: Sequence[SpeedRun], even: Sequence[SpeedRun]) -> tuple[SpeedRu
     Large means above `RESONANT` times the median amplitude of the runs at `even` speeds, or above the allowed
     deflection of the rim [m], half of its wall.
     """
-    calm = [run.amplitude_m for run in even if run.verdict in ("resonance", "safe")]
+    calm = [run.amplitude_m for run in even if run.verdict in CALM]
     most = RESONANT * float(np.median(calm)) if calm else math.inf
     return tuple(
         replace(run, verdict="safe")
@@ -244,7 +262,7 @@ def _with_poles(run: SpeedRun, *, exact: bool) -> SpeedRun:
     ['safe', 'safe']
     """
     shown = run.closed * run.seconds
-    silent = run.verdict in ("safe", "resonance") or run.why == SHORT
+    silent = run.verdict in CALM or run.why == SHORT
     if run.opens or not run.closed > 0.0 or not silent or (not exact and shown > FOLDS):
         return run
     rotor = run.body == "rotor"

@@ -77,6 +77,17 @@ def test_where_nothing_touches_every_speed_is_safe(held):
     assert repr(found).splitlines()[2] == "52.677-53.01 Hz: The contact never closes."
 
 
+def test_a_calm_motion_is_run_four_times_as_long_where_its_contact_opens_and_closed_contact_would_grow():
+    """Lobes of the rim touch the tip for a fifth of the time; closed contact grows at the sum condition only."""
+    scene = pair_scene(clearance=2e-5, t_end=0.6, out_of_roundness=[{"p": 3, "cos": 2.5e-5}])
+    runs = ct.interactions(scene, np.linspace(50.0, 56.0, 61), runs=4).runs
+    assert {run.verdict for run in runs} == {"safe"}
+    assert all(0.1 < run.contact < 0.3 for run in runs)
+    grows = [run.closed > 3.0 for run in runs]
+    assert sum(grows) == 1
+    assert [run.seconds for run in runs] == pytest.approx([2.4 if one else 0.6 for one in grows])
+
+
 def test_a_bounded_motion_beyond_half_the_wall_is_not_safe():
     """At these speeds nothing grows, and the rim deflects by micrometres."""
     apart, verdicts = np.linspace(45.0, 50.0, 6), {}

@@ -4,8 +4,8 @@
 steel ring of up to five nodal diameters before one blade, several blades or a bladed disk: with and without friction,
 damping, clearance, lean and out-of-roundness. It draws two sets: from the seed `--first`, on which constants were set,
 and from the seed `--fresh`, on which none was set. A run of half a second gives its verdict. If a longer run may change
-it (`contact.speed_verdict.may_change`), the run is repeated two or four times as long, up to sixteen times, as runs of
-`casingfem interactions` are.
+it (`contact.speed_verdict.times_longer`), the run is repeated two or four times as long, up to sixteen times, as runs
+of `casingfem interactions` are. "grows later" counts motions that grow only in the longer run.
 
 A run three times as long at a tenth of the step, which continues to a tenth of the radius, shows the further motion.
 Its level is sqrt(mean omega^2 (q - mean q)^2) of all modes over windows of 1/480 of it. The motion grows if the rim
@@ -41,9 +41,11 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
+from contact.model.gaps.rub import rub_of
 from contact.record.record import prime_stride
 from contact.speed_runs import LONGEST as REPEATED
-from contact.speed_verdict import may_change, times_longer
+from contact.speed_verdict import judged, times_longer
+from contact.stability.peaks import growth_at
 from reports.tables import Row, command_line, show, text, write
 
 KINDS = ("rim", "rub", "disk")
@@ -59,6 +61,7 @@ COPIES, MOVED = 3, 1e-9
 SOME = 100  # states of a rate
 AFTER = 0.25  # of the short run: time for which a motion that escapes later keeps its level
 STATES = ("grows", "passed", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
+NO_GROWTH = ("bounded", "decays")
 EACH = ("seed", "kind", "verdict", "long run", "sign agrees", "off", "why")  # printed after each draw
 
 
@@ -181,13 +184,15 @@ def long_run(what: ct.RotatingRim | ct.Rub, mu: float, end: float = END) -> ct.R
 
 def decided(what: ct.RotatingRim | ct.Rub, mu: float) -> list[tuple[ct.Result, float]]:
     """Runs and their planned ends [s]: half a second, and longer ones while a longer run may change the verdict."""
+    hz = float(np.max(rub_of(what).speed.hz))
+    pole = float(growth_at(what, np.array([hz]), mu=mu)[0])
     runs = [(ended(what, mu, END, STEP), END)]
-    while may_change(runs[-1][0]):
-        planned = times_longer(runs[-1][0]) * runs[-1][1]
-        if planned > REPEATED * END:
-            break
+    while True:
+        run = judged(what, runs[-1][0], hz, pole, exact=True)
+        planned = times_longer(run, END, exact=True) * runs[-1][1]
+        if not 0.0 < planned <= REPEATED * END:
+            return runs
         runs.append((ended(what, mu, planned, STEP), planned))
-    return runs
 
 
 def settled(runs: Sequence[tuple[ct.Result, float]]) -> tuple[ct.Result, float]:
@@ -341,6 +346,7 @@ def counted(rows: Sequence[Row]) -> Row:
         "draws": len(rows), **{state: sum(row["verdict"] == state for row in rows) for state in STATES},
         "undecided after 0.5 s": sum(row["first verdict"] == "undecided" for row in rows),
         "repeated": sum(row["planned s"] != END for row in rows),
+        "grows later": sum(row["first verdict"] in NO_GROWTH and grows(str(row["verdict"])) for row in rows),
         "same sign": len(rows) - len(unlike), "other sign by start": sum(row["why"] == "start" for row in unlike),
         "same end": sum(bool(row["agrees"]) for row in rows), "unexplained": unexplained,
         "closed": sum(closed for _, closed in off),
