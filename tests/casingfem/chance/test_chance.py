@@ -139,6 +139,17 @@ def test_the_worst_casing_is_a_study_with_the_keys_of_its_own_study(made, first)
 
 
 @pytest.mark.slow
+def test_without_runs_and_worst_casings_only_the_tables_and_the_page_are_written(made, tmp_path):
+    few = SCENE.replace("draws = 52", "draws = 50").replace("worst = 1", "worst = 0").replace("runs = 2", "runs = 0")
+    (made / "few.toml").write_text(few.replace("importance = 4", ""))
+    assert run(made, "--out", str(tmp_path), scene="few.toml").exit_code == 0
+    written = {path.relative_to(tmp_path).as_posix() for path in tmp_path.iterdir()}
+    tables = {"chance.csv", "chance_pairs.csv", "chance_speeds.csv"}
+    assert written == {*tables, "chance.json", "chance.html", "draws"}
+    assert json.loads((tmp_path / "chance.json").read_text())["runs"] == []
+
+
+@pytest.mark.slow
 def test_a_run_that_goes_on_gives_the_same_numbers_to_the_last_bit(made, first, tmp_path):
     again = tmp_path / "out"
     shutil.copytree(made / "out" / "draws", again / "draws")

@@ -43,6 +43,11 @@ def test_a_key_is_explained_on_a_screen(key, lines):
     assert json.loads(asked(key, "--json").stdout)["tables"][0]["text"] in result.stdout
 
 
+def test_a_mistyped_key_is_offered_the_three_names_most_like_it():
+    """Five names are alike; the names of all kinds of files are compared, whatever they begin with."""
+    assert asked("losing").stderr.rstrip().endswith("(did you mean closing or casing or coating?)")
+
+
 @pytest.mark.parametrize(("key", "near"), [("shel", "shell"), ("coatng", "coating"), ("material.F", "material")])
 def test_a_mistyped_key_is_offered(key, near):
     result = asked(key)
