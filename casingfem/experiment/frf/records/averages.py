@@ -56,12 +56,16 @@ def cross(x: Array, f: Array) -> Array:
 def averaged(x: Array, f: Array, estimator: Estimator = "H1") -> Averages:
     """Responses and coherence from spectra x (channels, averages, lines) and f (drives, averages, lines).
 
+    Both are 0 at a line where a force is exactly zero, as the spectrum of a symmetric pulse is at its highest line.
+
     >>> f = np.array([[[1.0 + 0j], [2.0 + 0j]]])
     >>> averaged(3.0 * f, f).H.real.tolist()
     [[[3.0]]]
     """
     g_ff, g_xf = cross(f, f), cross(x, f)
     g_xx = np.mean(np.abs(x) ** 2, axis=1).T
+    silent = np.linalg.slogdet(g_ff)[0] == 0.0
+    g_ff[silent], g_xf[silent] = np.eye(len(f)), 0.0
     first = np.linalg.solve(g_ff.transpose(0, 2, 1), g_xf.transpose(0, 2, 1)).transpose(0, 2, 1)
     explained = np.einsum("lsd,lsd->ls", first, g_xf.conj()).real
     with np.errstate(divide="ignore", invalid="ignore"):
