@@ -51,11 +51,8 @@ def pieces_of(take: Take, seconds: float | None, before: float | None, one: bool
     force, count = take.force.responses[0], len(take)
     found = pulses(force)
     hits = [found] if one and seconds is None else separate(found, count)
-    if len(hits) < 2 and seconds is None:
-        yield Piece(take, 0, count, hits[0] if hits else [])
-        return
-    if not found:
-        yield Piece(take, 0, count, [])
+    if not found or (len(hits) < 2 and seconds is None):
+        yield Piece(take, 0, count, found)
         return
     starts = [hit[0].start for hit in hits]
     length = round(seconds * take.fs) if seconds is not None else int(np.diff(starts).min())

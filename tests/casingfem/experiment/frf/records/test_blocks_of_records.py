@@ -122,6 +122,91 @@ def test_a_pulse_that_swings_through_zero_within_two_widths_is_one_pulse():
         assert one.hits[1].width == (8.0 + quiet if not fault else 5.0) / FS
 
 
+@pytest.mark.parametrize(("gap", "one"), [(3, True), (4, False)])
+def test_a_pulse_of_one_sample_counts_as_two_samples_wide(gap, one):
+    force, response = hits([START], BLOCK, pulse=np.r_[9.0, np.zeros(gap), 5.0])
+    found = cf.frf.estimate([take(force, [response]), take(*hits([START], BLOCK)[:1], [response])], test="hammer")
+    assert (found.hits[0].width, found.hits[0].fault[:10]) == (
+        ((gap + 2.0) / FS, "") if one else (1.0 / FS, "double hit")
+    )
+
+
+@pytest.mark.parametrize("start", [15, 16])
+def test_a_pre_trigger_of_fewer_than_sixteen_samples_states_no_rest_value(start):
+    force, response = hits([start], BLOCK)
+    found = cf.frf.estimate(take(force, [response + 3.0]), test="hammer")
+    given = response + (3.0 if start == 15 else 0.0)
+    np.testing.assert_allclose(found.frfs.responses[0], of_dft(force, given), rtol=1e-9, atol=1e-8)
+    assert found.left < (1.0 if start == 15 else 1e-6)
+
+
+def test_a_hit_may_begin_at_any_sample_of_the_first_half():
+    for start, word in ((0, "wrong trigger: the record begins"), (1, ""), (256, ""), (257, "wrong trigger: the hit")):
+        force, response = hits([start], BLOCK)
+        found = cf.frf.estimate([take(force, [response]), take(*hits([START], BLOCK)[:1], [response])], test="hammer")
+        assert found.hits[0].fault.startswith(word)
+        assert bool(found.hits[0].fault) == bool(word)
+
+
+def test_hits_of_either_sign_in_equal_numbers_are_not_called_negative():
+    force, response = hits([START], BLOCK)
+    for signs, noted in (((1.0, -1.0), False), ((1.0, -1.0, -1.0), True)):
+        found = cf.frf.estimate([take(sign * force, [sign * response]) for sign in signs], test="hammer")
+        assert any("are negative" in note for note in found.notes) == noted
+
+
+@pytest.mark.parametrize(
+    ("top", "clipped"),
+    [
+        ([0, 0, 0], True),
+        ([0, 0], False),
+        ([0, 0, 7, 0], False),
+        ([-51, -51, 0, 0, 0], True),
+        ([0, 0, 0, 6, 0, 0], True),
+    ],
+)
+def test_a_clipped_channel_stays_at_its_extreme_for_three_samples_beside_a_large_step(top, clipped):
+    """Counts of a converter: `top` are counts below 1000, and every other value is far below."""
+    counts = 400.0 * np.sin(0.3 * np.arange(BLOCK))
+    counts = np.round(counts)
+    counts[100 : 100 + len(top)] = 1000.0 - np.array(top)
+    for sign in (1.0, -1.0):
+        given = take(np.random.default_rng(8).standard_normal(BLOCK), [sign * np.minimum(counts, 1000.0)])
+        if clipped:
+            with pytest.raises(cf.errors.InputError, match="responses at points 1;"):
+                cf.frf.estimate(given, test="shaker")
+        else:
+            assert cf.frf.estimate(given, test="shaker").averages > 1
+
+
+@pytest.mark.parametrize(("step", "clipped"), [(5.0, False), (6.0, True)])
+def test_a_clipped_channel_has_more_than_five_smallest_steps_beside_its_extreme(step, clipped):
+    """A slow wave in whole counts whose highest value occurs four times, with a step of some counts beside it."""
+    wave = np.round(2.0 * np.sin(0.05 * np.arange(BLOCK)))
+    wave[200:204] = wave[199] + step
+    wave[204] = wave[203] - 1.0
+    assert wave[200] == wave.max()
+    given = take(np.random.default_rng(8).standard_normal(BLOCK), [wave])
+    if clipped:
+        with pytest.raises(cf.errors.InputError, match="responses at points 1;"):
+            cf.frf.estimate(given, test="shaker")
+    else:
+        assert cf.frf.estimate(given, test="shaker").averages > 1
+
+
+@pytest.mark.parametrize(("first", "part", "even"), [(-0.5, 0.04, True), (100.0, 0.06, False), (0.0, -0.06, False)])
+def test_times_may_be_off_by_a_twentieth_of_a_step_wherever_they_begin(first, part, even):
+    x = first + np.arange(100) / 64.0
+    x[40] += part / 64.0
+    sets = [cf.frf.FrfSet.from_arrays(kind="time", x=x, responses=[np.ones(100)], unit=unit) for unit in ("m", "N")]
+    if even:
+        assert cf.frf.Take(response=sets[0], force=sets[1]).fs == pytest.approx(64.0)
+    else:
+        low, high = sorted((1.0 / 64.0, (1.0 + part) / 64.0, (1.0 - part) / 64.0))[::2]
+        with pytest.raises(cf.errors.InputError, match=f"found steps from {low:g} to {high:g} s; expected even steps"):
+            cf.frf.Take(response=sets[0], force=sets[1])
+
+
 def test_a_hit_whose_responses_are_all_clipped_is_left_out():
     force, response = hits([START], BLOCK)
     flat = np.clip(response, -0.4 * response.max(), 0.4 * response.max())

@@ -219,6 +219,48 @@ def test_a_universal_file_states_place_and_unit_of_each_function(tmp_path):
     assert take.response.card[:2] == ("a test", "of a rim")
 
 
+def test_a_roving_sensor_has_another_channel_in_each_hit(tmp_path):
+    """A function that repeats a channel begins a hit; the hits are not sorted by channel, which are unequal."""
+    force, one, two = functions()
+    path = cf.uff.write_uff(tmp_path / "hits.uff", functions=[force, one, force, two], binary=True)
+    takes = cf.frf.read_records(path)
+    assert [take.response.response_point.tolist() for take in takes] == [[8], [6]]
+    np.testing.assert_allclose(takes[1].response.responses[0], TWO, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("kind", "unit", "taken"), [(0, "ms", True), (0, "h", False), (1, "ms", True)])
+def test_a_real_function_of_no_stated_kind_over_time_is_a_record(kind, unit, taken, tmp_path):
+    path = tmp_path / "hit.uff"
+    given = {f"at_{k}": lambda one: replace(abscissa(unit=unit)(one), kind=kind) for k in range(3)}
+    cf.uff.write_uff(path, functions=functions(**given), binary=True)
+    if taken:
+        (take,) = cf.frf.read_records(path)
+        assert take.fs == pytest.approx(128.0)
+    else:
+        with pytest.raises(cf.errors.InputError, match="expected times in s"):
+            cf.frf.read_records(path)
+    other = {f"at_{k}": lambda one: abscissa(kind=18, label="frequency")(replace(one, kind=0)) for k in range(3)}
+    cf.uff.write_uff(path, functions=functions(**other), binary=True)
+    with pytest.raises(cf.errors.InputError, match="expected time records"):
+        cf.frf.read_records(path)
+
+
+@pytest.mark.parametrize(
+    ("faster", "words"),
+    [
+        (0, "function 2 at 128 samples a second, function 1 at 256"),
+        (1, "function 2 at 256 samples a second, function 1 at 128"),
+    ],
+)
+def test_a_channel_of_a_higher_or_a_lower_rate_is_refused(faster, words, tmp_path):
+    def fast(one):
+        return replace(one, x=one.x[0] + 0.5 * (one.x - one.x[0]), step=0.5 * one.step)
+
+    path = cf.uff.write_uff(tmp_path / "hit.uff", functions=functions(**{f"at_{faster}": fast}), binary=True)
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.frf.read_records(path)
+
+
 def abscissa(**changes):
     return lambda one: replace(one, axes=one.axes._replace(abscissa=one.axes.abscissa._replace(**changes)))
 
