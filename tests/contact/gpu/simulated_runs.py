@@ -23,7 +23,7 @@ def scenes():
 
 
 def stopping():
-    """Tips that fly off, one sooner than the other; a rim that deflects by millimetres, with walls of five sizes [m]."""
+    """Two tips that fly off, one sooner; a rim that deflects by millimetres, with walls of five sizes [m]."""
     hit = scene(t_end=1.4e-3, mu=0.2, clearance=-1e-4, blade_velocity=[10.0, 0.0])
     flying = [replace(hit, what=replace(hit.what, blade_velocity=[v, 0.0])) for v in (100.0, 300.0)]
     walls = (1e-4, 1e-3, 1e-2, 3e-2, 1e-1)
