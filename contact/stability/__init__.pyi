@@ -1,4 +1,5 @@
 from .closed_contact import poles
+from .envelope import Envelope, envelope, growth_of
 from .growing import of_contact, of_rim
 from .growth_map import StabilityMap, scan
 from .of_run import of_run
@@ -11,10 +12,13 @@ from .whirling import RotorStability, rotor_stability
 
 __all__ = [
     "Cases",
+    "Envelope",
     "Peaks",
     "RotorStability",
     "StabilityMap",
+    "envelope",
     "floquet_growth",
+    "growth_of",
     "growth_of_cases",
     "of_contact",
     "of_rim",

@@ -48,7 +48,12 @@ AUTO, FREE = 0.7, 4.0  # autocorrelation at most; independent windows at least
 
 
 class Envelope(NamedTuple):
-    """Mean energy [J] of groups of modes in each window, (windows, groups); `time` (windows,) their middles [s]."""
+    """Mean energy [J] of groups of modes in each window, (windows, groups); `time` (windows,) their middles [s].
+
+    >>> found = Envelope(time=np.array([0.1, 0.3]), energy=np.array([[2.0], [1.0]]), start=np.array([0.0, 0.2]))
+    >>> found.energy[:, 0].tolist()
+    [2.0, 1.0]
+    """
 
     time: Array
     energy: Array
@@ -129,11 +134,33 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
 
 
 def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = math.inf) -> Envelope | None:
-    """Mean energy of groups of modes over windows; None with too few states.
+    """Mean vibrating energy of groups of modes over windows of a record.
 
-    Modal coordinates `q` (n, m) at `time` (n,) [s], modes of `omega` (m,) [rad/s] in the groups `group` (m,). The times
-    may be far apart. A revolution takes `turn` [s].
+    e_i = (v_i^2 + omega_i^2 (q_i - c_i)^2)/2 of mode i with the velocity v_i = (q_i(t + D) - q_i(t - D)) omega_i/(2 sin
+    omega_i D), exact for a free mode, and its mean position c_i. Of samples more than a sixth of a period apart, e_i =
+    omega_i^2 (q_i - c_i)^2. A record has up to 32 equal windows, of at least two periods of the motion if eight of
+    them fit.
 
+    Parameters
+    ----------
+    time
+        Evenly spaced instants [s], (n,).
+    q
+        Modal coordinates, mass-normalised [m kg^0.5], (n, m).
+    omega
+        Circular frequencies of the modes [rad/s], (m,).
+    group
+        Number of the group of each mode, from 0, (m,).
+    turn
+        Time of a revolution [s]: windows are whole revolutions if eight of them fit.
+
+    Returns
+    -------
+    Envelope or None
+        None for fewer than 34 instants.
+
+    Examples
+    --------
     >>> t = np.linspace(0.0, 1.0, 401)
     >>> q = np.exp(-3.0 * t) * np.array([np.cos(900.0 * t), np.sin(900.0 * t)])
     >>> found = envelope(t, q.T, np.array([900.0, 900.0]), np.zeros(2, dtype=int))
@@ -162,10 +189,28 @@ def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = 
 
 
 def growth_of(time: Array, energy: Array) -> Fit | None:
-    """Growth of the amplitude over the last straight piece of log(energy)/2.
+    """Growth rate of an amplitude from its energy over time, with a 95 % interval.
 
-    None if fewer than LEAST windows have motion.
+    Least squares of y = log(energy)/2 over time in up to three straight pieces, whose number minimises m log(RSS/m) + 6
+    pieces log m (twice the penalty of Schwarz, Ann. Stat. 6, 1978, 461). The growth is the slope of the last piece. Its
+    interval counts the autocorrelation of the residuals, the curvature of the piece and a slow beat.
 
+    Parameters
+    ----------
+    time
+        Instants [s], (m,), ascending.
+    energy
+        Energy at these instants [J], (m,), such as a column of `envelope`. Instants before the motion begins, with
+        energies of 0 or nan, are left out.
+
+    Returns
+    -------
+    Fit or None
+        `rate` [1/s], `low` and `high` of its interval, and `first`, the instant at which the piece begins. None if
+        fewer than 6 instants have motion.
+
+    Examples
+    --------
     >>> t = np.linspace(0.0, 1.0, 24)
     >>> growth_of(t, np.maximum(1.0, np.exp(20.0 * (t - 0.5)))).first, round(growth_of(t, np.exp(4.0 * t)).rate, 6)
     (12, 2.0)

@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from contact.speed_verdict import SpeedRun, at_end_of_band, decided, disagree
+import contact as ct
+from contact.speed_verdict import SpeedRun, at_end_of_band, decided, disagree, may_change
+from tests.contact.stability.test_growth_of_runs import grown
 
 RUN = SpeedRun(
     speed_hz=20.0, verdict="safe", closed=3.0, growth=0.1, low=-0.2, high=0.4, amplitude_m=2e-5, half_wall_s=math.inf,
@@ -104,3 +106,14 @@ def test_the_deflection_of_a_stopped_run_is_at_most_its_limit(amplitude, limit, 
     assert run.stopped is math.isfinite(limit)
     assert run.shown_m == pytest.approx(shown, nan_ok=True)
     assert run.deflection == text
+
+
+def test_a_longer_run_may_change_growth_with_contact_that_opens_and_runs_that_do_not_decide():
+    rod = ct.Rod(length=1.0, area=1e-4, E=2e11, rho=7800.0, elements=5)
+    result = ct.run([rod, ct.Wall(x=-1e-3)], t_end=1e-4, courant=0.9)
+    for growth, changes in (
+        (grown(closed=0.3), True), (grown(closed=1.0), False), (grown(closed=0.0), False),
+        (grown(closed=0.3, outcome="bounded"), False), (grown(closed=1.0, outcome="undecided"), True),
+        (grown(closed=0.3).checked(1.0, 0.1, 0.3), False),
+    ):  # fmt: skip
+        assert may_change(replace(result, growth=growth)) is changes

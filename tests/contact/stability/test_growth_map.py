@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, minimize_scalar
 
 import contact as ct
 
@@ -91,3 +92,82 @@ def test_a_document_has_speeds_growth_peak_and_bands():
 def test_speeds_that_do_not_ascend_are_refused(speeds):
     with pytest.raises(ct.InputError, match="found numbers that do not ascend, expected at least two ascending speeds"):
         ct.stability.scan(bell((5.0, 30.0, 4.0)), np.array(speeds), floor=1e-6)
+
+
+CELLS = 40
+SHIFT = np.random.default_rng(5).uniform(0.1, 0.9, CELLS)
+POWER = np.random.default_rng(6).integers(2, 7, CELLS)
+
+
+def crossing(v):
+    """Straight, cubic, steep and flat functions of which each changes its sign once between two whole speeds."""
+    cell = np.clip(np.floor(v).astype(int), 0, CELLS - 1)
+    u = v - cell - SHIFT[cell]
+    flat = np.sign(u) * np.abs(u) ** (0.5 * POWER[cell]) + 0.3 * u
+    return (-1.0) ** cell * np.where(cell % 3, np.sinh(8.0 * u), flat)
+
+
+def test_ends_of_many_bands_are_found_together_and_as_exactly_as_each_alone():
+    calls, floor = [], 1e-9
+
+    def counted(v):
+        calls.append(v.size)
+        return crossing(v) + floor
+
+    found = ct.stability.scan(counted, np.arange(CELLS + 1.0), floor=floor)
+    edges = np.array(found.bands_hz).ravel()
+    exact = [brentq(lambda v: float(crossing(np.array([v]))[0]), k, k + 0.9999999, xtol=1e-14) for k in range(CELLS)]
+    np.testing.assert_allclose(edges, exact, atol=1e-7)
+    assert np.abs(crossing(edges)).max() <= 0.1 * floor
+    first = calls.index(CELLS)
+    assert sorted(calls[first:], reverse=True) == calls[first:]  # all at once, and fewer once some are found
+    assert sum(calls[first:]) < CELLS * 20
+
+
+@pytest.mark.parametrize("floor", [0.1, 1e-5])
+def test_a_band_ends_where_growth_is_the_floor_within_a_tenth(floor):
+    calls = []
+
+    def cube(v):
+        calls.append(v)
+        return v**3 - 0.2
+
+    ((end, _),) = ct.stability.scan(cube, np.array([0.0, 1.0]), floor=floor).bands_hz
+    before, last = (abs(float(v[0]) ** 3 - 0.2 - floor) for v in calls[-2:])
+    assert end == calls[-1][0]
+    assert last <= 0.1 * floor < before
+
+
+@pytest.mark.parametrize("middle", np.linspace(0.32, 0.68, 6))
+@pytest.mark.parametrize("width", [0.2, 0.5, 0.8])
+def test_the_peak_is_the_maximum_between_three_speeds(middle, width):
+
+    def bell_with_slope(v):
+        return 1.0 / (1.0 + ((v - middle) / width) ** 2) + 0.05 * v
+
+    found = ct.stability.scan(bell_with_slope, middle + np.array([-0.15, 0.05, 0.2]), floor=1e-6)
+    exact = minimize_scalar(
+        lambda v: -bell_with_slope(v), bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-12}
+    ).x
+    assert bell_with_slope(exact) - found.peak_growth < 1e-5
+    assert found.peak_speed_hz == pytest.approx(exact, abs=0.02)
+    assert found.peak_growth == pytest.approx(bell_with_slope(found.peak_speed_hz), rel=1e-15)
+
+
+@pytest.mark.parametrize("inner", [0.2, 0.8])
+def test_a_peak_is_at_least_the_largest_growth_given(inner):
+    """A kink, which no parabola has, and a value at an end."""
+    speeds = np.array([0.0, inner, 1.0])
+    found = ct.stability.scan(lambda v: 2.0 - np.abs(v - 0.6), speeds, floor=1e-6)
+    assert found.peak_growth >= 2.0 - np.abs(speeds - 0.6).min()
+    assert found.peak_speed_hz == pytest.approx(0.6, abs=0.05)
+    assert ct.stability.scan(lambda v: 1.0 + v, speeds, floor=1e-6).peak_speed_hz == 1.0
+
+
+def test_an_end_beside_which_growth_is_no_number_is_none_and_the_others_are_found():
+    def partly(v):
+        return np.where(np.abs(v - 2.5) < 0.4, np.nan, np.cos(np.pi * v))
+
+    (_, first), (second, third) = ct.stability.scan(partly, np.arange(4.0), floor=1e-9).bands_hz
+    assert (first, second) == pytest.approx((0.5, 1.5), abs=1e-9)
+    assert np.isnan(third)

@@ -4,12 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import stdtrit
 
 import contact as ct
-from contact.record.growth import Cause, RunGrowth
-from contact.speed_verdict import may_change
-from contact.stability.envelope import bend_of
 from tests.contact.synthetic_rim import blade
 from tests.probed import finite
 
@@ -114,15 +110,6 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole(held):
     assert further.time_to_half_wall == pytest.approx(grown.time_to_half_wall, rel=0.05)
 
 
-@pytest.mark.parametrize("count", [6, 9, 14])
-def test_a_bend_that_scatter_may_hide_is_the_interval_of_a_parabola(count):
-    """Residuals of alternating sign are independent: Student's interval of the quadratic term."""
-    t, y = np.linspace(0.0, 2.0, count), 1.0 - 2.0 * (np.arange(count) % 2)
-    quadratic, covariance = np.polyfit(t / 2.0, y, 2, cov=True)
-    wide = np.sqrt(covariance[0, 0]) * stdtrit(count - 3.0, 0.975)
-    assert bend_of(t, y) == pytest.approx(np.hypot(quadratic[0], wide) / 2.0, rel=1e-4)
-
-
 def test_a_slow_growth_after_a_long_start_is_not_bounded(held):
     """A mode of the blade that contact does not see decays for 0.6 s before a pole of 1.6 1/s shows in the energy."""
     pair = ct.gaps.HandPair(
@@ -157,22 +144,11 @@ def test_a_level_that_has_jumped_late_in_the_run_is_not_bounded():
 
 def grown(*, closed, outcome="grows"):
     """Growth of a run whose contact is closed for a fraction of the time."""
-    cause = Cause(body="casing", n=4, share=0.9, travel=1.0, source="friction", work=1.0, closed=closed)
-    return RunGrowth(
+    cause = ct.record.Cause(body="casing", n=4, share=0.9, travel=1.0, source="friction", work=1.0, closed=closed)
+    return ct.record.RunGrowth(
         rate=9.0, low=8.0, high=10.0, state=outcome, amplitude=1e-4, steady=0.5, since=0.1, time_to_half_wall=0.5,
         cause=cause,
     )  # fmt: skip
-
-
-def test_a_longer_run_may_change_growth_with_contact_that_opens_and_runs_that_do_not_decide():
-    rim = free()
-    result = ct.run(rim, t_end=0.02, dt=1e-4)
-    for growth, changes in (
-        (grown(closed=0.3), True), (grown(closed=1.0), False), (grown(closed=0.0), False),
-        (grown(closed=0.3, outcome="bounded"), False), (grown(closed=1.0, outcome="undecided"), True),
-        (grown(closed=0.3).checked(1.0, 0.1, 0.3), False),
-    ):  # fmt: skip
-        assert may_change(replace(result, growth=growth)) is changes
 
 
 def test_a_growth_that_passes_the_limit_at_half_the_step_too_is_not_numerical():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import find_peaks
 
 import contact as ct
 from tests.contact.stability.rates import growth
@@ -65,6 +66,26 @@ def test_peaks_are_the_local_maxima_of_the_growth_on_a_fine_grid():
         assert row.from_hz <= row.speed_hz <= row.to_hz
         near = np.abs(fine - row.speed_hz) < 0.03
         assert row.growth >= values[near].max() * (1.0 - 1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mu", "lean_deg", "start"),
+    [(0.5, 45.0, 20.0), (0.3, -45.0, 20.0), (0.3, -45.0, 45.0), (0.0, -60.0, 20.0), (0.0, -60.0, 70.0),
+     (0.2, 45.0, 20.0), (0.3, -20.0, 20.0), (0.3, -20.0, 45.0), (0.2, 60.0, 20.0), (0.3, 60.0, 20.0)],
+)  # fmt: skip
+def test_peaks_rise_by_a_tenth_above_what_separates_them_from_higher_ones(mu, lean_deg, start):
+    """Prominence by scipy, of the growth at all examined speeds; here no two peaks are of one motion."""
+    found = ct.stability.peaks(rim(lean_deg=lean_deg), np.linspace(start, 200.0, 91), mu=mu)
+    speed, values = found.map.seen_hz, found.map.seen_growth
+    padded = np.pad(values, 1, constant_values=min(values.min(), 0.0) - 1.0)
+    places, known = find_peaks(padded, prominence=0.0)
+    prominent = (padded[places] > 1e-6) & (known["prominences"] >= 0.1 * padded[places])
+    k = places[prominent] - 1
+    low, high = speed[np.maximum(k - 1, 0)], speed[np.minimum(k + 1, speed.size - 1)]
+    assert len(found.rows) == k.size > 1
+    for row, below, above in zip(found.rows, low, high, strict=True):
+        assert below <= row.speed_hz <= above
 
 
 @pytest.mark.parametrize("blades", [2, 3])
