@@ -127,7 +127,7 @@ class _Start(NamedTuple):
     """A problem that starts after `first` steps of a run, `clock` steps after the zero of its clock."""
 
     problem: Problem
-    first: int = 0
+    first: int
     clock: int = 0
 
 

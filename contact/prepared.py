@@ -70,7 +70,7 @@ class Prepared:
     overlap: float  # deepest at t = 0 [m]
     start: Stored
     flags: tuple[Flag, ...] = ()  # known before the first step
-    marked: bool = False  # whether marks are kept, from which a part of the run can be repeated
+    marked: bool  # whether marks are kept, from which a part of the run can be repeated
 
 
 def prepared(scene: Scene) -> Prepared:

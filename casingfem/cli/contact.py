@@ -238,8 +238,8 @@ def traces_of(scene: "CyclesScene", found: "Cycles") -> "list[Trace]":
 
 
 def run_scene(
-    file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool = False,
-    pictures: bool = False,
+    file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool,
+    pictures: bool,
 ) -> None:  # fmt: skip
     """Load and run a scene and write its results; for a failed or diverged run, those up to that step."""
     if pictures and out is None:

@@ -160,7 +160,7 @@ def ledger(result: "Result") -> dict[str, float]:
     }  # fmt: skip
 
 
-def run_files(scene: "Scene", result: "Result", command: str, *, every: bool = False) -> dict[str, Content]:
+def run_files(scene: "Scene", result: "Result", command: str, *, every: bool) -> dict[str, Content]:
     """Pictures as png and the force history, under their names for --out.
 
     By default only the picture of the run over time; with `every` all pictures that the data allow.

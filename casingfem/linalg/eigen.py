@@ -43,7 +43,7 @@ class EigenResult:
     eigenvalues: FloatArray
     vectors: Array
     sturm_count: int | None
-    products: int = 0
+    products: int
     factor: Factor | None = None
 
     @property

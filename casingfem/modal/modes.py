@@ -227,7 +227,7 @@ def split_by_mesh(modes: Modes) -> BoolArray:
     return np.asarray((n > 0) & (2 * n % modes.grid.mesh.columns == 0) & is_axisymmetric(modes.shell.chart))
 
 
-def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
+def warn_of_coarse_mesh(modes: Modes, *, around: bool) -> None:
     """Warn of shapes that the mesh does not resolve; with `around` False only along the meridian."""
     shares = finest_shares(modes)
     worst = shares.max(axis=0) if around else shares[0]

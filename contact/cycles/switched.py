@@ -64,7 +64,7 @@ class Plant:
     restitution: Array
     rate: float
     slips: tuple[tuple[int, int], ...] = ()
-    hidden: int = 0
+    hidden: int
 
     @cached_property
     def rigid(self) -> NDArray[np.bool_]:

@@ -18,7 +18,7 @@ APART = 1e-4  # least eigenvalue of the lines' correlations: below it the record
 BESIDE = (3, 30)  # bins beside a line whose residual is its noise floor
 
 
-def line_frequencies(tones: Sequence[float], n: IntArray, rate: float, runout: int = 0) -> FloatArray:
+def line_frequencies(tones: Sequence[float], n: IntArray, rate: float, runout: int) -> FloatArray:
     """Frequencies |f + n W| of all tones and orders, then k W of the run-out [Hz].
 
     >>> line_frequencies([100.0], np.array([-2, 2]), 3.0, runout=1).tolist()

@@ -85,9 +85,7 @@ def refuse_unpaired(table: FrequencyTable, freq: FloatArray, n: IntArray | None,
     )
 
 
-def require_hz(
-    table: FrequencyTable, freq: FloatArray, n: IntArray | None, reach: float, *, any_factor: bool = False
-) -> None:
+def require_hz(table: FrequencyTable, freq: FloatArray, n: IntArray | None, reach: float, *, any_factor: bool) -> None:
     """Refuse a table in another unit, from its ratios to the lowest computed modes alone.
 
     Parameters

@@ -250,7 +250,7 @@ def troubled_frfs(
     return TroubledTest(frfs, replace(frfs, kind="spectrum", responses=coherence, unit=""), truth)
 
 
-def modal_sum(residues: Array, poles: Array, s: Array, power: int = 0, end: float = np.inf) -> Array:
+def modal_sum(residues: Array, poles: Array, s: Array, power: int, end: float = np.inf) -> Array:
     """Sum of s^q A/(s - p) + s^q A*/(s - p*), without the ringing after `end` [s]; A = r/(2 j omega_d).
 
     Without an end and with q = 0 this is r/(s^2 + 2 zeta omega s + omega^2) for real r.

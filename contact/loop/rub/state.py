@@ -165,7 +165,7 @@ def tips(s: RubState, solver: Solver | None) -> int:
     return s.mu.size
 
 
-def solver_of(s: RubState, *, newton: bool = True, yields: bool = False) -> Solver:
+def solver_of(s: RubState, *, newton: bool = True, yields: bool) -> Solver:
     """Work arrays of the solver; `newton`: Newton's method on the forces; `yields`: on a coating or with a law."""
     K, R = s.mu.size, s.lam.size
     return Solver(
@@ -174,7 +174,7 @@ def solver_of(s: RubState, *, newton: bool = True, yields: bool = False) -> Solv
     )  # fmt: skip
 
 
-def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
+def work_space(s: RubState, rows: RubRows, *, newton: bool) -> Work:
     """Work arrays of a run; `newton`: Newton's method on the forces solves for the tips."""
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
     P, d = int(rows.place.max()) + 1, R // K

@@ -37,7 +37,7 @@ class Band(NamedTuple):
 
     ground: Array
     off: Array
-    grounded: bool = True
+    grounded: bool
     sparse: Entries = NO_ENTRIES
 
     @property

@@ -148,7 +148,7 @@ def pair_rim(pair: ModalPair, *, radius: float) -> ModalBody:
 
 def two_dimensional(
     casing: ModalPair, disk: ModalPair, *, blades: int, stiffness: float, press: float, speed_hz: float,
-    velocity: float = 0.0, radius: float = 0.5,
+    velocity: float, radius: float = 0.5,
 ) -> Rub:  # fmt: skip
     """A disk of blades in a casing, each body by its two n-diameter modes, in the disk's frame.
 

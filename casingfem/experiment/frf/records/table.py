@@ -24,7 +24,7 @@ CHANNEL = re.compile(
 )
 
 
-def read_table(path: str | os.PathLike[str], *, by_names: bool = True) -> list[RecordBlock]:
+def read_table(path: str | os.PathLike[str], *, by_names: bool) -> list[RecordBlock]:
     """The records of a table with a column of times.
 
     Parameters

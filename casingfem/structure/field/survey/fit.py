@@ -47,7 +47,7 @@ def resolved_harmonic(gap_deg: float) -> int:
 
 
 def fit_points(
-    points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False, search: bool = True
+    points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool, search: bool = True
 ) -> SurveyFit:
     """Choose a fit that the points determine, or check the requested one, and make it.
 
