@@ -47,7 +47,7 @@ def clopper_pearson(hits: float, draws: float, *, level: float = LEVEL) -> Estim
 
 @cache
 def mid_p(hits: int, draws: int, level: float = LEVEL) -> Estimate:
-    """A probability from few independent draws, with the mid-P interval (G. Berry, P. Armitage, Statistician 44, 1995).
+    """A probability from few independent draws, not all hits, with the mid-P interval (G. Berry, P. Armitage, Statistician 44, 1995).
 
     At each end of the interval, the probability of numbers of hits beyond the one found, plus half of the probability
     of this number, is (1 - level)/2. Over all probabilities its coverage is near the level on average; Clopper's and
@@ -64,8 +64,7 @@ def mid_p(hits: int, draws: int, level: float = LEVEL) -> Estimate:
         return float(binom.sf(hits, draws, p) + 0.5 * binom.pmf(hits, draws, p))
 
     low = 0.0 if hits == 0 else float(brentq(lambda p: above(p) - tail, 0.0, 1.0))
-    high = 1.0 if hits == draws else float(brentq(lambda p: above(p) - 1.0 + tail, 0.0, 1.0))
-    return Estimate(hits / draws, low, high)
+    return Estimate(hits / draws, low, float(brentq(lambda p: above(p) - 1.0 + tail, 0.0, 1.0)))
 
 
 def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:

@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.special import ndtri
-from scipy.stats import chi2
+from scipy.stats import beta, binom, chi2, norm
+from scipy.stats import t as student
 
 import casingfem as cf
 
@@ -49,6 +50,80 @@ def test_a_rare_event_that_some_sequences_meet_once_has_the_interval_of_independ
     found = cf.chance.probability(hit)
     assert found.value == pytest.approx(5.0 / 512.0)
     assert found.high == pytest.approx(0.0226, rel=0.06)
+
+
+def in_turn(counts, size):
+    """Draws of 16 sequences in turn, with these numbers of hits of `size` draws each."""
+    return np.array([[row < count for count in counts] for row in range(size)]).ravel()
+
+
+@pytest.mark.parametrize("level", [0.95, 0.8])
+@pytest.mark.parametrize("more", [1, 7, 15])
+@pytest.mark.parametrize(("fewest", "size"), [(1, 4), (3, 5), (2, 4)])
+def test_neighbouring_numbers_of_hits_have_the_mid_p_interval_of_the_larger(fewest, more, size, level):
+    """At each end the chance of more, or of fewer, than were found, and half of that of as many, is that of a tail."""
+    found = cf.chance.probability(in_turn([fewest + (k < more) for k in range(16)], size), level=level)
+    assert found.value == pytest.approx((fewest + more / 16.0) / size)
+    low, high = found.low * size - fewest, found.high * size - fewest
+    tail = 0.5 * (1.0 - level)
+    assert binom.sf(more, 16, low) + 0.5 * binom.pmf(more, 16, low) == pytest.approx(tail)
+    assert binom.cdf(more - 1, 16, high) + 0.5 * binom.pmf(more, 16, high) == pytest.approx(tail)
+
+
+@pytest.mark.parametrize(("count", "size"), [(1, 4), (2, 4)])
+def test_equal_numbers_of_hits_have_an_interval_as_far_below_as_above(count, size):
+    """Half of the chance of none of 16 is 2.5 % at the end: (1 - p)^16 = 0.05."""
+    found, reach = cf.chance.probability(in_turn([count] * 16, size)), 1.0 - 0.05 ** (1.0 / 16.0)
+    assert found == pytest.approx((count / size, (count - reach) / size, (count + reach) / size))
+
+
+@pytest.mark.parametrize(
+    ("counts", "size"),
+    [([0] * 9 + [3] * 7, 5), ([1] * 8 + [3] * 8, 5), ([0] * 15 + [1], 5), ([5, 4] * 8, 5), ([2] * 4 + [0] * 12, 2)],
+)
+def test_other_numbers_of_hits_are_worth_as_many_independent_draws_as_their_variance_states(counts, size):
+    level = 0.9
+    found = cf.chance.probability(in_turn(counts, size), level=level)
+    means = np.array(counts) / size
+    p, variance = means.mean(), means.var(ddof=1) / 16.0
+    worth = p * (1.0 - p) / variance * (norm.ppf(0.95) / student.ppf(0.95, 15)) ** 2
+    hits = p * worth
+    low, high = beta.ppf(0.05, hits, worth - hits + 1.0), beta.ppf(0.95, hits + 1.0, worth - hits)
+    assert found == pytest.approx((p, low, high))
+
+
+def test_few_draws_none_and_all_have_the_interval_of_independent_draws():
+    for hit in (np.arange(31) < 9, np.zeros(64, bool), np.ones(64, bool)):
+        assert cf.chance.probability(hit) == cf.chance.clopper_pearson(int(hit.sum()), hit.size)
+    uneven = np.r_[in_turn([2] * 16, 4), True]  # the first sequence has a draw more
+    assert cf.chance.probability(uneven).high - cf.chance.probability(uneven).low < 0.05
+    exact = cf.chance.clopper_pearson(3, 20, level=0.9)
+    assert binom.sf(2, 20, exact.low) == pytest.approx(0.05)
+    assert binom.cdf(3, 20, exact.high) == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(("hits", "draws", "level"), [(-1, 5, 0.9), (0, 0, 0.9), (1, 5, 0.0), (1, 5, 1.0)])
+def test_hits_are_of_draws_and_a_level_is_between_its_ends(hits, draws, level):
+    with pytest.raises(cf.errors.InputError, match="expected 0 <= hits <= draws"):
+        cf.chance.clopper_pearson(hits, draws, level=level)
+    assert cf.chance.clopper_pearson(5, 5)[0::2] == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("at", [0.0, 1.0])
+def test_a_quantile_lies_between_its_ends(at):
+    with pytest.raises(cf.errors.InputError, match=f"found {at:g} of 3 values"):
+        cf.chance.quantile(np.arange(3.0), at)
+    assert cf.chance.quantile(np.array([7.0]), 0.5) == (7.0, 7.0, 7.0)
+
+
+@pytest.mark.parametrize(("size", "at", "level"), [(400, 0.1, 0.95), (401, 0.9, 0.8), (40, 0.99, 0.95)])
+def test_the_ends_of_a_quantile_are_the_order_statistics_that_contain_it(size, at, level):
+    """The numbers of values below the quantile at whose distribution function a tail ends (H. David, 1981, 2.5)."""
+    found = cf.chance.quantile(np.random.default_rng(1).permutation(size) * 1.0, at, level=level)
+    below = binom.cdf(np.arange(size + 1), size, at)
+    low = int(np.argmax(below >= 0.5 * (1.0 - level))) - 1
+    high = int(np.argmax(below >= 0.5 * (1.0 + level)))
+    assert found == (at * (size - 1), max(low, 0), min(high, size - 1))
 
 
 @pytest.mark.parametrize("limit", [0.5, 0.507])
