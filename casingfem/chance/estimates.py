@@ -47,7 +47,9 @@ def clopper_pearson(hits: float, draws: float, *, level: float = LEVEL) -> Estim
 
 @cache
 def mid_p(hits: int, draws: int, level: float = LEVEL) -> Estimate:
-    """A probability from few independent draws, not all hits, with the mid-P interval (G. Berry, P. Armitage, Statistician 44, 1995).
+    """A probability from few draws, not all of them hits, with the mid-P interval.
+
+    Source: G. Berry, P. Armitage, Statistician 44, 1995. Draws are independent.
 
     At each end of the interval, the probability of numbers of hits beyond the one found, plus half of the probability
     of this number, is (1 - level)/2. Over all probabilities its coverage is near the level on average; Clopper's and

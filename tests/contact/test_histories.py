@@ -32,15 +32,16 @@ def test_rows_of_forces_lose_no_impulse_and_no_peak():
     np.testing.assert_allclose(whole["force1_mean_N"], result.force[:, 0], rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("make", ["rim", "rub"])
+@pytest.mark.parametrize("make", ["rim", "rub", "second blade"])
 def test_tip_and_rim_meet_where_they_touch(make):
     """While contact is closed, clearance + rim - tip along the normal is zero, residual compliance included."""
     if make == "rim":
         what, law, result = rubbed()
         closed = result.force[:, 0] > 0.05 * result.peak_force[0]
     else:
-        tip = tips(1)
-        what = ct.Rub(rim3(), [nodes(1)], tip, clearance=-2e-5, speed=ct.Speed.constant(5.0))
+        second = make == "second blade"
+        blades = [nodes(1, seed=3), nodes(1)] if second else [nodes(1)]
+        what = ct.Rub(rim3(), blades, tips(1, blade=int(second)), clearance=-2e-5, speed=ct.Speed.constant(5.0))
         law = ct.Coulomb(mu=0.1)
         result = ct.run(what, law=law, t_end=0.02, dt=5e-6, record=ct.Record(state_every=1))
         closed = result.tip_force[:, 0] > 0.2 * result.peak_force[0]
@@ -60,6 +61,9 @@ def test_a_film_shows_the_rim_where_the_tips_are(monkeypatch):
         found = film.rub_film(what, result)
         assert len(found.stretches) == stretches
         assert len(found.time) <= frames
+        assert found.profile.size == 360
+        if stretches > 1:  # the first begins with the run, and the last ends with it
+            assert found.time[[0, -1]].tolist() == result.state_time[[0, -1]].tolist()
         at = np.searchsorted(result.state_time, found.time)
         np.testing.assert_array_equal(result.state_time[at], found.time)
         phi = np.multiply.outer(found.angle - found.turned, found.n)
@@ -68,8 +72,50 @@ def test_a_film_shows_the_rim_where_the_tips_are(monkeypatch):
         assert np.linalg.norm(left_out) < 0.05 * np.linalg.norm(motion.rim[at, 0])
         assert np.median(np.abs(left_out)) < 1e-3 * np.abs(motion.rim[:, 0]).max()
         np.testing.assert_allclose(found.gap[:, 0], result.gap[np.searchsorted(result.time, found.time), 0])
+    for count in (1, 2):
+        few = replace(result, state=result.state[:count], state_time=result.state_time[:count])
+        assert (film.rub_film(what, few) is None) == (count < 2)
+    assert film.rub_film(what, replace(result, time=result.time[:0])) is None
     rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
     assert film.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
+
+
+def test_a_film_of_tips_on_two_lines_has_those_of_the_first_line_and_its_radius_profile_and_forces():
+    """The rim of the second line is another: its tips are left out and counted."""
+    rim = replace(rim3(), lines=np.array([[0.0, 0.4], [0.1, 0.5]]))
+    points = [replace(one, line=1 - one.line) for one in tips(3)]
+    out = [{"p": 2, "cos": 1e-5, "sin": 2e-5}, {"p": 3, "cos": -3e-5}]
+    what = ct.Rub(
+        rim,
+        [nodes(3)],
+        points,
+        clearance=-2e-5,
+        speed=ct.Speed.constant(30.0),
+        profile=ct.gaps.RimProfile.fourier(out),
+        turning="casing",
+    )
+    result = ct.run(what, law=ct.Coulomb(mu=0.1), t_end=0.01, dt=5e-6, record=ct.Record(every=3, state_every=3))
+    found = film.rub_film(what, result, places=8)
+    theta = 2.0 * np.pi * np.arange(8) / 8
+    profile = 1e-5 * np.cos(2 * theta) + 2e-5 * np.sin(2 * theta) - 3e-5 * np.cos(3 * theta)
+    np.testing.assert_allclose(found.profile, profile, atol=1e-18)
+    assert (found.radius, found.left_out) == (0.5, 1)
+    np.testing.assert_allclose(found.angle, np.radians([10.0, 11.0]))
+    np.testing.assert_allclose(found.turned, 2.0 * np.pi * 30.0 * found.time, atol=1e-12)
+    near = np.searchsorted(result.time, found.time)
+    np.testing.assert_array_equal(found.gap, result.gap[near][:, [0, 2]])
+    np.testing.assert_array_equal(found.force, result.windowed_force()[near][:, [0, 2]])
+    assert found.stretches.tolist() == [0]
+    power = np.mean(result.state_of("casing") ** 2, axis=0)
+    omega = np.sqrt(power @ rim.omega**2 / power.sum())
+    every = int(2.0 * np.pi / (8.0 * omega * 3 * result.dt))
+    assert every > 1
+    np.testing.assert_array_equal(found.time, result.state_time[::every])
+    casing = ct.recovery.casing_motion(what, result)[::every]
+    own = casing[:, 3 * 11 : 4 * 11]  # of the second line: three directions of eleven waves before it
+    np.testing.assert_allclose(found.cos, own[:, found.n])
+    sines = np.hstack([np.zeros((len(own), 1)), own[:, 6:]])
+    np.testing.assert_allclose(found.sin, sines[:, found.n], atol=1e-20)
 
 
 def test_a_film_keeps_the_harmonics_that_have_the_motion():
