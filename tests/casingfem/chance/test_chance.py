@@ -214,6 +214,58 @@ def test_bad_input_is_refused_with_file_and_key(made, old, new, words):
     assert words in " ".join(result.output.split())
 
 
+@pytest.mark.parametrize(
+    ("name", "keys", "words"),
+    [
+        ("clearance", "deviation = 2.5e-4", ""),
+        ("clearance", "deviation = 2.51e-4", "a normal law of mean 0.001 and standard deviation 0.000251, which reaches"
+         " -4e-06, expected values >= 0"),
+        ("clearance", "deviation = 5.77e-4\nlaw = 'uniform'", ""),
+        ("clearance", "deviation = 5.78e-4\nlaw = 'uniform'", "which reaches -1.13e-06"),
+        ("clearance", "deviation = 1e-2\nlaw = 'lognormal'", ""),
+        ("clearance", "deviation = 1e-3\nmean = 4e-3", ""),
+        ("clearance", "deviation = 1e-3\nmean = 3.9e-3", "which reaches -0.0001"),
+        ("clearance", "deviation = 1e-3\nmean = -1e-4", ""),  # an interference may be of any size
+        ("clearance", "deviation = 1e-3\nmean = 0.0", "which reaches -0.004"),
+        ("clearance", "deviation = 1e-3\nmean = 0.0\nlaw = 'lognormal'", "expected a mean above 0"),
+        ("friction", "deviation = 0.075", ""),
+        ("friction", "deviation = 0.0751", "which reaches -0.0004"),
+        ("blade", "deviation = 0.2499", ""),
+        ("blade", "deviation = 0.25", "a normal law of mean 1 and standard deviation 0.25, which reaches 0, expected"
+         " ratios above 0"),
+        ("blade", "deviation = 0.25\nmean = 1.01", ""),
+    ],
+)  # fmt: skip
+def test_a_law_that_reaches_impossible_values_is_refused_and_no_other(made, name, keys, words):
+    text = SCENE.partition("[chance.blade]")[0].replace('"casing.toml"', '"none.toml"')
+    (made / "bad.toml").write_text(f"{text}[chance.{name}]\n{keys}\n")
+    found = " ".join(run(made, scene="bad.toml").output.split())
+    assert "none.toml: found no such file" in found
+    assert (f"chance.{name}: found" in found) == bool(words)
+    assert words in found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (STUDY[STUDY.index("[reduce]") :], "", "reduce: found no rim of a casing, expected [reduce] with interface"),
+        ("n_max = 8\n", "n_max = 9\n", "casing.basis: found n_max = 8, 1 lines, expected n_max = 9 and one line"),
+        ('kind = "clamped"', 'kind = "bolts"\ncount = 4\nk = 1e8', "found a casing that needs a full solution for"),
+        (STUDY[STUDY.index("[[imp") : STUDY.index("[mesh]")], '[[imperfection]]\nof = "radius"\nharmonics = [{p = 2,'
+         " cos = 0.001}]\n", "imperfection: found no random one, expected [[imperfection]] with random and seed"),
+        ("p_max = 5", "p_max = 26", "imperfection[1]: found harmonic 26 of the radius, expected at most 25 on the 77"),
+        ("{p = 8,", "{p = 26,", "imperfection[2]: found harmonic 26 of the thickness, expected at most 25 on the 77"),
+    ],
+)  # fmt: skip
+def test_a_study_without_random_casings_of_the_scene_s_rim_is_refused(made, old, new, words):
+    assert STUDY.count(old) == 1
+    (made / "other.toml").write_text(STUDY.replace(old, new))
+    (made / "bad.toml").write_text(SCENE.replace("casing.toml", "other.toml"))
+    result = run(made, scene="bad.toml")
+    assert result.exit_code == 2
+    assert words in " ".join(result.output.split())
+
+
 def test_all_that_is_wrong_is_reported_at_once(made):
     text = SCENE.replace("deviation = 1e-4", "deviation = 1e-3").replace("deviation = 0.05", "deviation = 0.2")
     (made / "bad.toml").write_text(text.replace("friction = 0.3", "friction = 0.3\nfriciton = 1.0"))

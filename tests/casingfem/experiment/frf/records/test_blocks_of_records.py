@@ -1,5 +1,7 @@
 """Records of known pulses and known decays: blocks, windows, lines and hits against transforms in plain NumPy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -246,7 +248,48 @@ def test_a_shaker_test_is_welch_s_average_of_its_blocks(window, overlap, average
     np.testing.assert_allclose(found.coherence.responses[0].real, coherence[lines], rtol=1e-9)
     (row,) = found.records()
     assert (row["channel"], row["point"], row["reference"]) == (1, 1, 1)
+    assert "multiple coherence" not in found.coherence.card
     assert row["median_coherence"] == pytest.approx(np.sort(coherence[lines])[23])
+
+
+def test_two_forces_have_responses_to_each_and_one_multiple_coherence():
+    """x = f_1 convolved + 3 f_2: the responses by the two-by-two system of plain spectra."""
+    rng = np.random.default_rng(8)
+    forces = rng.standard_normal((2, 8 * BLOCK))
+    x = np.convolve(forces[0], SHORT)[: forces.shape[1]] + 3.0 * forces[1] + rng.standard_normal(forces.shape[1])
+    one = take(forces[0], [x])
+    at = {"response_point": np.array([1, 4]), "response_direction": np.array([3, -2])}
+    at |= {name.replace("response", "reference"): np.array([0, 0]) for name in at}
+    both = replace(one, force=replace(one.force, responses=forces, **at))
+    found = cf.frf.estimate(both, seconds=BLOCK / FS, window="rectangular", overlap=0.0)
+    f, r = (np.fft.rfft(part.reshape(*part.shape[:-1], 8, BLOCK))[..., 1:201] for part in (forces, x[None]))
+    cross, own = np.einsum("xal,fal->lxf", r, f.conj()), np.einsum("xal,fal->lxf", f, f.conj())
+    H = cross @ np.linalg.inv(own)
+    np.testing.assert_allclose(found.frfs.responses, H[:, 0].T, rtol=1e-9)
+    assert found.frfs.reference_point.tolist() == [1, 4]
+    assert found.frfs.reference_direction.tolist() == [3, -2]
+    assert found.frfs.response_point.tolist() == [1, 1]
+    power = np.sum(np.abs(r[0]) ** 2, axis=0)
+    coherence = np.einsum("lxf,lxf->l", H, cross.conj()).real / power
+    np.testing.assert_allclose(found.coherence.responses.real, coherence[None], rtol=1e-9)
+    assert found.coherence.card[-1] == "multiple coherence"
+    assert found.averages == 8
+    assert [row["median_coherence"] for row in found.records()] == [pytest.approx(np.sort(coherence)[100])] * 2
+
+
+@pytest.mark.parametrize(
+    ("window", "overlap", "words"),
+    [
+        ("hann", 0.91, "overlap: found 0.91, expected 0 to 0.9"),
+        ("hann", -0.1, "overlap: found -0.1"),
+        ("flat", 0.5, "window: found 'flat'"),
+    ],
+)
+def test_windows_and_overlaps_are_refused_by_name(window, overlap, words):
+    force = np.random.default_rng(8).standard_normal(4 * BLOCK)
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.frf.estimate(take(force, [force]), test="shaker", window=window, overlap=overlap)
+    assert cf.frf.estimate(take(force, [force]), test="shaker", overlap=0.9, seconds=0.5).averages == 31
 
 
 def test_without_a_given_length_a_shaker_s_record_has_twenty_blocks():
