@@ -5,8 +5,10 @@ import shutil
 import tomllib
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
+from scipy.stats import lognorm, truncnorm, uniform
 
 import casingfem as cf
 from casingfem.cli import main
@@ -150,6 +152,43 @@ def test_without_runs_and_worst_casings_only_the_tables_and_the_page_are_written
 
 
 @pytest.mark.slow
+def test_drawn_numbers_have_their_laws(made, tmp_path):
+    """Each is the quantile of one random number of the points of `cf.chance`; a normal law is cut at 4 sigma."""
+    head = SCENE.partition("[chance.blade]")[0].replace("draws = 52", "draws = 64")
+    head = head.replace("worst = 1", "worst = 0").replace("runs = 2", "runs = 0").replace("importance = 4", "")
+    laws = """[chance.blade]
+deviation = 0.3
+law = "lognormal"
+[chance.clearance]
+deviation = 1e-4
+mean = 9e-4
+[chance.friction]
+deviation = 0.1
+law = "uniform"
+"""
+    (made / "laws.toml").write_text(head + laws)
+    result = run(made, "--out", str(tmp_path), scene="laws.toml")
+    assert result.exit_code == 0, result.output
+    table = pd.read_csv(tmp_path / "chance.csv", comment="#")
+    spread = np.sqrt(np.log(1.09))
+    expected = {
+        "blade": lognorm(spread, scale=np.exp(-0.5 * spread**2)), "friction": uniform(0.3 - 0.1 * 3**0.5, 0.2 * 3**0.5),
+        "clearance": truncnorm(-4.0, 4.0, loc=9e-4, scale=1e-4),
+    }  # fmt: skip
+    assert expected["blade"].mean() == pytest.approx(1.0)
+    assert expected["blade"].std() == pytest.approx(0.3)
+    reached = [law.cdf(table[name].to_numpy())[:, None] for name, law in expected.items()]
+    sizes = []  # numbers of random numbers, of which each of these is one
+    for size in range(3, 60):
+        u = cf.chance.points(11, range(64), size)
+        columns = [np.flatnonzero(np.abs(own - u).max(axis=0) < 1e-9).tolist() for own in reached]
+        if any(columns):
+            sizes.append(size)
+            assert len({column for (column,) in columns}) == 3
+    assert len(sizes) == 1
+
+
+@pytest.mark.slow
 def test_a_run_that_goes_on_gives_the_same_numbers_to_the_last_bit(made, first, tmp_path):
     again = tmp_path / "out"
     shutil.copytree(made / "out" / "draws", again / "draws")
@@ -234,6 +273,7 @@ def test_bad_input_is_refused_with_file_and_key(made, old, new, words):
         ("blade", "deviation = 0.25", "a normal law of mean 1 and standard deviation 0.25, which reaches 0, expected"
          " ratios above 0"),
         ("blade", "deviation = 0.25\nmean = 1.01", ""),
+        ("blade", "deviation = 0.25\nlaw = 'lognormal'", ""),
     ],
 )  # fmt: skip
 def test_a_law_that_reaches_impossible_values_is_refused_and_no_other(made, name, keys, words):
