@@ -140,20 +140,10 @@ def test_the_worst_casing_is_a_study_with_the_keys_of_its_own_study(made, first)
     assert written == stated
 
 
-@pytest.mark.slow
-def test_without_runs_and_worst_casings_only_the_tables_and_the_page_are_written(made, tmp_path):
-    few = SCENE.replace("draws = 52", "draws = 50").replace("worst = 1", "worst = 0").replace("runs = 2", "runs = 0")
-    (made / "few.toml").write_text(few.replace("importance = 4", ""))
-    assert run(made, "--out", str(tmp_path), scene="few.toml").exit_code == 0
-    written = {path.relative_to(tmp_path).as_posix() for path in tmp_path.iterdir()}
-    tables = {"chance.csv", "chance_pairs.csv", "chance_speeds.csv"}
-    assert written == {*tables, "chance.json", "chance.html", "draws"}
-    assert json.loads((tmp_path / "chance.json").read_text())["runs"] == []
-
-
-@pytest.mark.slow
-def test_drawn_numbers_have_their_laws(made, tmp_path):
-    """Each is the quantile of one random number of the points of `cf.chance`; a normal law is cut at 4 sigma."""
+@pytest.fixture(scope="module")
+def lawful(made, tmp_path_factory):
+    """The files of casings with another law for each number, without runs and worst casings."""
+    out = tmp_path_factory.mktemp("lawful")
     head = SCENE.partition("[chance.blade]")[0].replace("draws = 52", "draws = 64")
     head = head.replace("worst = 1", "worst = 0").replace("runs = 2", "runs = 0").replace("importance = 4", "")
     laws = """[chance.blade]
@@ -167,9 +157,23 @@ deviation = 0.1
 law = "uniform"
 """
     (made / "laws.toml").write_text(head + laws)
-    result = run(made, "--out", str(tmp_path), scene="laws.toml")
+    result = run(made, "--out", str(out), scene="laws.toml")
     assert result.exit_code == 0, result.output
-    table = pd.read_csv(tmp_path / "chance.csv", comment="#")
+    return out
+
+
+@pytest.mark.slow
+def test_without_runs_and_worst_casings_only_the_tables_and_the_page_are_written(lawful):
+    written = {path.relative_to(lawful).as_posix() for path in lawful.iterdir()}
+    tables = {"chance.csv", "chance_pairs.csv", "chance_speeds.csv"}
+    assert written == {*tables, "chance.json", "chance.html", "draws"}
+    assert json.loads((lawful / "chance.json").read_text())["runs"] == []
+
+
+@pytest.mark.slow
+def test_drawn_numbers_have_their_laws(lawful):
+    """Each is the quantile of one random number of the points of `cf.chance`; a normal law is cut at 4 sigma."""
+    table = pd.read_csv(lawful / "chance.csv", comment="#")
     spread = np.sqrt(np.log(1.09))
     expected = {
         "blade": lognorm(spread, scale=np.exp(-0.5 * spread**2)), "friction": uniform(0.3 - 0.1 * 3**0.5, 0.2 * 3**0.5),
