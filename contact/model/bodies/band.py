@@ -37,7 +37,7 @@ class Band(NamedTuple):
 
     ground: Array
     off: Array
-    grounded: bool
+    grounded: bool = True
     sparse: Entries = NO_ENTRIES
 
     @property
