@@ -157,7 +157,7 @@ KINDS: Mapping[str, Callable[[], None]] = {
 }
 
 
-def compiled_ahead(kinds: tuple[str, ...] = tuple(KINDS), *, workers: int) -> Iterator[Made]:
+def compiled_ahead(kinds: tuple[str, ...] = tuple(KINDS), *, workers: int = 1) -> Iterator[Made]:
     """Compile the loops of these kinds of run, `workers` at a time, and yield each kind as it is done.
 
     Code that is already on disk is only read. `ct.ahead.KINDS` names the kinds. Raises InputError for an unknown kind.

@@ -55,7 +55,7 @@ class Window:
     Y: Array
     along: FloatArray
     end: float = np.inf
-    leak: float
+    leak: float = 0.0
     floor: float = 0.0
     terms: int = USUAL.terms
 

@@ -30,7 +30,7 @@ class Bulk:
     rows: IntArray | None = None
     points: Mapping[int, FloatArray] = field(default_factory=dict)
     axes: Mapping[int, FloatArray] = field(default_factory=dict)
-    g: float
+    g: float = 0.0
 
     @property
     def boundary(self) -> tuple[int, ...]:

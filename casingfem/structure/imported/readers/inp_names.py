@@ -22,7 +22,7 @@ FLAT = {"triangle": 3, "quad": 4}
 NAMED = re.compile(r"(SPOS|SNEG)|([SE])(\d)")
 
 
-def face_corners(kind: str, face: str, *, plane: bool) -> tuple[int, ...]:
+def face_corners(kind: str, face: str, *, plane: bool = False) -> tuple[int, ...]:
     """Local corners of a face of an element: all for a shell's side, two for its edge; () if there is no such face.
 
     Edges of shells are E1 to E4 (Abaqus) or S3 to S6 (CalculiX, where S1 and S2 are the sides). Edges of elements in a
