@@ -1,4 +1,4 @@
-from . import cycles, io, record, recovery, reference, scene, scheme, stability
+from . import cycles, histories, io, record, recovery, reference, scene, scheme, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -50,6 +50,7 @@ __all__ = [
     "bodies",
     "cycles",
     "gaps",
+    "histories",
     "interactions",
     "io",
     "laws",

@@ -1,4 +1,4 @@
-"""Time histories for display: forces, motion of a tip and of the rim at the tip, stored energy; a rub as a film."""
+"""Time histories of a run for tables and pictures: forces, motion of tip and rim, strain energy, a rub in frames."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from contact.problem import What
 from contact.recovery import at_channels, casing_motion, rub_forces
 from contact.result import Result
 
+__all__ = ["RubFilm", "TipMotion", "force_table", "rub_film", "strain_energy", "tip_motion"]
+
 ROWS = 100_000  # of a table of forces: longer records are summed up
 NUMBERS = 150_000  # that a film contains: fewer frames where there are more tips
 FRAMES = 2000  # at most
@@ -28,7 +30,14 @@ Places = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class TipMotion:
-    """Motion of one tip and of the rim at its place, (ns, 2) each: along the normal and along the rim [m]."""
+    """Motion of one tip and of the rim at its place, (ns, 2) each: along the normal and along the rim [m].
+
+    `time` (ns,) [s]. While the contact is closed, clearance + rim - tip along the normal is zero.
+
+    >>> motion = TipMotion(time=np.zeros(1), tip=np.array([[3e-4, 0.0]]), rim=np.array([[1e-4, 0.0]]))
+    >>> round(float(motion.tip[0, 0] - motion.rim[0, 0]), 9)
+    0.0002
+    """
 
     time: Array
     tip: Array
@@ -41,6 +50,21 @@ def force_table(result: Result, rows: int = ROWS) -> dict[str, Array]:
     A record longer than `rows` is condensed to several samples a row. The mean force keeps the impulse, and no peak is
     lost.
 
+    Parameters
+    ----------
+    result
+        Result of a run.
+    rows
+        Largest number of rows.
+
+    Returns
+    -------
+    dict of str to array
+        "time_s" [s], and for contact k from 1 on "force{k}_mean_N", "force{k}_peak_N" [N] and "gap{k}_least_m" [m],
+        (rows,) each.
+
+    Examples
+    --------
     >>> from contact.model.bodies.body import Rod, Wall
     >>> from contact.run import run
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -62,7 +86,35 @@ def force_table(result: Result, rows: int = ROWS) -> dict[str, Array]:
 
 
 def strain_energy(what: What, result: Result) -> dict[str, Array]:
-    """Strain energy [J] of each modal body at `result.state_time`, by its name; empty for other problems."""
+    """Strain energy of each modal body of a rim or rub at its stored states.
+
+    V = sum_i (omega_i q_i)^2/2 over the mass-normalised modes of a body; its residual compliance is not counted.
+
+    Parameters
+    ----------
+    what
+        The rim, rub or disk that was run.
+    result
+        Its result, with stored states (`state_every` of `contact.Record`).
+
+    Returns
+    -------
+    dict of str to array
+        Energy [J] at `result.state_time` by the name of the body, such as "casing"; empty for other problems and for
+        records without states of the modes.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=5.0)
+    >>> result = ct.run(rim, t_end=0.01, dt=1e-5, record=ct.Record(state_every=10))
+    >>> energy = strain_energy(rim, result)
+    >>> list(energy), bool((energy["blade"] >= 0.0).all())
+    (['casing', 'blade'], True)
+    """
     rub: Rub | None = rub_of(what)
     if rub is None or result.channels.size or not len(result.state):
         return {}
@@ -73,9 +125,35 @@ def strain_energy(what: What, result: Result) -> dict[str, Array]:
 
 
 def tip_motion(what: object, result: Result, casing: Array | None = None) -> TipMotion | None:
-    """Motion of the first tip of a rim or rub whose states are stored, residual compliance included; else None.
+    """Motion of the first tip of a rim or rub and of the rim before it, with residual compliance.
 
-    `casing` is its `casing_motion` if it was computed before.
+    Parameters
+    ----------
+    what
+        The rim, rub or disk that was run.
+    result
+        Its result, with stored states (`state_every` of `contact.Record`).
+    casing
+        Its `contact.recovery.casing_motion`, if it was computed before, (ns, K) [m].
+
+    Returns
+    -------
+    TipMotion or None
+        None for other problems and for records without states.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=5.0)
+    >>> result = ct.run(rim, t_end=0.01, dt=1e-5, record=ct.Record(state_every=10))
+    >>> motion = tip_motion(rim, result)
+    >>> closed = result.tip_force[:, 0] > 1.0
+    >>> gap = rim.clearance + motion.rim[:, 0] - motion.tip[:, 0]
+    >>> bool(closed.any()), bool(abs(gap[closed]).max() < 1e-7)
+    (True, True)
     """
     rub: Rub | None = rub_of(what)
     casing = casing_motion(what, result) if casing is None else casing
@@ -123,6 +201,18 @@ class RubFilm:
         Angles of the tips at rest [rad], (tips,): those on the rim line of the first.
     gap, force
         Of each tip [m], [N] (averaged over the model's shortest period), (frames, tips).
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=5.0)
+    >>> result = ct.run(rim, t_end=0.01, dt=1e-5, record=ct.Record(state_every=10))
+    >>> film = rub_film(rim, result)
+    >>> isinstance(film, RubFilm), film.n.tolist(), film.radius
+    (True, [4], 0.5)
     """
 
     time: Array
@@ -140,9 +230,37 @@ class RubFilm:
 
 
 def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None:
-    """The film of a rim or rub whose states are stored; None for other problems and records.
+    """A rub in frames: harmonics of the rim, positions of the tips, gaps and forces.
 
-    With `A_PERIOD` frames in a period of the casing's motion, a long run is shown in parts spread over it.
+    There are eight frames in a period of the casing's motion and at most 2000 of them. A run that is too long for that
+    is shown in eight stretches spread over it. The harmonics that are kept have 99.99 % of the rim's mean square, and
+    are at most twenty.
+
+    Parameters
+    ----------
+    what
+        The rim, rub or disk that was run.
+    result
+        Its result, with stored states (`state_every` of `contact.Record`).
+    places
+        Number of angles at which the radius as built is given.
+
+    Returns
+    -------
+    RubFilm or None
+        None for other problems and for records without states of the modes.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=5.0)
+    >>> result = ct.run(rim, t_end=0.01, dt=1e-5, record=ct.Record(state_every=10))
+    >>> film = rub_film(rim, result, places=4)
+    >>> film.cos.shape == (film.time.size, 1), film.profile.tolist()
+    (True, [0.0, 0.0, 0.0, 0.0])
     """
     rub: Rub | None = rub_of(what)
     if rub is None or len(result.state) < 2 or result.channels.size or not result.time.size:

@@ -10,8 +10,29 @@ MANY, LONG = 4, 90  # entries of a list, characters of a part, that are shown
 
 
 def brief(value: Any) -> str:
-    """Name of the dataclass and its fields that differ from their defaults.
+    """Describe a value of a dataclass in one line: its class, and its fields that differ from their defaults.
 
+    A dataclass of your own, such as a law or a gap, prints like those of the package with `__repr__ = ct.io.brief`.
+
+    Parameters
+    ----------
+    value
+        A value of a dataclass. Numbers have six digits, arrays are shown by their shapes, and of a list or mapping of
+        more than four entries the first four and their number. A part of more than 90 characters is shown by the name
+        of its class.
+
+    Returns
+    -------
+    str
+        One line, such as "Wall(x=0.1)".
+
+    Raises
+    ------
+    TypeError
+        The value is not one of a dataclass.
+
+    Examples
+    --------
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True)
     ... class Ring:

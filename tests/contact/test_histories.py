@@ -1,13 +1,12 @@
 """Histories for pictures: a row's mean force is its impulse, tips and rim meet where they touch, energies are those."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact import histories as film
-from contact.histories import force_table, strain_energy, tip_motion
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -22,13 +21,13 @@ def rubbed():
 
 def test_rows_of_forces_lose_no_impulse_and_no_peak():
     _, _, result = rubbed()
-    table = force_table(result, rows=100)
+    table = ct.histories.force_table(result, rows=100)
     assert len(table["time_s"]) == 100
     spans = np.diff(np.append(table["time_s"], result.time[-1] + result.dt)) / result.dt
     assert np.sum(table["force1_mean_N"] * spans) * result.dt == pytest.approx(result.impulse[0])
     assert table["force1_peak_N"].max() == result.peak_force[0]
     assert table["gap1_least_m"].min() == result.gap.min()
-    whole = force_table(result)
+    whole = ct.histories.force_table(result)
     np.testing.assert_allclose(whole["force1_mean_N"], result.force[:, 0], rtol=1e-9, atol=1e-9)
 
 
@@ -45,39 +44,46 @@ def test_tip_and_rim_meet_where_they_touch(make):
         law = ct.Coulomb(mu=0.1)
         result = ct.run(what, law=law, t_end=0.02, dt=5e-6, record=ct.Record(state_every=1))
         closed = result.tip_force[:, 0] > 0.2 * result.peak_force[0]
-    motion = tip_motion(what, result)
+    motion = ct.histories.tip_motion(what, result)
     gap = what.clearance + motion.rim[:, 0] - motion.tip[:, 0]
     assert closed.sum() > 20
     assert np.abs(gap[closed]).max() < 0.05 * np.abs(motion.rim[closed, 0]).max()
     assert np.abs(motion.tip[:, 1]).max() > 0.0
 
 
-def test_a_film_shows_the_rim_where_the_tips_are(monkeypatch):
+@pytest.mark.parametrize(("t_end", "state_every", "stretches"), [(0.05, 1, 1), (5.0, 100, 8)])
+def test_a_film_shows_the_rim_where_the_tips_are(t_end, state_every, stretches):
     """The harmonics that a film keeps give the rim at the tip, over the whole run and in stretches."""
+    what = ct.RotatingRim(ring(), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0, angle_deg=30.0)
+    record = ct.Record(every=state_every, state_every=state_every)
+    result = ct.run(what, law=ct.Coulomb(mu=0.1), t_end=t_end, dt=2e-5, record=record)
+    motion, found = ct.histories.tip_motion(what, result), ct.histories.rub_film(what, result)
+    assert len(found.stretches) == stretches
+    assert len(found.time) <= 2000 < len(result.state_time)
+    assert found.profile.size == 360
+    if stretches > 1:  # the first begins with the run, and the last ends with it
+        assert found.time[[0, -1]].tolist() == result.state_time[[0, -1]].tolist()
+    parts = np.split(found.time, found.stretches[1:])
+    assert max(np.ptp(np.diff(part)) for part in parts) < 1e-9  # even steps within each
+    assert all(after[0] > before[-1] + 1e-9 for before, after in pairwise(parts))
+    at = np.searchsorted(result.state_time, found.time)
+    np.testing.assert_array_equal(result.state_time[at], found.time)
+    phi = np.multiply.outer(found.angle - found.turned, found.n)
+    rim = np.sum(found.cos * np.cos(phi) + found.sin * np.sin(phi), axis=1)
+    left_out = rim - motion.rim[at, 0]
+    assert np.linalg.norm(left_out) < 0.05 * np.linalg.norm(motion.rim[at, 0])
+    assert np.median(np.abs(left_out)) < 1e-3 * np.abs(motion.rim[:, 0]).max()
+    np.testing.assert_allclose(found.gap[:, 0], result.gap[np.searchsorted(result.time, found.time), 0])
+
+
+def test_a_film_needs_two_states_and_samples_and_rods_have_none():
     what, _, result = rubbed()
-    motion = tip_motion(what, result)
-    for frames, stretches in ((2000, 1), (40, 8)):
-        monkeypatch.setattr(film, "FRAMES", frames)
-        found = film.rub_film(what, result)
-        assert len(found.stretches) == stretches
-        assert len(found.time) <= frames
-        assert found.profile.size == 360
-        if stretches > 1:  # the first begins with the run, and the last ends with it
-            assert found.time[[0, -1]].tolist() == result.state_time[[0, -1]].tolist()
-        at = np.searchsorted(result.state_time, found.time)
-        np.testing.assert_array_equal(result.state_time[at], found.time)
-        phi = np.multiply.outer(found.angle - found.turned, found.n)
-        rim = np.sum(found.cos * np.cos(phi) + found.sin * np.sin(phi), axis=1)
-        left_out = rim - motion.rim[at, 0]
-        assert np.linalg.norm(left_out) < 0.05 * np.linalg.norm(motion.rim[at, 0])
-        assert np.median(np.abs(left_out)) < 1e-3 * np.abs(motion.rim[:, 0]).max()
-        np.testing.assert_allclose(found.gap[:, 0], result.gap[np.searchsorted(result.time, found.time), 0])
     for count in (1, 2):
         few = replace(result, state=result.state[:count], state_time=result.state_time[:count])
-        assert (film.rub_film(what, few) is None) == (count < 2)
-    assert film.rub_film(what, replace(result, time=result.time[:0])) is None
+        assert (ct.histories.rub_film(what, few) is None) == (count < 2)
+    assert ct.histories.rub_film(what, replace(result, time=result.time[:0])) is None
     rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
-    assert film.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
+    assert ct.histories.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
 
 
 def test_a_film_of_tips_on_two_lines_has_those_of_the_first_line_and_its_radius_profile_and_forces():
@@ -95,7 +101,7 @@ def test_a_film_of_tips_on_two_lines_has_those_of_the_first_line_and_its_radius_
         turning="casing",
     )
     result = ct.run(what, law=ct.Coulomb(mu=0.1), t_end=0.01, dt=5e-6, record=ct.Record(every=3, state_every=3))
-    found = film.rub_film(what, result, places=8)
+    found = ct.histories.rub_film(what, result, places=8)
     theta = 2.0 * np.pi * np.arange(8) / 8
     profile = 1e-5 * np.cos(2 * theta) + 2e-5 * np.sin(2 * theta) - 3e-5 * np.cos(3 * theta)
     np.testing.assert_allclose(found.profile, profile, atol=1e-18)
@@ -118,27 +124,40 @@ def test_a_film_of_tips_on_two_lines_has_those_of_the_first_line_and_its_radius_
     np.testing.assert_allclose(found.sin, sines[:, found.n], atol=1e-20)
 
 
-def test_a_film_keeps_the_harmonics_that_have_the_motion():
-    def kept(power):
-        return film.largest(np.sqrt(power)[None], np.zeros((1, len(power)))).tolist()
-
-    assert kept(np.r_[0.0, 1.0, 0.0, 1e-6]) == [1]
-    assert kept(np.r_[1.0, 0.0, 0.0, 5.0, 3.0]) == [0, 3, 4]
-    assert kept(np.arange(40.0)) == list(range(20, 40))  # no more than twenty, the largest
+@pytest.mark.parametrize(
+    ("amplitudes", "kept"),
+    [
+        ([0.0, 1.0, 0.0, 1e-3], [1]),
+        ([1.0, 0.0, 0.0, 5.0**0.5, 3.0**0.5], [0, 3, 4]),
+        (np.sqrt(np.arange(40.0)), list(range(20, 40))),  # no more than twenty, the largest
+    ],
+)
+def test_a_film_keeps_the_harmonics_that_have_the_motion(amplitudes, kept):
+    """One mode of the rim, with these amplitudes of 1, cos theta, cos 2 theta, ..."""
+    N = len(amplitudes) - 1
+    rows = np.zeros((2 * (2 * N + 1), 1))
+    rows[: N + 1, 0] = amplitudes
+    casing = ct.ModalBody(
+        omega=[600.0], zeta=[0.0], channels=ct.bodies.rim_channels(N), rows=rows, S=np.zeros((len(rows),) * 2),
+        kind="rim", n_max=N, radius=0.5,
+    )  # fmt: skip
+    rim = ct.RotatingRim(casing, blade(), clearance=1e-2, speed_hz=5.0, casing_velocity=[1e-3])
+    result = ct.run(rim, t_end=0.05, dt=1e-4, record=ct.Record(state_every=1))
+    assert ct.histories.rub_film(rim, result).n.tolist() == kept
 
 
 def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():
     rim, law, result = rubbed()
-    found = strain_energy(rim, result)
+    found = ct.histories.strain_energy(rim, result)
     assert set(found) == {"casing", "blade"}
     omega = np.concatenate([rim.casing.omega, rim.blade.omega])
     whole = 0.5 * np.sum((result.state[:, : omega.size] * omega) ** 2, axis=1)
     np.testing.assert_allclose(found["casing"] + found["blade"], whole)
     bare = ct.run(rim, law=law, t_end=0.01, dt=2e-5, record=ct.Record())
-    assert strain_energy(rim, bare) == {}
-    assert tip_motion(rim, bare) is None
+    assert ct.histories.strain_energy(rim, bare) == {}
+    assert ct.histories.tip_motion(rim, bare) is None
     rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
     moved = ct.run(rods, t_end=1.0, courant=0.9, record=ct.Record(state_every=1))
-    assert tip_motion(rods, moved) is None
-    assert strain_energy(rods, moved) == {}
-    assert force_table(replace(bare, time=bare.time[:0], force=bare.force[:0]))["time_s"].size == 0
+    assert ct.histories.tip_motion(rods, moved) is None
+    assert ct.histories.strain_energy(rods, moved) == {}
+    assert ct.histories.force_table(replace(bare, time=bare.time[:0], force=bare.force[:0]))["time_s"].size == 0

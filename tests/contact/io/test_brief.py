@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contact.io.brief import brief
+import contact as ct
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,4 +53,20 @@ class Word:
     ],
 )
 def test_fields_beside_their_defaults_are_shown(changes, words):
-    assert brief(Part(**changes)) == f"Part({words})"
+    assert ct.io.brief(Part(**changes)) == f"Part({words})"
+
+
+def test_a_class_of_ones_own_prints_so_also_within_a_value_of_the_package():
+    @dataclass(frozen=True, slots=True)
+    class Ramp:
+        slope: float
+        words: str = "ramp"
+
+        __repr__ = ct.io.brief
+
+    assert repr(Ramp(slope=2.0e5)) == "Ramp(slope=200000)"
+    assert repr(ct.Scene(what=[ct.Wall(x=0.1)], law=Ramp(slope=2.0), t_end=0.5)) == (
+        "Scene(what=[Wall(x=0.1)], law=Ramp(slope=2), t_end=0.5)"
+    )
+    with pytest.raises(TypeError, match="dataclass"):
+        ct.io.brief(3.0)
