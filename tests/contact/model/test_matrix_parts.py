@@ -146,3 +146,36 @@ def test_a_mode_is_elastic_however_stiff_the_clamp_beside_it_is(clamp):
     free = [[spring, -spring], [-spring, spring]]
     loose = ct.ModalBody.from_matrices(np.eye(2), free, dofs=[(1, "x"), (2, "x")], contact=[(2, "x")])
     assert loose.omega[0] == 0.0
+
+
+THREE = {"dofs": [(1, "x"), (2, "x"), (3, "x")], "contact": [(1, "x")]}
+
+
+def test_damping_of_a_mode_is_its_ratio_below_critical_and_a_matrix_from_there_on():
+    """Unit masses on springs of 1, 4 and 9 N/m: critical damping is 2, 4 and 6 N s/m."""
+    K, C = np.diag([1.0, 4.0, 9.0]), np.array([[0.02, 0.01, 0.0], [0.01, 3.9, 0.0], [0.0, 0.0, 7.0]])
+    body = ct.ModalBody.from_matrices(np.eye(3), K, C, **THREE)
+    np.testing.assert_allclose(body.zeta, [0.01, 0.975, 0.0], rtol=1e-12)
+    np.testing.assert_allclose(np.abs(body.damping), [[0.0, 0.01, 0.0], [0.01, 0.0, 0.0], [0.0, 0.0, 7.0]], rtol=1e-9)
+    critical = ct.ModalBody.from_matrices(np.eye(3), K, np.diag([0.2, 4.0, 0.6]), **THREE)
+    np.testing.assert_allclose(critical.zeta, [0.1, 0.0, 0.1], rtol=1e-12)
+    np.testing.assert_allclose(critical.damping, np.diag([0.0, 4.0, 0.0]), atol=1e-12)
+    plain = ct.ModalBody.from_matrices(np.eye(3), K, np.diag([0.2, 0.4, 0.6]), **THREE)
+    assert plain.damping is None
+    structural = ct.ModalBody.from_matrices(np.eye(3), K, K4=np.diag([0.02, 0.08, 0.36]), **THREE)
+    np.testing.assert_allclose(structural.zeta, [0.01, 0.01, 0.02], rtol=1e-12)
+    assert ct.ModalBody.from_matrices(np.eye(3), K, zeta=0.03, **THREE).zeta.tolist() == [0.03] * 3
+
+
+@pytest.mark.parametrize("name", ["C", "K4"])
+def test_damping_below_zero_by_round_off_of_the_largest_is_none_and_more_is_refused(name):
+    K = np.diag([1.0, 4.0, 9.0])
+    for least, taken in ((-0.9e-6, True), (-1.1e-6, False), (-0.5, False)):
+        given = {name: np.diag([0.1, least, 1.0])}
+        if taken:
+            assert abs(ct.ModalBody.from_matrices(np.eye(3), K, **given, **THREE).zeta[1]) < 1e-6
+        else:
+            with pytest.raises(ct.InputError, match=f"{name}: found negative damping in mode 2, expected damping that"):
+                ct.ModalBody.from_matrices(np.eye(3), K, **given, **THREE)
+    none = ct.ModalBody.from_matrices(np.eye(3), K, **{name: np.zeros((3, 3))}, **THREE)
+    assert none.zeta.tolist() == [0.0] * 3
