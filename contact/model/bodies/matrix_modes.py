@@ -229,7 +229,10 @@ def median_rate(matrices: Matrices) -> float:
 
 
 def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:
-    """Static displacements under unit forces on the channels, (n, channels); for a free body by inertia relief."""
+    """Static displacements under unit forces on the channels, (n, channels); for a free body by inertia relief.
+
+    Its forces are balanced by those that accelerate it: K u + M R a = P and R^T M u = 0.
+    """
     from scipy.sparse import block_array, csc_array
 
     if not R.shape[1]:
@@ -238,8 +241,7 @@ def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:
     scale = float(np.abs(matrices.K.diagonal()).mean() / np.abs(momenta).max())
     border = csc_array(scale * momenta)
     bordered = block_array([[matrices.K, border], [border.T, None]])
-    balanced = P - momenta @ (R.T @ P)
-    solved = factored(bordered).solve(np.vstack([balanced, np.zeros((R.shape[1], P.shape[1]))]))
+    solved = factored(bordered).solve(np.vstack([P, np.zeros((R.shape[1], P.shape[1]))]))
     return np.asarray(solved[: matrices.size])
 
 

@@ -179,3 +179,82 @@ def test_damping_below_zero_by_round_off_of_the_largest_is_none_and_more_is_refu
                 ct.ModalBody.from_matrices(np.eye(3), K, **given, **THREE)
     none = ct.ModalBody.from_matrices(np.eye(3), K, **{name: np.zeros((3, 3))}, **THREE)
     assert none.zeta.tolist() == [0.0] * 3
+
+
+def chain(count):
+    """Unit masses in a row between springs of 1 N/m, the first on a support."""
+    K = 2.0 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    K[-1, -1] = 1.0
+    return {"M": np.eye(count), "K": K, "dofs": [(k + 1, "x") for k in range(count)], "contact": [(count, "x")]}
+
+
+def test_twenty_modes_are_kept_or_all_if_there_are_fewer():
+    assert [ct.ModalBody.from_matrices(**chain(count)).omega.size for count in (19, 20, 21, 40)] == [19, 20, 20, 20]
+    exact = 2.0 * np.sin((2.0 * np.arange(1, 21) - 1.0) * np.pi / (2.0 * (2 * 40 + 1)))
+    np.testing.assert_allclose(ct.ModalBody.from_matrices(**chain(40)).omega, exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("modes", "words"), [(0, "found 0, expected 1 to 3"), (4, "found 4, expected 1 to 3")])
+def test_there_are_no_more_modes_than_unknowns(modes, words):
+    with pytest.raises(ct.InputError, match=f"modes: {words}, the number of unknowns"):
+        ct.ModalBody.from_matrices(**chain(3), modes=modes)
+
+
+def test_modes_left_out_are_in_the_residual_compliance():
+    """Of a chain of springs in series at its end: n/k, in whatever number of modes."""
+    for modes in (1, 3, 5):
+        body = ct.ModalBody.from_matrices(**chain(5), modes=modes)
+        np.testing.assert_allclose((body.rows**2 / body.omega**2).sum() + body.S.item(), 5.0, rtol=1e-12)
+        assert (body.S.item() == 0.0) == (modes == 5)
+
+
+def test_a_free_chain_deflects_relative_to_the_motion_of_its_mass():
+    """Inertia relief: u = A^T K^-1 A p with A = I - M r r^T/m, here by the pseudo-inverse of unit masses."""
+    given = chain(5)
+    K = given["K"].copy()
+    K[0, 0] = 1.0
+    for modes in (1, 3):
+        body = ct.ModalBody.from_matrices(given["M"], K, dofs=given["dofs"], contact=given["contact"], modes=modes)
+        assert body.omega[0] == 0.0
+        elastic = (body.rows[0, 1:] ** 2 / body.omega[1:] ** 2).sum()
+        np.testing.assert_allclose(elastic + body.S.item(), np.linalg.pinv(K)[-1, -1], rtol=1e-9)
+        np.testing.assert_allclose(body.rows[0, 0] ** 2, 0.2, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("part", "taken"), [(0.9e-4, True), (1.1e-4, False), (-1.1e-4, False)])
+def test_a_gyroscopic_matrix_is_skew_within_a_ten_thousandth_of_its_largest_entry(part, taken):
+    G = np.array([[0.0, 2.0, 0.0], [-2.0 + 2.0 * part, 0.0, 1e-3], [0.0, -1e-3, 0.0]])
+    if taken:
+        body = ct.ModalBody.from_matrices(**chain(3), G=G)
+        np.testing.assert_allclose(body.gyroscopic, -body.gyroscopic.T)
+        assert np.abs(body.gyroscopic).max() == pytest.approx(np.linalg.norm(G, 2), rel=0.3)
+        return
+    with pytest.raises(ct.InputError, match=r"G: found .* at \([01], [01]\) and .* expected a skew-symmetric matrix"):
+        ct.ModalBody.from_matrices(**chain(3), G=G)
+
+
+def test_the_largest_impossible_mass_and_a_repeated_dof_are_named():
+    given = chain(4)
+    M = np.eye(4)
+    M[0, 1] = M[1, 0] = 1.1
+    M[2, 3] = M[3, 2] = 1.5
+    with pytest.raises(ct.InputError, match=r"M: found 1\.5 between [34]\.x and [34]\.x, more than the diagonal"):
+        ct.ModalBody.from_matrices(**{**given, "M": M})
+    with pytest.raises(ct.InputError, match=r"M: found -2 on the diagonal at 3\.x, expected a mass matrix without neg"):
+        ct.ModalBody.from_matrices(**{**given, "M": np.diag([1.0, -1.0, -2.0, 1.0])})
+    with pytest.raises(ct.InputError, match=r"dofs: found 4\.x twice, expected each dof once"):
+        ct.ModalBody.from_matrices(**{**given, "dofs": [(1, "x"), (4, "x"), (3, "x"), (4, 1)]})
+
+
+def test_stiffness_is_symmetric_within_a_ten_thousandth_of_the_largest_entries_of_its_rows():
+    """An entry of -1 that differs from its mirror image by a part is off by half of that part of the diagonal's 2."""
+    given, K = chain(3), chain(3)["K"]
+    K[0, 1] *= 1.0 + 1.9e-4
+    report = ct.bodies.body_of(ct.bodies.Matrices.of(M=np.eye(3), K=K, dofs=given["dofs"]), given["contact"])[1]
+    assert report.skew == pytest.approx((0.0, 0.95e-4))
+    K[0, 1] = -(1.0 + 2.1e-4)
+    with pytest.raises(
+        ct.InputError, match=r"K: found asymmetry of 1\.05e-04 of its entries, expected a symmetric matrix"
+    ):
+        ct.ModalBody.from_matrices(**{**given, "K": K})
+    assert ct.ModalBody.from_matrices(**{**given, "K": K}, nonsymmetric=True).omega.size == 3
