@@ -154,7 +154,8 @@ def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tu
     omega = np.concatenate([body.omega for body in rub.bodies])
     speed = rub.speed.omega(end)
     turn = 2.0 * math.pi / abs(speed) if speed else math.inf
-    found = envelope(time[late], state[late, : omega.size], omega, np.zeros(omega.size, dtype=np.int64), turn)
+    one = np.zeros(omega.size, dtype=np.int64)
+    found = envelope(time[late], state[late, : omega.size], omega, one, turn, rub.repeats)
     if found is None or not (np.isfinite(found.energy).all() and found.energy.min() > 0.0):
         return math.nan, math.nan
     rate, low, high = slope_of(found.time, 0.5 * np.log(found.energy[:, 0]))

@@ -108,14 +108,16 @@ def _stretches(of: NDArray[np.bool_]) -> list[slice]:
     return [slice(first, end) for first, end in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def window_bounds(count: int, step: float, period: float, turn: float) -> Indices:
+def window_bounds(count: int, step: float, period: float, turn: float, repeats: int = 1) -> Indices:
     """First time of each window of `count` times `step` apart, and the end, (windows + 1,); empty if there are too few.
 
     The length of a window is that of the run over WINDOWS, but at least PERIODS of the motion. If that leaves FEWEST
-    windows, it is a multiple of a revolution (`turn`, inf without rotation).
+    windows, it is a multiple of a revolution (`turn`, inf without rotation), or else of a revolution over `repeats`.
 
     >>> window_bounds(320, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(320, 1e-3, 1e-3, 0.016)[:3].tolist()
     ([0, 10, 20], [0, 16, 32])
+    >>> [window_bounds(320, 1e-3, 1e-3, 0.08, repeats)[:3].tolist() for repeats in (1, 2)]
+    [[0, 10, 20], [0, 40, 80]]
     >>> window_bounds(320, 1e-3, 1e-3, 0.004)[:3].tolist()  # three revolutions; 8 times at the start are left out
     [8, 20, 32]
     >>> window_bounds(320, 1e-3, 1e-3, 1e300)[:3].tolist()  # hardly turns
@@ -125,15 +127,19 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
         return np.zeros(0, dtype=np.int64)
     span = count * step
     length = max(span / WINDOWS, min(PERIODS * period, span / FEWEST), SAMPLES * step)
-    turns = max(math.ceil(length / turn - 1e-9), 1) * turn if turn < math.inf else math.inf
-    if turns * FEWEST <= span:
-        length = turns
+    for whole in (turn, turn / repeats):
+        some = max(math.ceil(length / whole - 1e-9), 1) * whole if whole < math.inf else math.inf
+        if some * FEWEST <= span + 2.0 * step:  # the first and the last state are in no window
+            length = some
+            break
     windows = max(int(span / length + 1e-9), FEWEST)
     first = np.rint(np.arange(windows + 1) * min(length, span / windows) / step).astype(np.int64)
     return np.asarray(first + (count - int(first[-1])))  # the beginning is left out, not the end
 
 
-def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = math.inf) -> Envelope | None:
+def envelope(
+    time: Array, q: Array, omega: Array, group: Indices, turn: float = math.inf, repeats: int = 1
+) -> Envelope | None:  # fmt: skip
     """Mean vibrating energy of groups of modes over windows of a record.
 
     e_i = (v_i^2 + omega_i^2 (q_i - c_i)^2)/2 of mode i with the velocity v_i = (q_i(t + D) - q_i(t - D)) omega_i/(2 sin
@@ -153,6 +159,8 @@ def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = 
         Number of the group of each mode, from 0, (m,).
     turn
         Time of a revolution [s]: windows are whole revolutions if eight of them fit.
+    repeats
+        How many times the gaps repeat in a revolution: if eight revolutions do not fit, windows are such parts of one.
 
     Returns
     -------
@@ -177,7 +185,7 @@ def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = 
     power = moved.mean(axis=0)
     total = float(power.sum())
     mean = float(power @ omega) / total if total > 0.0 and math.isfinite(total) else 0.0
-    bounds = window_bounds(n, step, 2.0 * math.pi / mean if mean > 0.0 else 0.0, turn)
+    bounds = window_bounds(n, step, 2.0 * math.pi / mean if mean > 0.0 else 0.0, turn, repeats)
     before = int(bounds[0])
     bounds = bounds - before
     energy = modal_energies(time[before:], q[before:], omega, bounds)

@@ -116,7 +116,7 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
     parts = seen.parts
     q = result.state[:, : parts.omega.size]
     turn = 2.0 * math.pi / abs(seen.speed) if seen.speed else math.inf
-    found = envelope(result.state_time, q, parts.omega, parts.groups.of, turn)
+    found = envelope(result.state_time, q, parts.omega, parts.groups.of, turn, rub_of(what).repeats)
     if found is None:
         return None
     moved = sizes(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.tip_force)

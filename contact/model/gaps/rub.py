@@ -276,6 +276,27 @@ class Rub:
         return min(self.casing.line_wall(tip.line) or math.inf for tip in self.tips)
 
     @property
+    def repeats(self) -> int:
+        """How many times in a turn the gaps of undeflected bodies repeat, from the rim's shape and tips that are alike.
+
+        >>> import contact as ct
+        >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+        >>> disk = ct.gaps.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5)
+        >>> shape = ct.gaps.RimProfile(((2, 1e-5, 0.0),))
+        >>> rub = ct.Rub(casing, (disk.body(),), disk.tips(), profile=shape, speed=ct.Speed.constant(5.0))
+        >>> rub.repeats
+        18
+        """
+        loads = any(start.load is not None for start in self.starts)
+        if self.rotor is not None or self.whirl or self.forces or loads:
+            return 1
+        angles = np.sort([tip.angle_deg % 360.0 for tip in self.tips])
+        apart = np.diff(angles, append=angles[0] + 360.0)
+        alike = len({(tip.line, tip.lean_deg, tip.clearance) for tip in self.tips}) == 1
+        tips = angles.size if alike and np.ptp(apart) < 1e-6 else 1
+        return math.lcm(tips, self.profile.repeats or 1)
+
+    @property
     def dimensions(self) -> int:
         """Directions of every contact: 2, or 3 with axial friction."""
         return 2 if self.tips[0].axial is None else 3

@@ -138,6 +138,17 @@ class RimProfile:
         return sum(a * math.cos(p * phi) + b * math.sin(p * phi) for p, a, b in self.terms)
 
     @property
+    def repeats(self) -> int:
+        """How many times the depth repeats around: the common divisor of its terms, 1 with a table, 0 if it is round.
+
+        >>> RimProfile(((4, 1e-5, 0.0), (6, 0.0, 2e-5))).repeats, RimProfile().repeats
+        (2, 0)
+        """
+        if self.theta is not None:
+            return 1
+        return math.gcd(*(p for p, a, b in self.terms if a or b))
+
+    @property
     def farthest(self) -> float:
         """Upper bound of |d| [m]."""
         table = self.table
