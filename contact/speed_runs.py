@@ -37,7 +37,7 @@ from contact.prepared import Scene
 from contact.record.record import STATES, Record, prime_stride
 from contact.result import Result
 from contact.run_many import Outcome, run_many, runs_alone
-from contact.speed_verdict import CALM, SpeedRun, at_end_of_band, decided, disagree, judged, times_longer
+from contact.speed_verdict import CALM, SpeedRun, at_end_of_band, at_half_step, decided, disagree, judged, times_longer
 
 WORTH, COPIES = 4.0, 0.3  # s: two processes start in less, fresh ones or copies of this one
 TOGETHER = 16  # scenes of a lot if several run in one loop
@@ -168,17 +168,27 @@ def _judged(lot: Lot, ended: Callable[[], None]) -> list[SpeedRun]:
     """
     scenes = lot.scenes
     found: list[list[SpeedRun]] = [[] for _ in scenes]  # verdicts of each scene, from its shortest run on
+    steps = [scene.dt for scene in scenes]
+
+    def of(i: int, outcome: Outcome) -> SpeedRun:
+        return judged(scenes[i].what, outcome, float(lot.speed_hz[i]), float(lot.poles[i]), lot.exact)
 
     def longer(i: int, outcome: Outcome) -> int:
-        run = judged(scenes[i].what, outcome, float(lot.speed_hz[i]), float(lot.poles[i]), lot.exact)
+        run = of(i, outcome)
         found[i].append(run)
         if not isinstance(outcome, Result):
             return 0
+        steps[i] = outcome.dt
         times = times_longer(run, first := found[i][0].seconds, exact=lot.exact)
         return times * outcome.steps if times * run.seconds <= lot.longest * first else 0
 
     run_many(scenes, record=_record, ended=lambda _, __: ended(), longer=longer)
-    return [_settled(runs) for runs in found]
+    settled = [_settled(runs) for runs in found]
+    for i, run in enumerate(settled):
+        if run.hides and (dt := steps[i]):
+            (fine,) = run_many([replace(scenes[i], dt=0.5 * dt, t_end=run.seconds)], record=_record)
+            settled[i] = at_half_step(run, of(i, fine))
+    return settled
 
 
 def _settled(runs: Sequence[SpeedRun]) -> SpeedRun:

@@ -54,8 +54,8 @@ class SpeedRun:
     part; `contact` the fraction of the time in which the contact that touches most was closed. `limit_m` is the
     largest rim deflection that the linear model allows, for a run that passed it and was stopped; nan for others.
     `allowed_m` is that deflection for every run. `may_change` is that of the run's result. `opens`: whether some
-    contact is open for a part of the time; `slow`: whether the growth is that of closed contact, too slow for the run
-    to show it.
+    contact opens in the second half of the run; `slow`: whether the growth is that of closed contact, and the run does
+    not show it.
     """
 
     speed_hz: float
@@ -87,6 +87,11 @@ class SpeedRun:
     def stopped(self) -> bool:
         """Whether the run passed a limit of the motion; its deflection is then outside the linear model."""
         return math.isfinite(self.limit_m)
+
+    @property
+    def hides(self) -> bool:
+        """Whether the run is long enough for the growth of closed contact, and does not show it."""
+        return self.slow and self.closed * self.seconds > FOLDS
 
     @property
     def shown_m(self) -> float:
@@ -124,9 +129,8 @@ class SpeedRun:
             return ""
         if not self.contact > 0.0:
             return "" if self.body == "rotor" else "The contact never closes."
-        opens = f"The contact opens (closed {100.0 * self.contact:.2g} % of the time)."
-        some = "One contact stays closed, others open." if self.opens else "The contact stays closed."
-        closed = opens if self.contact < CLOSED else some
+        part = f"closed {100.0 * self.contact:.2g} %" if self.contact < CLOSED else "open for a small part"
+        closed = f"The contact opens ({part} of the time)." if self.opens else "The contact stays closed."
         bounded = f"The motion is bounded at {size_words(self.amplitude_m, self.steady)}."
         ends = {"bounded": bounded, "decays": "The motion decays."}
         return " ".join(filter(None, [closed if self.closed > 0.0 else "", ends.get(self.state or "", "")]))
@@ -152,9 +156,8 @@ def judged(
     if result is None:
         return replace(run, why=f"the run failed: {outcome}")
     closed = float(np.max(result.contact_steps, initial=0)) / max(result.steps, 1)
-    opens = float(np.min(result.contact_steps, initial=result.steps)) < CLOSED * result.steps
     force = float(np.max(result.peak_force, initial=0.0))
-    run = replace(run, seconds=result.steps * result.dt, contact=closed, force_n=force, opens=opens)
+    run = replace(run, seconds=result.steps * result.dt, contact=closed, force_n=force, opens=_opens(result))
     growth = result.growth
     if growth is not None:
         run = replace(
@@ -251,6 +254,37 @@ def at_end_of_band(one: SpeedRun, other: SpeedRun, bands_hz: Sequence[tuple[floa
     return False
 
 
+def at_half_step(run: SpeedRun, fine: SpeedRun) -> SpeedRun:
+    """The verdict of a run that hides the growth of closed contact, from the same run at half the step.
+
+    >>> run = SpeedRun(speed_hz=20.0, verdict="unstable", closed=9.0, growth=0.1, low=-0.2, high=0.4, amplitude_m=2e-5,
+    ...                half_wall_s=math.inf, n=4, wave="with", body="casing", seconds=1.0, opens=False, slow=True)
+    >>> found = at_half_step(run, replace(run, verdict="safe", opens=True, slow=False))
+    >>> found.verdict, found.why
+    ('not decided', 'closed contact grows by 9 1/s, but not in this run; at half the step it opens: reduce dt')
+    """
+    if fine.hides or not fine.seconds > 0.0:
+        return run
+    if fine.verdict == "unstable" and not fine.slow:
+        return replace(run, why=f"{run.why}; at half the step the motion grows", check="depends on the step")
+    then = "it opens" if fine.opens else "the motion differs"
+    why = f"closed contact grows by {run.closed:.2g} 1/s, but not in this run; at half the step {then}: reduce dt"
+    return replace(run, verdict="not decided", why=why, check="numerical", slow=False)
+
+
+def _opens(result: Result) -> bool:
+    """Whether some contact is open at a stored state of the second half of a run, or for a part of one without states.
+
+    A contact that opens only at the start is closed in the motion that remains. One that opens shortly in every period
+    is not: the poles of closed contact do not hold there.
+    """
+    K = result.contact_steps.size
+    if not (K and result.tip_force.size):
+        return float(np.min(result.contact_steps, initial=result.steps)) < CLOSED * result.steps
+    late = result.tip_force[len(result.tip_force) // 2 :]
+    return bool((late.reshape(len(late), K, -1)[:, :, 0] == 0.0).any())
+
+
 def _with_poles(run: SpeedRun, *, exact: bool) -> SpeedRun:
     """A run judged by the growth of closed contact if no contact opens and the run itself does not show the growth.
 
@@ -269,7 +303,8 @@ def _with_poles(run: SpeedRun, *, exact: bool) -> SpeedRun:
     what = "the free motion grows" if rotor else "the contact stays closed and grows"
     slow = f"{what} by {run.closed:.2g} 1/s, in this run by a factor of e^{shown:.2g}"
     if exact:
-        return replace(run, verdict="unstable", why=slow, may_change=False, slow=not rotor)
+        why = f"closed contact grows by {run.closed:.2g} 1/s, which this run does not show" if shown > FOLDS else slow
+        return replace(run, verdict="unstable", why=slow if rotor else why, may_change=False, slow=not rotor)
     return replace(run, verdict="not decided", why=f"{slow}: lengthen t_end", may_change=True)
 
 

@@ -75,7 +75,7 @@ def test_the_end_of_a_band_lies_between_two_runs_if_the_inner_one_is_unstable(sp
         ({"state": "decays"}, "The contact opens (closed 30 % of the time). The motion decays."),
         ({"state": "grows"}, "The contact opens (closed 30 % of the time)."),
         ({"contact": 0.989, "state": None}, "The contact opens (closed 99 % of the time)."),
-        ({"contact": 0.99, "state": None}, "One contact stays closed, others open."),
+        ({"contact": 0.99, "state": None}, "The contact opens (open for a small part of the time)."),
         ({"contact": 0.99, "opens": False, "state": None}, "The contact stays closed."),
         ({"closed": -1.0}, "The motion is bounded at 0.02 mm, steady within 4 %."),
         ({"closed": -1.0, "growth": 0.0}, ""),

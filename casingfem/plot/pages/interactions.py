@@ -16,6 +16,7 @@ from casingfem.plot.pages.speeds import (
     range_words,
     safe_ranges,
     speed_strip,
+    undecided_words,
     with_rpm,
 )
 from casingfem.plot.style import Drawn
@@ -24,12 +25,13 @@ STATES = {"unstable": "bad", "not decided": "open", "resonance": "open"}
 FURTHER = {
     "unstable": "Leave the unsafe speeds, add damping, reduce friction or enlarge the clearance; then run this again.",
     "not decided": "Lengthen t_end of the scene; `--runs` adds speeds between these.",
+    "numerical": "Reduce dt of the scene; then run this again.",
     "resonance": "Do not dwell at a resonance. `casingfem report` gives force and deflection at one speed.",
     "safe": "Vary clearance, friction and out-of-roundness: `casingfem sweep`.",
 }
 SENTENCES = {
     "unstable": "Unsafe: the motion grows at",
-    "not decided": "Not decided: the runs are too short at",
+    "not decided": "Not decided at",
     "resonance": "No motion grows. Resonance at",
 }
 
@@ -65,7 +67,8 @@ def speeds_verdict(found: Any) -> Verdict:
     safe = safe_ranges(found)
     low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
     if worst:
-        state, sentence = STATES[worst], f"{SENTENCES[worst]} {listed(kinds[worst])}."
+        reason = undecided_words(found) if worst == "not decided" else ""
+        state, sentence = STATES[worst], f"{SENTENCES[worst]} {listed(kinds[worst])}.{reason}"
     else:
         state, sentence = "good", f"Safe: every speed from {range_words(low, high)}."
     facts = [(name.capitalize(), f"{listed(ranges)}.") for name, ranges in kinds.items() if ranges and name != worst]
@@ -78,7 +81,8 @@ def speeds_verdict(found: Any) -> Verdict:
     if found.runs:
         facts.append(("Force", force_words(found.runs)))
         facts.append(("Deflection", deflection_words(found.runs)))
-    further = FURTHER[worst or "safe"]
+    numerical = worst == "not decided" and found.rows[0].at.check == "numerical"
+    further = FURTHER["numerical" if numerical else worst or "safe"]
     return Verdict(
         found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state,
         strips=(("Speeds", speed_strip(found)),),

@@ -124,12 +124,18 @@ def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
 
 
 def own_run(ran: Ran, runs: Sequence[Any]) -> Any:
-    """The run at the scene's speed in the table of dangerous speeds, if it decides and this run says otherwise."""
+    """The run at the scene's speed in the table of dangerous speeds, if it says otherwise than this run.
+
+    A longer run that does not decide, or one that hides the growth of closed contact, questions a calm motion only.
+    """
     own = next((run for run in runs if math.isclose(run.speed_hz, ran.speed_hz, rel_tol=1e-9)), None)
-    if own is None or own.verdict == "not decided" or not ran.closings:
+    if own is None or not ran.closings:
         return None
     motion = None if ran.growth is None else ran.growth.outcome
-    return own if (own.verdict == "unstable") != decision(motion, passed=ran.divergence is not None) else None
+    grows = decision(motion, passed=ran.divergence is not None)
+    if own.verdict == "not decided":
+        return own if grows is False else None
+    return own if (own.verdict == "unstable") != grows else None
 
 
 def outcome(ran: Ran, own: Any = None) -> tuple[str, str]:
@@ -168,6 +174,8 @@ def outcome(ran: Ran, own: Any = None) -> tuple[str, str]:
 def constant_speed_words(own: Any, at: str, *, grows: bool) -> tuple[str, str]:
     """State and first sentence where a run at constant speed decides otherwise than this run, which may be shorter."""
     length = f"in a run of {duration(own.seconds)} at this constant speed"
+    if own.verdict == "not decided":
+        return "open", f"Not decided{at} {length}: {own.why}."
     if own.slow:
         return "bad", f"Unsafe{at}: {own.why}."
     if own.verdict == "unstable":
@@ -276,7 +284,7 @@ def further_words(ran: Ran, own: Any = None) -> str:
     if any(flag.failed for flag in ran.flags):
         return "Correct what the message names, then run the scene again."
     motion = None if ran.growth is None else ran.growth.outcome
-    if motion == "numerical":
+    if motion == "numerical" or (own is not None and own.check == "numerical"):
         return "Reduce dt, then run the scene again."
     if own is not None and own.verdict != "unstable":
         return "Lengthen t_end, to see how the motion ends."

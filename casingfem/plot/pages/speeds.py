@@ -15,9 +15,7 @@ OF_ROTOR = (
     "Top: whirl frequencies over speed; marks: motions that grow without contact. Middle: growth without contact "
     "(line) and of the runs. Bottom: distance of the disk. Unstable speeds are shaded."
 )
-VERDICTS = {
-    "unstable": "Unstable", "not decided": "Not decided, runs at these speeds are too short", "resonance": "Resonance",
-}  # fmt: skip
+VERDICTS = {"unstable": "Unstable", "not decided": "Not decided", "resonance": "Resonance"}
 LEAST = 0.6  # per cent of the strip: a narrower range is drawn so wide
 
 
@@ -98,6 +96,15 @@ def safe_ranges(found: Any) -> list[tuple[float, float]]:
     return ranges + ([(start, high)] if start < high else [])
 
 
+def undecided_words(found: Any) -> str:
+    """Sentence on the widest range that is not decided, if its run states a reason."""
+    rows = [row for row in found.rows if row.at.verdict == "not decided" and row.at.why]
+    if not rows:
+        return ""
+    why = max(rows, key=lambda row: float(row.to_hz - row.from_hz)).at.why
+    return f" {why[0].upper()}{why[1:]}."
+
+
 def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
     """Dangerous and safe speeds from `contact.interactions`; `why`: the reason if there are none."""
     if found is None:
@@ -105,7 +112,9 @@ def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
     words = []
     for verdict, name in VERDICTS.items():
         ranges = sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict == verdict)
-        words += [f"{name}: {listed(ranges)}."] if ranges else []
+        words += (
+            [f"{name}: {listed(ranges)}.{undecided_words(found) if verdict == 'not decided' else ''}"] if ranges else []
+        )
     safe = safe_ranges(found)
     return (*words, f"Safe: {listed(safe)}." if safe else "No speed of the range is safe.")
 

@@ -79,6 +79,32 @@ def swept(folder, **values):
 
 
 @pytest.mark.slow
+def test_a_step_that_keeps_a_contact_closed_and_hides_its_growth_is_named(tmp_path):
+    """At 2e-5 s the contact stays closed, and the motion decays although closed contact grows; at 1e-5 s it opens."""
+    from reports.verification.robustness.diverging import RIM, at, bodies
+
+    bodies(tmp_path)
+    scene, found = tmp_path / "rim.toml", {}
+    for dt in ("2e-5", "2e-6"):
+        scan = "hz = 35.0\nscan = {from_hz = 34.0, to_hz = 36.0, steps = 21}"
+        changed = (("t_end = 2.0", "t_end = 0.2"), ("dt = 2e-5", f"dt = {dt}"), ("hz = 35.0", scan))
+        scene.write_text(at(35.0, *changed, scene=RIM))
+        called = call("interactions", scene, "--runs", "2", "--json")
+        assert called.exit_code == 0
+        found[dt] = json.loads(called.stdout)["runs"]
+    assert {(run["verdict"], run["check"]) for run in found["2e-5"]} == {("not decided", "numerical")}
+    assert all(run["closed"] > 30.0 and run["growth"] < 0.0 and not run["opens"] for run in found["2e-5"])
+    assert all(run["why"].endswith("at half the step it opens: reduce dt") for run in found["2e-5"])
+    assert all(run["opens"] and "reduce dt" not in run["why"] for run in found["2e-6"])
+    page = tmp_path / "out"
+    scene.write_text(at(35.0, *changed[:1], changed[2], scene=RIM))
+    assert call("report", scene, "--out", page).exit_code == 0
+    text = (page / "report.html").read_text()
+    assert "Not decided at 2,100 rpm (35 Hz) in a run of" in text
+    assert "Reduce dt, then run the scene again." in text
+
+
+@pytest.mark.slow
 def test_a_sweep_names_the_motions_of_its_runs_and_the_fastest_growth_with_its_interval(tmp_path):
     from reports.verification.robustness.diverging import bodies
 

@@ -197,7 +197,11 @@ def test_the_verdict_has_force_deflection_against_its_limit_and_wear():
 def table(**ranges):
     """A table of dangerous speeds from 1 to 10 Hz, ranges by verdict."""
     rows = [
-        SimpleNamespace(from_hz=low, to_hz=high, at=SimpleNamespace(verdict=verdict.replace("_", " ")))
+        SimpleNamespace(
+            from_hz=low,
+            to_hz=high,
+            at=SimpleNamespace(verdict=verdict.replace("_", " "), why=f"it ends at {high:g} Hz"),
+        )
         for verdict, parts in ranges.items()
         for low, high in parts
     ]
@@ -212,7 +216,9 @@ def test_safe_speeds_are_those_between_the_dangerous_ones():
     assert safe_ranges(found) == [(2.0, 3.0), (5.0, 8.0)]
     unstable, open_, resonance, safe = speed_words(found)
     assert unstable == "Unstable: 180 to 240 rpm (3 to 4 Hz); 480 to 600 rpm (8 to 10 Hz)."
-    assert open_.endswith("too short: 60 to 120 rpm (1 to 2 Hz).")
+    assert open_ == "Not decided: 60 to 120 rpm (1 to 2 Hz). It ends at 2 Hz."
+    several = table(not_decided=[(1.0, 2.0), (3.0, 6.0)])
+    assert speed_words(several)[0].endswith("It ends at 6 Hz.")  # the reason in the widest range
     assert resonance == "Resonance: 210 to 300 rpm (3.5 to 5 Hz)."
     assert safe == "Safe: 120 to 180 rpm (2 to 3 Hz); 300 to 480 rpm (5 to 8 Hz)."
     assert speed_words(table()) == ("Safe: 60 to 600 rpm (1 to 10 Hz).",)
