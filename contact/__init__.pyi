@@ -1,4 +1,4 @@
-from . import cycles, histories, io, record, recovery, reference, scene, scheme, stability
+from . import cycles, histories, io, record, recovery, reference, scene, scheme, solver, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -63,5 +63,6 @@ __all__ = [
     "run_many",
     "scene",
     "scheme",
+    "solver",
     "stability",
 ]

@@ -139,6 +139,10 @@ class Friction(NamedTuple):
     """`force` and `motion` (contacts, dimensions), normal first; iterations; |F| over the largest force.
 
     `left`: the largest error of a contact's motion, over its own free motion.
+
+    >>> found = coulomb(np.eye(2), np.array([[-1.0, -2.0]]), 0.5)  # pressed by 1, it slips at the limit of 0.5
+    >>> found.force.tolist(), found.motion.tolist()
+    ([[1.0, 0.5]], [[0.0, -1.5]])
     """
 
     force: Array
@@ -149,14 +153,28 @@ class Friction(NamedTuple):
 
 
 def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -> Friction:
-    """Forces of contacts with Coulomb friction; see the module's equations.
+    """Forces of contacts with Coulomb friction in one step.
+
+    With u = W force + b: u_N >= 0, force_N >= 0, u_N force_N = 0; |force_T| <= mu force_N, and force_T = -mu force_N
+    u_T/|u_T| where a contact slips. Newton's method; if it ends at a kink, Lemke's pivoting on polyhedral cones
+    (Stewart & Trinkle, Int. J. Numer. Meth. Eng. 39, 1996, 2673) gives another start.
 
     Parameters
     ----------
-    W : (d c, d c), not necessarily symmetric, positive definite blocks on its diagonal
-    b : (c, d), gap and slip of the free step, d = 2 or 3
-    mu : (c,) or one number, friction coefficients >= 0
-    start : (c, d), starting forces, such as those of the last step
+    W
+        Delassus matrix: motion of the contacts in the step by unit forces, (d c, d c) for c contacts with d = 2 or 3
+        directions, the normal first. It need not be symmetric; the blocks on its diagonal are positive definite.
+    b
+        Gap and slip of the free step, without these forces [m], (c, d).
+    mu
+        Friction coefficients >= 0, (c,) or one for all.
+    start
+        Forces to start from, such as those of the last step, (c, d).
+
+    Returns
+    -------
+    Friction
+        `force` [N] and `motion` u [m], (c, d) each.
 
     Raises
     ------
@@ -166,6 +184,8 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
         No solution to `TOLERANCE` is found; with friction none need exist. Or the motion of a contact has an error
         above `LEFT` of its free motion, because double precision of the forces allows no better.
 
+    Examples
+    --------
     A block pushed down with 1 and sideways with 2 slips under mu = 1 and sticks under mu = 3:
 
     >>> b = np.array([[-1.0, -2.0]])

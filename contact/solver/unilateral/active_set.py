@@ -27,7 +27,12 @@ SOLVED, NO_MOTION, TOO_LONG = 0, 1, 2
 
 
 class Contacts(NamedTuple):
-    """`force`, `gap` (contacts,), motion `y` (coordinates,), and the number of changes of the active set."""
+    """`force`, `gap` (contacts,), motion `y` (coordinates,), and the number of changes of the active set.
+
+    >>> found = unilateral(np.array([[1.0]]), np.array([-2.0]))
+    >>> found.force.tolist(), found.gap.tolist(), found.iterations
+    ([2.0], [0.0], 1)
+    """
 
     force: Array
     gap: Array
@@ -36,12 +41,23 @@ class Contacts(NamedTuple):
 
 
 def unilateral(A: Array, b: Array) -> Contacts:
-    """Forces of frictionless contacts: force >= 0, gap = A (A^T force) + b >= 0, force . gap = 0.
+    """Forces of frictionless contacts in one step (Signorini's problem).
+
+    force >= 0, gap = A (A^T force) + b >= 0, force . gap = 0: the projection min |y|^2/2 subject to A y + b >= 0, y =
+    A^T force, by a dual active set (Goldfarb & Idnani, Math. Programming 27, 1983, 1).
 
     Parameters
     ----------
-    A : (contacts, coordinates), gap rows times the square root of the step's compliance
-    b : (contacts,), gaps of the free step
+    A
+        Gap rows times the square root of the step's compliance, (contacts, coordinates). With masses M and a step h,
+        forces that act for one step move the gaps by A A^T = h^2 Q M^-1 Q^T.
+    b
+        Gaps of the free step, without these forces [m], (contacts,).
+
+    Returns
+    -------
+    Contacts
+        `force` [N] and `gap` [m], (contacts,) each, and the motion `y`.
 
     Raises
     ------
@@ -50,6 +66,8 @@ def unilateral(A: Array, b: Array) -> Contacts:
     NumericsError
         If no motion opens all gaps at once (bodies wedged between rigid walls).
 
+    Examples
+    --------
     >>> found = unilateral(np.array([[1.0], [1.0], [2.0]]), np.array([-1.0, -1.0, 3.0]))
     >>> found.y.tolist(), float(found.force.sum()), found.gap.tolist()
     ([1.0], 1.0, [0.0, 0.0, 5.0])

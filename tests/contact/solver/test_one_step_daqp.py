@@ -10,9 +10,7 @@ import daqp
 import numpy as np
 import pytest
 
-from contact.solver.friction.coulomb import coulomb
-from contact.solver.unilateral.active_set import unilateral
-from contact.solver.unilateral.complementarity import LawNumbers, Several, contact_forces
+import contact as ct
 
 pytestmark = pytest.mark.slow  # they compile loops for seconds
 
@@ -25,7 +23,7 @@ def motion(A, b):
 
 
 def problem(rng, contacts, size, kind):
-    """Rows and gaps for which some motion opens all; degenerate ones have gaps of exactly zero at the answer."""
+    """Rows, gaps and a motion that opens all; degenerate ones have gaps of exactly zero at the answer."""
     A = rng.standard_normal((contacts, size))
     if kind == "duplicate":
         A[contacts // 2 :] = A[: contacts - contacts // 2]
@@ -34,7 +32,13 @@ def problem(rng, contacts, size, kind):
     if kind == "degenerate":
         y = A[:2].T @ np.ones(2)
         slack[:4] = 0.0
-    return A, slack - A @ y
+    return A, slack, y
+
+
+def first_step(A, slack, y, **how):
+    """Forces of the first step of masses of 1 kg that move by -y in it, h = 1 s: the gaps would be slack - A y."""
+    body = ct.LinearBody(M=np.ones(len(y)), K=np.zeros(len(y)), Q=A, gap0=slack, velocity=-y)
+    return ct.run(body, t_end=1.0, dt=1.0, **how).force[0]
 
 
 @pytest.mark.parametrize("kind", ["random", "degenerate", "duplicate"])
@@ -43,35 +47,34 @@ def test_the_active_set_finds_the_least_motion(kind, contacts, size):
     """12 and 40 contacts on 5 and 8 coordinates: W is singular."""
     rng = np.random.default_rng(contacts)
     for _ in range(60):
-        A, b = problem(rng, contacts, size, kind)
+        A, slack, opens = problem(rng, contacts, size, kind)
+        b = slack - A @ opens
         y = motion(A, b)
-        found = unilateral(A, b)
+        found = ct.solver.unilateral(A, b)
         np.testing.assert_allclose(found.y, y, atol=1e-9 * max(np.abs(y).max(), 1.0))
         np.testing.assert_allclose(found.gap, A @ y + b, atol=1e-9 * np.abs(b).max())
         assert found.force @ found.gap <= 1e-9 * np.abs(b).max() * found.force.sum() + 1e-300
 
 
 @pytest.mark.parametrize("kind", ["random", "duplicate"])
-def test_pivoting_finds_it_too(kind):
+def test_the_first_step_of_a_scheme_with_rigid_contacts_finds_it_too(kind):
+    """By central differences the forces of a step move the gaps by h^2 A A^T."""
     rng = np.random.default_rng(44)
-    for _ in range(200):
-        A, b = problem(rng, 6, 8, kind)
-        W, lam = A @ A.T, np.zeros(6)
-        assert contact_forces(
-            W, LawNumbers(0.0, 0, 0.0, Several(used=True)), b, lam, np.zeros(6), np.zeros((6, 6)), np.zeros(6)
-        )
-        np.testing.assert_allclose(A.T @ lam, motion(A, b), atol=1e-8)
+    for _ in range(100):
+        A, slack, y = problem(rng, 6, 8, kind)
+        lam = first_step(A, slack, y, law=ct.Unilateral(), scheme=ct.CentralDifference())
+        np.testing.assert_allclose(A.T @ lam, motion(A, slack - A @ y), atol=1e-8)
 
 
-def test_penalty_springs_are_a_programme_in_the_forces():
+def test_the_first_step_of_a_scheme_with_penalty_springs_is_a_programme_in_the_forces():
+    """By the average acceleration, beta = 1/4; the spring is not compressed before the step."""
     rng = np.random.default_rng(45)
     for _ in range(100):
-        A, b = problem(rng, 5, 3, "random")
-        W, lam = A @ A.T, np.zeros(5)
-        assert contact_forces(
-            W, LawNumbers(4.0, 0, 0.0, Several(used=True)), b, lam, np.zeros(5), np.zeros((5, 5)), np.zeros(5)
-        )
-        force, _, flag, _ = daqp.solve(W + 0.25 * np.eye(5), b.copy(), np.zeros((0, 5)), np.full(5, 1e30), np.zeros(5))
+        A, slack, y = problem(rng, 5, 3, "random")
+        law = ct.Penalty(stiffness=4.0)
+        lam = first_step(A, slack, y, law=law, scheme=ct.scheme.Newmark(), on_limit="flag")
+        W = 0.25 * A @ A.T + 0.25 * np.eye(5)
+        force, _, flag, _ = daqp.solve(W, slack - A @ y, np.zeros((0, 5)), np.full(5, 1e30), np.zeros(5))
         assert flag == 1
         np.testing.assert_allclose(lam, force, atol=1e-9 * max(force.max(), 1.0))
 
@@ -111,7 +114,7 @@ def test_friction_solves_the_programme_that_its_slips_make(dim, mu, kind):
         if kind != "mixed":
             b[:, 0] = np.abs(b[:, 0]) * (1.0 if kind == "open" else -1.0)
         W = A @ A.T
-        found = coulomb(W, b, mu)
+        found = ct.solver.coulomb(W, b, mu)
         np.testing.assert_allclose(least_distance(W, b, mu, found), found.force, atol=1e-8 * np.abs(b).max())
         pressing = found.force[:, 0] > 1e-9
         moving = np.linalg.norm(found.motion[:, 1:], axis=1) > 1e-9
@@ -124,5 +127,5 @@ def test_without_friction_it_is_the_least_motion_of_the_normals():
     rng = np.random.default_rng(47)
     for _ in range(50):
         A, b = rng.standard_normal((6, 9)), rng.standard_normal((3, 2))
-        found = coulomb(A @ A.T, b, 0.0)
+        found = ct.solver.coulomb(A @ A.T, b, 0.0)
         np.testing.assert_allclose(A[::2].T @ found.force[:, 0], motion(A[::2], b[:, 0]), atol=1e-8)
