@@ -1,10 +1,10 @@
 """One table in a study of a casing, whose other tables are right: what load_study refuses of it."""
 
-import json
 import re
 
 import casingfem as cf
 from tests.casingfem.study.study_texts import written
+from tests.tables_in_files import placed, text_of
 
 BASE = {
     "material": {"E": 210e9, "nu": 0.3, "rho": 7800.0}, "shell": {"thickness": 3e-3},
@@ -36,24 +36,10 @@ WITHIN = {
 }
 
 
-def plain(value):
-    """A value as TOML within a line."""
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{json.dumps(key)} = {plain(part)}' for key, part in value.items())}}}"
-    return f"[{', '.join(map(plain, value))}]" if isinstance(value, list) else json.dumps(value)
-
-
-def placed(around, table):
-    """The tables around one, with it at its place."""
-    if isinstance(around, dict):
-        return {key: placed(part, table) for key, part in around.items()}
-    return [placed(part, table) for part in around] if isinstance(around, list) else table if around is None else around
-
-
 def study_with(folder, path, table):
     """A study of a casing with this table."""
     whole = BASE | placed(WITHIN.get(path, {path: None}), table)
-    return cf.load_study(written(folder, "".join(f"{key} = {plain(value)}\n" for key, value in whole.items())))
+    return cf.load_study(written(folder, text_of(whole)))
 
 
 def problems_at(folder, path, table):

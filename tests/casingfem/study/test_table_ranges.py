@@ -4,6 +4,7 @@ import pytest
 
 import casingfem as cf
 from tests.casingfem.study.study_tables import problems_at, study_with
+from tests.tables_in_files import table_schema
 
 # codes of problems that are not of a range: unusual values, missing files, keys for other structures
 OTHERWISE = ("[study-implausible]", "[study-file]", "[study-key]")
@@ -213,33 +214,11 @@ LEFT_OUT = {
 }  # fmt: skip
 
 
-def resolved(node, kind=""):
-    """A part of the schema behind references and None, and of several kinds the one that is named."""
-    if "$ref" in node:
-        return resolved(SCHEMA["$defs"][node["$ref"].rpartition("/")[2]], kind)
-    choices = [resolved(one, kind) for one in node.get("oneOf", node.get("anyOf", ()))]
-    for one in choices:
-        if one.get("properties", {}).get("kind", {}).get("const", kind) == kind and one.get("type") != "null":
-            return one
-    return node
-
-
-def table_schema(path, kind):
-    """The schema of a table at a path of study.toml."""
-    node = SCHEMA
-    for step in path.replace("[1]", ".[1]").split("."):
-        inner = node["items"] if step == "[1]" else node.get("properties", {}).get(step) or node["additionalProperties"]
-        node = resolved(inner, kind or ("bolts" if "loose" in path else "meridian" if "piece" in path else ""))
-    return node
-
-
-SCHEMA = cf.study.schema()
-
-
 @pytest.mark.parametrize("name", LEFT_OUT)
 def test_a_key_that_is_left_out_has_what_the_manual_states(name):
     path, _, kind = name.partition(" ")
-    keys = table_schema(path, kind)["properties"]
+    kind = kind or ("bolts" if "loose" in path else "meridian" if "piece" in path else "")
+    keys = table_schema(cf.study.schema(), path, kind)["properties"]
     given = {key for key in keys if key in LEAST[name]}
     assert {key: part.get("default") for key, part in keys.items() if key not in given} == LEFT_OUT[name]
 
