@@ -1,4 +1,4 @@
-from . import cycles, histories, io, record, recovery, reference, scene, scheme, solver, stability
+from . import cycles, io, record, recovery, reference, scene, scheme, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -50,7 +50,6 @@ __all__ = [
     "bodies",
     "cycles",
     "gaps",
-    "histories",
     "interactions",
     "io",
     "laws",
@@ -63,6 +62,5 @@ __all__ = [
     "run_many",
     "scene",
     "scheme",
-    "solver",
     "stability",
 ]

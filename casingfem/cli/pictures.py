@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from contact.model.gaps.rub import Rub
     from contact.prepared import Prepared, Scene
     from contact.record.wear import Wear
+    from contact.recovery.around_rim import RimMotion
     from contact.result import Result
-    from contact.rim_motion import RimMotion
 
 STATES = 4_000_000  # numbers that stored states may contain where the scene does not state what to record
 PAIR = 0.03  # of a frequency: modes of one n that lie closer are a pair
@@ -45,11 +45,11 @@ def figures(
     from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
     from casingfem.plot.rotor import figure_rotor_run
     from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
-    from contact.histories import strain_energy, tip_motion
     from contact.model.gaps.rub import Rub
     from contact.on_rotor import rotor_history
-    from contact.recovery import casing_motion
-    from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
+    from contact.recovery.around_rim import force_over_angle, once_a_turn, rim_motion
+    from contact.recovery.displacements import casing_motion
+    from contact.recovery.histories import strain_energy, tip_motion
 
     if not result.time.size:
         return {}
@@ -92,7 +92,7 @@ def figures(
 def over_time(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) -> dict[str, "Figure"]:
     """Force, gap and motion over time, as "run"; empty if nothing was stored."""
     from casingfem.plot.contact import figure_contact
-    from contact.rim_motion import rim_motion
+    from contact.recovery.around_rim import rim_motion
 
     if not result.time.size or not result.force.shape[1]:
         return {}
@@ -178,7 +178,7 @@ def run_files(scene: "Scene", result: "Result", command: str, *, every: bool) ->
 
 def force_files(result: "Result", command: str) -> dict[str, Content]:
     """The force history: CSV, and parquet if pyarrow is installed."""
-    from contact.histories import force_table
+    from contact.recovery.histories import force_table
 
     table = force_table(result)
 
@@ -213,7 +213,7 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     from casingfem.export.meshes import frames, motion_files, point_files
     from contact.base.errors import InputError
     from contact.model.gaps.rub import rub_of
-    from contact.recovery import at_points, rub_forces
+    from contact.recovery.displacements import at_points, rub_forces
 
     rub: Rub = rub_of(what)
     drawn = {name: body for name, body in zip(rub.names, rub.bodies, strict=True) if body.recovery_cells is not None}

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from casingfem.plot.pages.scene import Ran
     from contact.interacting import Interactions
     from contact.prepared import Scene
+    from contact.recovery.around_rim import RimMotion
     from contact.result import Result
-    from contact.rim_motion import RimMotion
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> "Page":
@@ -59,8 +59,8 @@ def motion_of(scene: "Scene", result: "Result") -> "tuple[RimMotion | None, list
     """Motion of the rim in a run, the run's film and pictures."""
     from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.pages.scene import motion_pictures
-    from contact.histories import rub_film
-    from contact.rim_motion import rim_motion
+    from contact.recovery.around_rim import rim_motion
+    from contact.recovery.histories import rub_film
 
     rim = rim_motion(scene.what, result)
     film = rub_film(scene.what, result)

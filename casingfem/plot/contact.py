@@ -54,8 +54,8 @@ class _Run(Protocol):
 def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4, rim: Any = None) -> Figure:
     """Force, gap and motion of one run over time, and a close-up of its largest force.
 
-    Motion is the rim's largest deflection if `rim`, a `contact.rim_motion.RimMotion`, is given; else that of the
-    coordinates that move most, with the names of their bodies.
+    Motion is the rim's largest deflection if `rim`, a `contact.recovery.around_rim.RimMotion`, is given; else that of
+    the coordinates that move most, with the names of their bodies.
     """
     force = result.windowed_force()[:, contact]
     panels = [
@@ -163,7 +163,7 @@ def figure_wear(wear: _Worn) -> Figure:
 
 
 def rub_film(film: Any, run: _Run) -> Picture:
-    """A film, a `contact.histories.RubFilm`, for a page, with a slider, force and gap of the whole run."""
+    """A film, a `contact.recovery.histories.RubFilm`, for a page, with a slider, force and gap of the whole run."""
     scale = exaggeration(film)
     data: dict[str, Any] = {
         "time": coded(film.time.astype("<f4")), "turned": coded(film.turned.astype("<f4")),

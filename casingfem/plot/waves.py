@@ -50,7 +50,7 @@ def mark_frequencies(axes: Any, marks: Sequence[Mark], top: float) -> None:
 
 
 class _Rim(Protocol):
-    """Waves of a rim, a `contact.rim_motion.RimMotion`."""
+    """Waves of a rim, a `contact.recovery.around_rim.RimMotion`."""
 
     @property
     def time(self) -> Array: ...
@@ -144,7 +144,7 @@ def gathered(freq: Array, amplitude: Array, most: int) -> tuple[Array, Array]:
 
 @styled
 def figure_force_map(found: Any) -> Figure:
-    """Largest contact force over angle on the casing and time, a `contact.rim_motion.ForceMap`."""
+    """Largest contact force over angle on the casing and time, a `contact.recovery.around_rim.ForceMap`."""
     figure = new_figure(8.2, 3.6)
     axes: Any = figure.add_subplot()
     axes.set_facecolor("#eeeeee")
@@ -162,7 +162,7 @@ def figure_force_map(found: Any) -> Figure:
 
 @styled
 def figure_section(found: Any) -> Figure:
-    """Poincare section, once per turn: displacement and velocity of the first tip (`contact.rim_motion.Section`)."""
+    """Poincare section, a `contact.recovery.around_rim.Section`: displacement and velocity of a tip once per turn."""
     figure = new_figure(6.0, 4.0)
     axes: Any = figure.add_subplot()
     drawn = axes.scatter(

@@ -22,9 +22,9 @@ from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
 from casingfem.plot.pages.scene import CAPTIONS
 from casingfem.plot.rotor import figure_rotor_run
 from casingfem.study.load import load_shell_study
-from contact.histories import rub_film as film_of
 from contact.io.outfiles import write_atomic
 from contact.on_rotor import RotorHistory, rotor_history
+from contact.recovery.histories import rub_film as film_of
 from reports.tables import DATA, Row, command_line, show_all, text
 
 SPEED, LOST, INERTIA = 100.0, 3e-2, 0.8  # turns/s, kg m, kg m^2

@@ -8,7 +8,7 @@ import pytest
 import contact as ct
 from contact.model.gaps.deflection import around, deflection, sizes
 from contact.model.gaps.rub import rub_of
-from contact.rim_motion import rim_motion
+from contact.recovery.around_rim import rim_motion
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 

@@ -21,13 +21,13 @@ def rubbed():
 
 def test_rows_of_forces_lose_no_impulse_and_no_peak():
     _, _, result = rubbed()
-    table = ct.histories.force_table(result, rows=100)
+    table = ct.recovery.force_table(result, rows=100)
     assert len(table["time_s"]) == 100
     spans = np.diff(np.append(table["time_s"], result.time[-1] + result.dt)) / result.dt
     assert np.sum(table["force1_mean_N"] * spans) * result.dt == pytest.approx(result.impulse[0])
     assert table["force1_peak_N"].max() == result.peak_force[0]
     assert table["gap1_least_m"].min() == result.gap.min()
-    whole = ct.histories.force_table(result)
+    whole = ct.recovery.force_table(result)
     np.testing.assert_allclose(whole["force1_mean_N"], result.force[:, 0], rtol=1e-9, atol=1e-9)
 
 
@@ -44,7 +44,7 @@ def test_tip_and_rim_meet_where_they_touch(make):
         law = ct.Coulomb(mu=0.1)
         result = ct.run(what, law=law, t_end=0.02, dt=5e-6, record=ct.Record(state_every=1))
         closed = result.tip_force[:, 0] > 0.2 * result.peak_force[0]
-    motion = ct.histories.tip_motion(what, result)
+    motion = ct.recovery.tip_motion(what, result)
     gap = what.clearance + motion.rim[:, 0] - motion.tip[:, 0]
     assert closed.sum() > 20
     assert np.abs(gap[closed]).max() < 0.05 * np.abs(motion.rim[closed, 0]).max()
@@ -57,7 +57,7 @@ def test_a_film_shows_the_rim_where_the_tips_are(t_end, state_every, stretches):
     what = ct.RotatingRim(ring(), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0, angle_deg=30.0)
     record = ct.Record(every=state_every, state_every=state_every)
     result = ct.run(what, law=ct.Coulomb(mu=0.1), t_end=t_end, dt=2e-5, record=record)
-    motion, found = ct.histories.tip_motion(what, result), ct.histories.rub_film(what, result)
+    motion, found = ct.recovery.tip_motion(what, result), ct.recovery.rub_film(what, result)
     assert len(found.stretches) == stretches
     assert len(found.time) <= 2000 < len(result.state_time)
     assert found.profile.size == 360
@@ -80,10 +80,10 @@ def test_a_film_needs_two_states_and_samples_and_rods_have_none():
     what, _, result = rubbed()
     for count in (1, 2):
         few = replace(result, state=result.state[:count], state_time=result.state_time[:count])
-        assert (ct.histories.rub_film(what, few) is None) == (count < 2)
-    assert ct.histories.rub_film(what, replace(result, time=result.time[:0])) is None
+        assert (ct.recovery.rub_film(what, few) is None) == (count < 2)
+    assert ct.recovery.rub_film(what, replace(result, time=result.time[:0])) is None
     rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
-    assert ct.histories.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
+    assert ct.recovery.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
 
 
 def test_a_film_of_tips_on_two_lines_has_those_of_the_first_line_and_its_radius_profile_and_forces():
@@ -101,7 +101,7 @@ def test_a_film_of_tips_on_two_lines_has_those_of_the_first_line_and_its_radius_
         turning="casing",
     )
     result = ct.run(what, law=ct.Coulomb(mu=0.1), t_end=0.01, dt=5e-6, record=ct.Record(every=3, state_every=3))
-    found = ct.histories.rub_film(what, result, places=8)
+    found = ct.recovery.rub_film(what, result, places=8)
     theta = 2.0 * np.pi * np.arange(8) / 8
     profile = 1e-5 * np.cos(2 * theta) + 2e-5 * np.sin(2 * theta) - 3e-5 * np.cos(3 * theta)
     np.testing.assert_allclose(found.profile, profile, atol=1e-18)
@@ -143,21 +143,21 @@ def test_a_film_keeps_the_harmonics_that_have_the_motion(amplitudes, kept):
     )  # fmt: skip
     rim = ct.RotatingRim(casing, blade(), clearance=1e-2, speed_hz=5.0, casing_velocity=[1e-3])
     result = ct.run(rim, t_end=0.05, dt=1e-4, record=ct.Record(state_every=1))
-    assert ct.histories.rub_film(rim, result).n.tolist() == kept
+    assert ct.recovery.rub_film(rim, result).n.tolist() == kept
 
 
 def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():
     rim, law, result = rubbed()
-    found = ct.histories.strain_energy(rim, result)
+    found = ct.recovery.strain_energy(rim, result)
     assert set(found) == {"casing", "blade"}
     omega = np.concatenate([rim.casing.omega, rim.blade.omega])
     whole = 0.5 * np.sum((result.state[:, : omega.size] * omega) ** 2, axis=1)
     np.testing.assert_allclose(found["casing"] + found["blade"], whole)
     bare = ct.run(rim, law=law, t_end=0.01, dt=2e-5, record=ct.Record())
-    assert ct.histories.strain_energy(rim, bare) == {}
-    assert ct.histories.tip_motion(rim, bare) is None
+    assert ct.recovery.strain_energy(rim, bare) == {}
+    assert ct.recovery.tip_motion(rim, bare) is None
     rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
     moved = ct.run(rods, t_end=1.0, courant=0.9, record=ct.Record(state_every=1))
-    assert ct.histories.tip_motion(rods, moved) is None
-    assert ct.histories.strain_energy(rods, moved) == {}
-    assert ct.histories.force_table(replace(bare, time=bare.time[:0], force=bare.force[:0]))["time_s"].size == 0
+    assert ct.recovery.tip_motion(rods, moved) is None
+    assert ct.recovery.strain_energy(rods, moved) == {}
+    assert ct.recovery.force_table(replace(bare, time=bare.time[:0], force=bare.force[:0]))["time_s"].size == 0

@@ -45,8 +45,8 @@ class Ran:
     """Numbers of a run, all contacts together, in SI units.
 
     `window` [s] is the model's shortest period; `growth` a `contact.record.growth.RunGrowth`, `rim` a
-    `contact.rim_motion.RimMotion`, `rotor` a `contact.on_rotor.RotorHistory`, `tracks` the wear of coatings, each None
-    or empty if a run has none; `speed_hz` is 0 if the speed varies or nothing rotates.
+    `contact.recovery.around_rim.RimMotion`, `rotor` a `contact.on_rotor.RotorHistory`, `tracks` the wear of coatings,
+    each None or empty if a run has none; `speed_hz` is 0 if the speed varies or nothing rotates.
     """
 
     rubs: bool

@@ -14,10 +14,10 @@ from casingfem.modal.modes import Modes
 from casingfem.plot.pages.scene import Ran
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
-from contact.histories import RubFilm, rub_film
 from contact.interacting import Interactions
 from contact.io.outfiles import write_atomic
-from contact.rim_motion import rim_motion
+from contact.recovery.around_rim import rim_motion
+from contact.recovery.histories import RubFilm, rub_film
 from contact.stability.split_casing import perfect_mean
 from reports.studies.rig.tuning import RubPlan, Tuning, band_of_n, leading, tuned
 from reports.studies.rim_levels import excess_db, rim_levels

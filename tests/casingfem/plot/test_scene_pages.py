@@ -18,7 +18,7 @@ from casingfem.plot.pages.sweep import sweep_verdict
 from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_waves, full_spectrum
 from contact.io.trust import Flag
 from contact.model.gaps.bladed_disk import pair_rim
-from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
+from contact.recovery.around_rim import force_over_angle, once_a_turn, rim_motion
 from tests.casingfem.plot.page_samples import growth_sample, ran_sample, rim_sample, speeds_sample
 
 N, HZ, SPEED = 4, 100.0, 5.0

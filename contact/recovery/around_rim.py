@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.histories import TipMotion, tip_motion
 from contact.model.gaps.deflection import ROWS, around
 from contact.model.gaps.deflection import rim_motion as by_waves
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.rub import Rub, rub_of
 from contact.problem import What
+from contact.recovery.histories import TipMotion, tip_motion
 from contact.result import Result
 
 TURNS = 8  # a section of fewer points shows nothing
@@ -127,7 +127,7 @@ class Section:
 def once_a_turn(what: What, result: Result, moved: TipMotion | None = None) -> Section | None:
     """Poincare section of the first tip; None with too few states in a turn, or too few turns.
 
-    `moved` is the motion of the tip (`contact.histories.tip_motion`) if it was computed before.
+    `moved` is the motion of the tip (`contact.recovery.histories.tip_motion`) if it was computed before.
     """
     rub: Rub | None = rub_of(what)
     moved = tip_motion(what, result) if moved is None else moved

@@ -13,10 +13,8 @@ from contact.model.gaps.rub import Rub, rub_of
 from contact.model.trig import harmonics
 from contact.on_rotor import rotor_motion, rotor_turned
 from contact.problem import What
-from contact.recovery import at_channels, casing_motion, rub_forces
+from contact.recovery.displacements import at_channels, casing_motion, rub_forces
 from contact.result import Result
-
-__all__ = ["RubFilm", "TipMotion", "force_table", "rub_film", "strain_energy", "tip_motion"]
 
 ROWS = 100_000  # of a table of forces: longer records are summed up
 NUMBERS = 150_000  # that a film contains: fewer frames where there are more tips

@@ -15,10 +15,9 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.deflection import forces_by_wave
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
-from contact.on_rotor import rotor_turned, support_forces
+from contact.on_rotor import rotor_turned
+from contact.on_rotor import support_forces as support_forces
 from contact.result import Result
-
-__all__ = ["at_channels", "at_points", "casing_motion", "rub_forces", "support_forces"]
 
 
 def at_channels(body: ModalBody, q: Array, forces: Array) -> Array:
