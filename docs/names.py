@@ -7,12 +7,12 @@ from types import ModuleType
 
 PAGE = Path(__file__).parent / "names.md"
 SHORT = {"casingfem": "cf", "contact": "ct"}
-APART = ("contact.gpu",)  # imported by its own name: it asks for an extra
+APART = ("contact.gpu", "contact.solver")  # imported by their own names: an extra, and parts of schemes
 HEAD = """# Public names
 
 Made by `.venv/bin/python docs/names.py`: every name that `import casingfem as cf` and `import contact as ct` give, each
-once, in the module nearest to the top; and those of `contact.gpu`, which is imported by its own name. `help(cf.modes)`
-shows parameters, errors and an example.
+once, in the module nearest to the top; and those of `contact.gpu` and `contact.solver`, which are imported by their own
+names. `help(cf.modes)` shows parameters, errors and an example.
 """
 
 

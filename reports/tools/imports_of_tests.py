@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 PACKAGES = ("casingfem", "contact")
-EXTRAS = ("contact.gpu",)  # packages that need an extra and are imported by their own name
+APART = ("contact.gpu", "contact.solver")  # public packages that are imported by their own names
 OPEN_MODULES = ("casingfem.errors", "casingfem.structure.shell.loads")  # every name without an underscore is public
 COMMAND_LINE = "casingfem.cli.main"
 
@@ -29,7 +29,7 @@ class PublicNames:
     faces: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for package in (*PACKAGES, *EXTRAS):
+        for package in (*PACKAGES, *APART):
             self._read(package)
 
     def _read(self, module: str) -> None:
