@@ -63,7 +63,7 @@ def read_matrices(
     others = [file for file in files if file not in beside]
     endings = {file.suffix.lower() for file in others}
     several = endings <= {".mtx"} or endings <= {".op4"}
-    if not files or len(endings) > 1 or not endings <= set(ENDINGS) or (len(others) > 1 and not several):
+    if not files or not endings <= set(ENDINGS) or (len(others) > 1 and not several):
         found = ", ".join(file.name for file in files) or "no file"
         raise ModelError("matrix-format", f"found {found}")
     rows = None if dofs is None else read_dofs(Path(dofs))
