@@ -1,4 +1,4 @@
-"""Fields with their keys: a value refuses what they do not allow, and tables of files have the same keys; plausible values."""
+"""Fields and tables with their keys refuse what they do not allow, and numbers that are not plausible."""
 
 import math
 import re
@@ -206,7 +206,7 @@ def test_a_unit_is_asked_for_between_the_usual_ends_only_and_has_its_factor(name
     ],
 )  # fmt: skip
 def test_usual_numbers_of_machines_are_those_that_a_unit_may_lead_to(name, values):
-    """Timber to diamond, timber to osmium, a pen to a large casing, foils to pressure vessels, a rough to a free fit."""
+    """Timber to diamond, timber to osmium, a pen to a large casing, a foil to the wall of a pressure vessel."""
     check = CHECKS[name]
     factor = UNITS[check.slips[0].unit]
     for value, outside in zip(values, (0.4, 1.2), strict=True):
