@@ -1,4 +1,4 @@
-"""Motion of the rim at the tips by harmonics, its largest deflection, the force over angle, Poincare sections."""
+"""Motion of a rim by harmonics, its largest deflection, contact force over angle and time, Poincare sections."""
 
 from __future__ import annotations
 
@@ -39,6 +39,18 @@ class RimMotion:
         Thickness of the wall, and half of it, to which the linear model is valid [m]; infinite if unknown.
     with_blades
         Sign of the frequencies of z_n that travel with the blades, in the casing's frame; 0 without rotation.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=50.0, turning="casing")
+    >>> result = ct.run(rim, t_end=0.01, dt=1e-5, record=ct.Record(state_every=10))
+    >>> motion = rim_motion(rim, result)
+    >>> isinstance(motion, RimMotion), motion.waves.shape[1], int(abs(motion.waves[-1]).argmax())
+    (True, 5, 4)
     """
 
     time: Array
@@ -51,7 +63,35 @@ class RimMotion:
 
 
 def rim_motion(what: What, result: Result) -> RimMotion | None:
-    """Motion of the rim of a rotating rim, rub or disk; None for other problems, or without states."""
+    """Radial motion of the rim of a run by waves, and its largest deflection around any line.
+
+    u_r(theta) = sum_n a_n cos n theta + b_n sin n theta, (a, b) = rows q + S F with the modal coordinates q and the
+    forces F of the tips.
+
+    Parameters
+    ----------
+    what
+        The rim, rub or disk that was run.
+    result
+        Its result, with stored states (`state_every` of `contact.Record`).
+
+    Returns
+    -------
+    RimMotion or None
+        None for other problems, and for records without states of the modes.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=50.0, turning="casing")
+    >>> result = ct.run(rim, t_end=0.01, dt=1e-5, record=ct.Record(state_every=10))
+    >>> motion = rim_motion(rim, result)
+    >>> bool(motion.largest == motion.deflection.max()), motion.with_blades
+    (True, -1)
+    """
     rub: Rub | None = rub_of(what)
     if rub is None or len(result.state) < 2 or result.channels.size:
         return None
@@ -74,6 +114,12 @@ class ForceMap:
     """Largest force of any tip [N] by time (rows + 1 edges [s]) and place on the casing (bars + 1 edges [degrees]).
 
     `force` (rows, bars) is nan where no tip passed.
+
+    Examples
+    --------
+    >>> found = ForceMap(time=np.array([0.0, 0.1]), angle_deg=np.array([0.0, 180.0, 360.0]), force=np.ones((1, 2)))
+    >>> found.force.shape
+    (1, 2)
     """
 
     time: Array
@@ -82,11 +128,38 @@ class ForceMap:
 
 
 def force_over_angle(what: What, result: Result, *, bars: int = 180, rows: int = 160) -> ForceMap | None:
-    """Tip forces over the angle of the casing and over time; None for a casing that does not rotate.
+    """Largest tip force over the angle on the casing and over time.
 
-    A row is a whole number of turns; the last may be longer.
+    A row is a whole number of turns; the last may be longer. Forces are averaged over the model's shortest period
+    (`Result.windowed_force`).
 
-    Forces are averaged over the model's shortest period (`Result.windowed_force`).
+    Parameters
+    ----------
+    what
+        The rim, rub or disk that was run.
+    result
+        Its result, with samples of the forces.
+    bars
+        Number of places around the casing.
+    rows
+        Largest number of rows.
+
+    Returns
+    -------
+    ForceMap or None
+        None for other problems, and for less than one turn.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=50.0, turning="casing")
+    >>> result = ct.run(rim, t_end=0.05, dt=1e-5)
+    >>> found = force_over_angle(rim, result, bars=36)
+    >>> found.force.shape, bool(np.nanmax(found.force) > 0.0)
+    ((2, 36), True)
     """
     rub: Rub | None = rub_of(what)
     if rub is None or result.time.size < 2 or not result.force.shape[1]:
@@ -112,11 +185,13 @@ def force_over_angle(what: What, result: Result, *, bars: int = 180, rows: int =
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Section:
-    """Poincare section.
-
-    One point per turn in the second half of a run, tip motion along its normal [m] and velocity [m/s].
+    """Poincare section: once a turn, motion of the tip along its normal [m] and its velocity [m/s].
 
     A motion with the period of one turn gives one point, of k turns k points; chaotic motion gives a cloud.
+
+    >>> found = Section(time=np.array([0.1, 0.2]), displacement=np.array([1e-4, 1e-4]), velocity=np.zeros(2))
+    >>> float(np.ptp(found.displacement))
+    0.0
     """
 
     time: Array
@@ -125,9 +200,32 @@ class Section:
 
 
 def once_a_turn(what: What, result: Result, moved: TipMotion | None = None) -> Section | None:
-    """Poincare section of the first tip; None with too few states in a turn, or too few turns.
+    """Poincare section of the first tip: one point per turn in the second half of a run.
 
-    `moved` is the motion of the tip (`contact.recovery.histories.tip_motion`) if it was computed before.
+    Parameters
+    ----------
+    what
+        The rim, rub or disk that was run.
+    result
+        Its result, with stored states (`state_every` of `contact.Record`).
+    moved
+        Motion of the tip (`contact.recovery.tip_motion`), if it was computed before.
+
+    Returns
+    -------
+    Section or None
+        None for fewer than ten states in a turn or eight turns in the second half.
+
+    Examples
+    --------
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    >>> blade = ct.ModalBody(omega=[600.0], zeta=[0.01], channels=("span", "flap"), rows=[[1.0], [0.0]],
+    ...                      S=[[1e-7, 0.0], [0.0, 1e-7]])
+    >>> rim = ct.RotatingRim(casing, blade, clearance=-1e-5, speed_hz=50.0, turning="casing")
+    >>> result = ct.run(rim, t_end=0.5, dt=1e-5, record=ct.Record(every=20, state_every=20))
+    >>> once_a_turn(rim, result).time.round(3).tolist()[:2]
+    [0.26, 0.28]
     """
     rub: Rub | None = rub_of(what)
     moved = tip_motion(what, result) if moved is None else moved
