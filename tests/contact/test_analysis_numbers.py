@@ -118,7 +118,7 @@ def test_numbers_of_a_lost_blade(held):
         1e-5,
         **numbers_of(result),
         **{name: probed(np.atleast_2d(column)) for name, column in numbers.items()},
-        turned=ct.recovery.rotor_turned(scene, result)[::40],
+        turned=-scene.turned(result.state_time, result.state_of("casing"))[::40],
         orbit=[x for x in numbers_in(result.notes.orbit) if np.isfinite(x)],
     )
 
