@@ -8,6 +8,7 @@ import numpy as np
 M = np.array([[1.3, 0.2, 0.0], [0.2, 2.1, -0.1], [0.0, -0.1, 0.7]])
 C = np.array([[0.5, -0.1, 0.0], [-0.1, 0.4, 0.05], [0.0, 0.05, 0.3]])
 K = np.array([[31.0, -11.0, 0.0], [-11.0, 29.0, -17.0], [0.0, -17.0, 23.0]])
+FULL = K + np.array([[7.0, 0.0, -6.0], [0.0, 0.0, 0.0], [-6.0, 0.0, 8.0]])  # the first dof coupled to the last
 LOAD, SHAPES = np.array([0.4, -3.0, 0.7]), np.array([[0.3, 3.0, -1.0], [1.0, 0.0, 0.5]])
 Q = np.array([[0.0, 0.3, -1.0], [1.0, -0.4, 0.0]])
 GAP0, U0, V0 = np.array([0.05, 0.04]), np.array([0.01, 0.02, -0.01]), np.array([-1.0, 0.3, 2.0])
@@ -53,6 +54,7 @@ class Dense:
     theta: float = 0.5
     soft: float = 0.0
     C: np.ndarray = field(default_factory=lambda: C)
+    K: np.ndarray = field(default_factory=lambda: K)
     u: np.ndarray = field(default_factory=U0.copy)
     v: np.ndarray = field(default_factory=V0.copy)
     a: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -64,13 +66,13 @@ class Dense:
         self.a = np.linalg.solve(M, self.net(0.0, self.u, self.v))
 
     def net(self, t, u, v):
-        return LOAD + amplitudes(t) @ SHAPES - self.C @ v - K @ u
+        return LOAD + amplitudes(t) @ SHAPES - self.C @ v - self.K @ u
 
     def gap(self, u):
         return GAP0 + Q @ u
 
     def energy(self):
-        return 0.5 * self.v @ M @ self.v + 0.5 * self.u @ K @ self.u - LOAD @ self.u
+        return 0.5 * self.v @ M @ self.v + 0.5 * self.u @ self.K @ self.u - LOAD @ self.u
 
     def works(self, t, du, rate):
         self.external += 0.5 * (amplitudes(t) + amplitudes(t + self.h)) @ SHAPES @ du
@@ -85,14 +87,14 @@ class Dense:
         h, u0, v0, a0 = self.h, self.u, self.v, self.a
         u = u0 + h * v0 + h * h * (0.5 - beta) * a0 + nu
         v = v0 + h * (1.0 - gamma) * a0 + jump
-        A = (1.0 - am) * M + (1.0 - af) * (gamma * h * self.C + beta * h * h * K)
+        A = (1.0 - am) * M + (1.0 - af) * (gamma * h * self.C + beta * h * h * self.K)
         a = np.linalg.solve(A, (1.0 - af) * self.net(t + h, u, v) + af * self.net(t, u0, v0) - am * M @ a0)
         return u + beta * h * h * a, v + gamma * h * a, a
 
     def alpha(self, t):
         am, af, beta, gamma = self.w
         h, (u, v, a) = self.h, self.smooth(t, 0.0, 0.0)
-        A = (1.0 - am) * M + (1.0 - af) * (gamma * h * self.C + beta * h * h * K)
+        A = (1.0 - am) * M + (1.0 - af) * (gamma * h * self.C + beta * h * h * self.K)
         push = np.linalg.solve(A, Q.T)
         free = self.gap(u)
         force = pressed(beta * h * h * Q @ push + self.soft * np.eye(2), free)
@@ -113,9 +115,9 @@ class Dense:
 
     def moreau(self, t):
         h, theta, u0, v0 = self.h, self.theta, self.u, self.v
-        A = M + h * theta * self.C + h * h * theta**2 * K
+        A = M + h * theta * self.C + h * h * theta**2 * self.K
         load = LOAD + ((1.0 - theta) * amplitudes(t) + theta * amplitudes(t + h)) @ SHAPES
-        dv = np.linalg.solve(A, h * (load - self.C @ v0 - K @ (u0 + theta * h * v0)))
+        dv = np.linalg.solve(A, h * (load - self.C @ v0 - self.K @ (u0 + theta * h * v0)))
         push = np.linalg.solve(A, Q.T)
         near = self.gap(u0 + 0.5 * h * v0) <= 0.0
         impulse = pressed(Q @ push, np.where(near, Q @ (v0 + dv) + self.e * Q @ v0, np.inf))
@@ -171,9 +173,9 @@ class Dense:
         h, u0, v0 = self.h, self.u, self.v
         jumps = np.linalg.solve(M, Q.T)
         ahead = u0 + h * v0 + jumps @ pressed(Q @ jumps, self.gap(u0 + h * v0))
-        A = M + 0.5 * h * self.C + 0.25 * h * h * K
+        A = M + 0.5 * h * self.C + 0.25 * h * h * self.K
         load = LOAD + 0.5 * (amplitudes(t) + amplitudes(t + h)) @ SHAPES
-        dv = np.linalg.solve(A, h * (load - self.C @ v0 - 0.5 * K @ (u0 + ahead)))
+        dv = np.linalg.solve(A, h * (load - self.C @ v0 - 0.5 * self.K @ (u0 + ahead)))
         push = h * np.linalg.solve(A, Q.T)
         force = pressed(0.5 * h * Q @ push, self.gap(ahead + 0.5 * h * dv))
         dv = dv + push @ force
@@ -197,7 +199,7 @@ class Leapfrog(Dense):
     def energy(self):
         kinetic = 0.5 * self.v @ M @ self.v / self.h**2
         before = self.u - self.v
-        return kinetic + 0.5 * before @ K @ self.u - 0.5 * LOAD @ (before + self.u)
+        return kinetic + 0.5 * before @ self.K @ self.u - 0.5 * LOAD @ (before + self.u)
 
     def leapfrog(self, t):
         h, u0, D, e = self.h, self.u, self.v, self.e

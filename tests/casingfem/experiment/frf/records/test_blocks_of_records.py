@@ -133,6 +133,14 @@ def test_a_pulse_of_one_sample_counts_as_two_samples_wide(gap, one):
     )
 
 
+@pytest.mark.parametrize(("apart", "hit_count"), [(127, 3), (128, 4)])
+def test_a_pulse_within_a_quarter_of_the_usual_distance_is_a_second_one_of_its_hit(apart, hit_count):
+    force, response = hits([100, 612, 1124, 1124 + apart], 1636)
+    found = cf.frf.estimate([take(force, [response]), take(*hits([START], BLOCK)[:1], [hits([START], BLOCK)[1]])],
+                            seconds=120.0 / FS, test="hammer")  # fmt: skip
+    assert len(found.hits) == hit_count + 1
+
+
 @pytest.mark.parametrize("start", [15, 16])
 def test_a_pre_trigger_of_fewer_than_sixteen_samples_states_no_rest_value(start):
     force, response = hits([start], BLOCK)
