@@ -71,8 +71,8 @@ def test_numbers_of_skins(kind, held):
     held(**numbers_of(plate(kind)), freq=cf.modes(plate(kind), 3).freq)
 
 
-def test_numbers_of_mixed_cells(held):
-    mesh = mixed((3, 1, 1), bend=0.1)[0]
+def test_numbers_of_mixed_cells(held, tmp_path):
+    mesh = mixed(tmp_path, (3, 1, 1), bend=0.1)
     system = supported(mesh).assembled()
     held(K=probed(system.K), M=probed(system.M), size=[system.size, len(mesh.cells), len(mesh.boundary)])
 
