@@ -3,9 +3,11 @@
 import math
 import re
 
+import numpy as np
 import pytest
 
 import contact as ct
+from tests.contact.synthetic_rim import blade, ring
 from tests.tables_in_files import placed, table_schema, text_of
 
 SECTION = {"length": 1.0, "width": 0.1, "height": 0.1, "E": 1e9, "rho": 1e3}
@@ -314,3 +316,42 @@ def test_ranges_have_the_ends_and_the_parameter_that_are_given(tmp_path):
     one = {"speed": {"hz": -2.0}}
     assert between("cycles-disk vary", {"clearance": [2e-4, 1e-4]}, **one) == ("clearance", (2e-4, 1e-4))
     assert between("cycles-disk vary", {"friction": [0.0, 0.3]}, **one) == ("friction", (0.0, 0.3))
+
+
+def drawn(folder, draw=0, given=(), **random):
+    """Harmonics of a rim by number: given ones and a draw."""
+    ring().save(folder / "c.npz")
+    blade().save(folder / "b.npz")
+    contact = {"clearance": 1e-4, "out_of_roundness": list(given), "random_out_of_roundness": random, "draw": draw}
+    terms = load(folder, "rim contact", contact).what.out_of_roundness
+    return [(term["p"], complex(term["cos"], term["sin"])) for term in terms]
+
+
+def test_equal_harmonics_are_a_spectrum_of_the_ratio_of_a_rayleigh_distribution(tmp_path):
+    """P(a > x) = exp(-x^2/2s^2): its 90th percentile over its median is sqrt(ln 10/ln 2)."""
+    high = 1e-5 * math.sqrt(math.log(10.0) / math.log(2.0))
+    lines = [{"p": p, "median": 1e-5, "high": high} for p in (2, 3, 5)]
+    for draw in (0, 4):
+        equal = drawn(tmp_path, draw, seed=7, harmonics=[2, 3, 5], rms=1e-4)
+        assert equal == [(p, pytest.approx(a)) for p, a in drawn(tmp_path, draw, seed=7, spectrum=lines, rms=1e-4)]
+        assert sum(abs(a) ** 2 for _, a in equal) / 2.0 == pytest.approx(1e-8)  # of cos^2 around the rim: 1/2
+    assert drawn(tmp_path, 0, seed=7, harmonics=[2], rms=1e-4) != drawn(tmp_path, 1, seed=7, harmonics=[2], rms=1e-4)
+
+
+def test_drawn_amplitudes_have_their_median_and_their_90th_percentile(tmp_path):
+    """Of 400 numbers, half are above the median and a tenth above the high value, within three deviations of either."""
+    lines, size = [{"p": p, "median": 1e-5, "high": 4e-5} for p in range(2, 22)], 400
+    values = np.array([a for k in range(20) for _, a in drawn(tmp_path, k, seed=1, spectrum=lines)])
+    assert values.size == size
+    assert abs(np.mean(abs(values) > 1e-5) - 0.5) < 3.0 * math.sqrt(0.25 / size)
+    assert abs(np.mean(abs(values) > 4e-5) - 0.1) < 3.0 * math.sqrt(0.09 / size)
+    assert abs(np.mean(values / abs(values))) < 3.0 / math.sqrt(size)  # phases are uniform
+    assert np.ptp(np.angle(values)) > 6.2
+    ratio = np.log(abs(values) / 1e-5)  # a normal distribution, whose 90th percentile is 1.2816 deviations
+    assert np.std(ratio) == pytest.approx(math.log(4.0) / 1.2816, rel=0.12)
+
+
+def test_given_harmonics_come_before_drawn_ones(tmp_path):
+    given = {"p": 2, "cos": 1e-5, "sin": -2e-5}
+    alone = drawn(tmp_path, 3, seed=2, harmonics=[2, 4], rms=1e-5)
+    assert drawn(tmp_path, 3, [given], seed=2, harmonics=[2, 4], rms=1e-5) == [(2, 1e-5 - 2e-5j), *alone]
