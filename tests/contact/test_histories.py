@@ -161,3 +161,76 @@ def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():
     assert ct.recovery.tip_motion(rods, moved) is None
     assert ct.recovery.strain_energy(rods, moved) == {}
     assert ct.recovery.force_table(replace(bare, time=bare.time[:0], force=bare.force[:0]))["time_s"].size == 0
+
+
+def wandering(turns, hz=40.0, turning="blades", record=None):
+    """A blade that leans and a rim that rubs, over some turns from an angle that is not zero."""
+    rim = ct.RotatingRim(
+        ring(S=4e-7, zeta=0.3), blade(S=1e-6, zeta=0.3), clearance=-1e-5, speed_hz=hz, angle_deg=75.0,
+        out_of_roundness=[{"p": 2, "cos": 1.2e-4}], turning=turning,
+    )  # fmt: skip
+    record = ct.Record(every=7, state_every=7) if record is None else record
+    return rim, ct.run(rim, t_end=turns / abs(hz), dt=2e-5, record=record)
+
+
+@pytest.mark.parametrize("hz", [40.0, -40.0])
+@pytest.mark.parametrize(("bars", "rows"), [(36, 160), (50, 2), (7, 3)])
+def test_forces_over_the_angle_are_the_largest_at_their_place_and_turn(hz, bars, rows):
+    """By a loop over samples: the tip is at its angle less that turned, on a casing at rest."""
+    what, result = wandering(5.3, hz)
+    found = ct.recovery.force_over_angle(what, result, bars=bars, rows=rows)
+    each = {160: 1, 2: 3, 3: 2}[rows]
+    count = 5 // each
+    expected = np.full((count, bars), np.nan)
+    for t, force in zip(result.time, result.windowed_force()[:, 0], strict=True):
+        turned = 2.0 * np.pi * hz * (t - result.time[0])
+        row = min(int(abs(turned) / (2.0 * np.pi * each)), count - 1)
+        place = int((np.radians(75.0) - 2.0 * np.pi * hz * t) % (2.0 * np.pi) / (2.0 * np.pi) * bars)
+        expected[row, place] = np.nanmax([expected[row, place], force])
+    np.testing.assert_array_equal(found.force, expected)
+    assert np.nanmax(expected) > 0.0
+    np.testing.assert_allclose(found.angle_deg, 360.0 * np.arange(bars + 1) / bars)
+    assert (found.time[0], found.time[-1]) == (result.time[0], result.time[-1])
+    np.testing.assert_allclose(np.diff(found.time)[: count - 1], each / 40.0, atol=8 * 2e-5)
+
+
+def test_less_than_a_turn_and_other_problems_have_no_forces_over_the_angle():
+    assert ct.recovery.force_over_angle(*wandering(0.95)) is None
+    assert ct.recovery.force_over_angle(*wandering(1.05)).force.shape == (1, 180)
+    rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
+    moved = ct.run(rods, t_end=1.0, courant=0.9, record=ct.Record(state_every=1))
+    assert ct.recovery.force_over_angle(rods, moved) is None
+    assert ct.recovery.once_a_turn(rods, moved) is None
+    assert ct.recovery.rim_motion(rods, moved) is None
+
+
+@pytest.mark.parametrize("hz", [40.0, -40.0])
+def test_a_section_has_the_motion_at_whole_turns_of_the_second_half(hz):
+    what, result = wandering(17.2, hz)
+    found, motion = ct.recovery.once_a_turn(what, result), ct.recovery.tip_motion(what, result)
+    np.testing.assert_allclose(found.time, np.arange(9, 18) / 40.0, rtol=1e-12)
+    np.testing.assert_array_equal(found.displacement, np.interp(found.time, motion.time, motion.tip[:, 0]))
+    middle = (motion.tip[2:, 0] - motion.tip[:-2, 0]) / (motion.time[2:] - motion.time[:-2])
+    np.testing.assert_allclose(found.velocity, np.interp(found.time, motion.time[1:-1], middle), rtol=1e-6)
+    assert ct.recovery.once_a_turn(*wandering(15.2, hz)).time.size == 8
+    assert ct.recovery.once_a_turn(*wandering(14.9, hz)) is None  # seven turns in the second half
+    for every, enough in ((124, True), (127, False)):  # 1250 steps in a turn
+        states = ct.Record(every=every, state_every=every)
+        assert (ct.recovery.once_a_turn(*wandering(17.2, hz, record=states)) is not None) == enough
+
+
+@pytest.mark.parametrize(("hz", "turning", "sign"), [(40.0, "blades", -1), (-40.0, "blades", 1), (40.0, "casing", -1)])
+def test_waves_of_a_rim_are_its_channels_and_sum_up_to_its_deflection(hz, turning, sign):
+    what, result = wandering(1.5, hz, turning)
+    found, channels = ct.recovery.rim_motion(what, result), ct.recovery.casing_motion(what, result)
+    N = what.casing.n_max
+    np.testing.assert_allclose(found.waves.real, channels[:, : N + 1], atol=1e-18)
+    np.testing.assert_allclose(found.waves.imag[:, 1:], channels[:, N + 1 : 2 * N + 1], atol=1e-18)
+    theta = np.linspace(0.0, 2.0 * np.pi, 2881)
+    around = (found.waves[:, :, None] * np.exp(-1j * np.arange(N + 1)[:, None] * theta)).real.sum(axis=1)
+    np.testing.assert_allclose(found.deflection, np.abs(around).max(axis=1), rtol=2e-3)
+    assert found.largest == found.deflection.max()
+    assert (found.wall, found.allowed) == (np.inf, np.inf)
+    assert found.with_blades == sign
+    thick = replace(what, casing=replace(what.casing, thickness=0.02))
+    assert ct.recovery.rim_motion(thick, result).allowed == 0.01
