@@ -194,6 +194,39 @@ def test_forces_over_the_angle_are_the_largest_at_their_place_and_turn(hz, bars,
     np.testing.assert_allclose(np.diff(found.time)[: count - 1], each / 40.0, atol=8 * 2e-5)
 
 
+def some(result, *parts):
+    """A result with some of its samples and states, as of a run that was recorded unevenly."""
+    kept = np.unique(np.concatenate([np.arange(len(result.time))[part] for part in parts]))
+    changed = {}
+    for name in ("time", "force", "gap", "impulse_history", "state_time", "state", "tip_force"):
+        changed[name] = getattr(result, name)[kept]
+    return replace(result, **changed)
+
+
+def test_turns_are_those_from_the_first_to_the_last_sample():
+    """Of 5.3 turns, 3.9 are left after 1.4, and as many if only the first or the last sample is beyond them."""
+    what, result = wandering(5.3)
+    turn = len(result.time) / 5.3
+    late, early = slice(int(1.4 * turn), None), slice(0, int(3.9 * turn))
+    for parts in ([late], [early], [slice(0, 1), slice(int(2.0 * turn), int(3.9 * turn))],
+                  [early, slice(-1, None)], [slice(0, 1), slice(-1, None)]):  # fmt: skip
+        found = some(result, *parts)
+        turns = int((found.time[-1] - found.time[0]) * 40.0)
+        assert ct.recovery.force_over_angle(what, found).force.shape == (turns, 180)
+    assert ct.recovery.force_over_angle(what, some(result, slice(0, 1))) is None
+
+
+def test_a_section_is_of_the_second_half_from_the_first_to_the_last_state():
+    what, result = wandering(17.2)
+    turn = len(result.time) / 17.2
+    for first, last in ((3.0, 17.2), (0.0, 15.5)):
+        parts = [slice(0, 1), slice(int(first * turn), int(last * turn)), slice(-1, None)]
+        found = some(result, *parts)
+        np.testing.assert_allclose(ct.recovery.once_a_turn(what, found).time, np.arange(9, 18) / 40.0)
+    assert ct.recovery.rim_motion(what, some(result, slice(0, 2))).deflection.size == 2
+    assert ct.recovery.rim_motion(what, some(result, slice(0, 1))) is None
+
+
 def test_less_than_a_turn_and_other_problems_have_no_forces_over_the_angle():
     assert ct.recovery.force_over_angle(*wandering(0.95)) is None
     assert ct.recovery.force_over_angle(*wandering(1.05)).force.shape == (1, 180)
