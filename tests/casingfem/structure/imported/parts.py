@@ -52,9 +52,5 @@ def moved(mesh, node, shift):
     return cf.imported.MeshData(kind=mesh.kind, points=points, cells=mesh.cells)
 
 
-def codes(found):
-    return [finding.code for finding in found]
-
-
 def link(*nodes):
     return cf.imported.Spring(terms=tuple(cf.imported.Term(node, 0, 1.0) for node in nodes), stiffness=1.0)
