@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, entry
+from contact.jit.vector import WIDTH, entry, load, same, total
 from contact.loop.modal.rows import RowBlocks, fill_some, multiples, product
 from contact.loop.rub.deflection import RimWaves
 
@@ -27,11 +27,11 @@ class Terms(NamedTuple):
 @jit
 def polynomial(terms: Terms, waves: Array) -> float:
     """Value of the polynomial at the angle of `waves`."""
-    total = 0.0
+    value = 0.0
     for j in range(terms.harmonic.size):
         n = terms.harmonic[j]
-        total += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
-    return total
+        value += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
+    return value
 
 
 class Pulls(NamedTuple):
@@ -227,19 +227,35 @@ def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
 @jit_inside
 def blade_dot(rows: RubRows, modes: Indices, row: int, j: int, values: Array) -> float:
     """Product of a row of the tip's own blade (`rows.own` or `rows.apart`) in one direction with `modes`."""
-    total, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
-    for i in range(entry(modes, 2 * j), entry(modes, 2 * j + 1)):
-        total += entry(rows.blade, first + i) * entry(values, i)
-    return total
+    found, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
+    i, end = entry(modes, 2 * j), entry(modes, 2 * j + 1)
+    if i + WIDTH <= end:
+        part = same(0.0)
+        while i + WIDTH <= end:
+            part = part + load(rows.blade, first + i) * load(values, i)
+            i += WIDTH
+        found = total(part)
+    while i < end:
+        found += entry(rows.blade, first + i) * entry(values, i)
+        i += 1
+    return found
 
 
 @jit_inside
 def blade_dot_of_sum(rows: RubRows, modes: Indices, row: int, j: int, some: Array, others: Array) -> float:
     """Like `blade_dot`, for the sum of two vectors of modes."""
-    total, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
-    for i in range(entry(modes, 2 * j), entry(modes, 2 * j + 1)):
-        total += entry(rows.blade, first + i) * (entry(some, i) + entry(others, i))
-    return total
+    found, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
+    i, end = entry(modes, 2 * j), entry(modes, 2 * j + 1)
+    if i + WIDTH <= end:
+        part = same(0.0)
+        while i + WIDTH <= end:
+            part = part + load(rows.blade, first + i) * (load(some, i) + load(others, i))
+            i += WIDTH
+        found = total(part)
+    while i < end:
+        found += entry(rows.blade, first + i) * (entry(some, i) + entry(others, i))
+        i += 1
+    return found
 
 
 @jit

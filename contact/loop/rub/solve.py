@@ -220,13 +220,23 @@ def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     clear(s.contact, rows.width)
     for n in range(count):
         j = w.chosen[n]
-        begin = rows.own[j, 0]
-        for k in range(rows.apart[j, 0], rows.apart[j, 1]):
+        size = rows.blade.shape[1]
+        first = j * dim * size - entry(rows.own, 2 * j)
+        k, end = entry(rows.apart, 2 * j), entry(rows.apart, 2 * j + 1)
+        while k + WIDTH <= end:
+            forces = same(0.0)
+            for i in range(dim):
+                forces = forces + load(rows.blade, first + i * size + k) * same(entry(s.lam, j * dim + i))
+            put(s.contact, k, load(s.contact, k) + forces)
+            put(s.d, k, load(s.d, k) + load(s.c, k) * forces)
+            k += WIDTH
+        while k < end:
             force = 0.0
-            for row in range(j * dim, (j + 1) * dim):
-                force += rows.blade[row, k - begin] * s.lam[row]
+            for i in range(dim):
+                force += entry(rows.blade, first + i * size + k) * entry(s.lam, j * dim + i)
             s.contact[k] += force
             s.d[k] += s.c[k] * force
+            k += 1
 
 
 @jit_inside

@@ -27,12 +27,13 @@ that of the long one, so that neither run decides; a table has both for each cha
 short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at the step of the
 short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after its end, and grows
 to half the wall before the end of the long run. The time of this depends on the start and the step. "step": the short
-run at its half step has the verdict of the long one. "short": the run states that it is too short. Two more are for
+run at its half step has the verdict of the long one. "short": the run states that it is too short. Three more are for
 motions that grow in neither run. "interval": the mean growth of the long run after the end of the short one lies within
 the 95 % interval of the short run. "slight": the level falls by 0.3 to 0.5 e-folds, which decays by the limit of a
-short run and is bounded by that of a long one. A growth that differs by more than 10 % is explained if a change of the
-start changes it by as much ("rate by start"), since it is then not linear. A difference that no test explains is a
-FAIL, and so is a set of draws of which fewer than 99 % have the same sign.
+short run and is bounded by that of a long one. "varies": the level of the long run varies by as much later, as means of
+half such a stretch. A growth that differs by more than 10 % is explained if a change of the start changes it by as much
+("rate by start"), since it is then not linear. A difference that no test explains is a FAIL, and so is a set of draws
+of which fewer than 99 % have the same sign.
 """
 
 import math
@@ -277,8 +278,19 @@ def explained(
     if grows(verdict) or becomes == "grows":
         return "NOT", others
     mean = folds / (0.95 * float(long.state_time[-1]) - 0.9 * end)  # between the middles of both stretches
-    slight = -CHANGED <= folds <= -SAME
-    return ("interval" if grown.low <= mean <= grown.high else "slight" if slight else "NOT"), others
+    tests = {
+        "interval": grown.low <= mean <= grown.high, "slight": -CHANGED <= folds <= -SAME,
+        "varies": varies(what, long, grown.since, end) >= abs(grown.rate) * (end - grown.since),
+    }  # fmt: skip
+    return next((name for name, holds in tests.items() if holds), "NOT"), others
+
+
+def varies(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
+    """Largest difference of the level of a long run after `end` [s], in e-folds, as means of half a stretch."""
+    t, level = levels(what, long, WINDOWS)
+    many = max(1, round(0.5 * (end - begin) / (t[1] - t[0])))
+    means = np.convolve(level, np.full(many, 1.0 / many), "valid")[t[many - 1 :] > end]
+    return float(np.ptp(np.log(means))) if means.size and (means > 0.0).all() else 0.0
 
 
 def rate_by_start(what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, planned: float) -> bool:
