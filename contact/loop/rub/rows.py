@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, same, total
@@ -14,6 +16,7 @@ from contact.loop.rub.deflection import RimWaves
 # rows of `angles`: what is turned at t_{n-1}, t_n, t_{n+1}, and the middle of the cell of t_{n+1}; with cosine and sine
 BEFORE, NOW, AHEAD, MIDDLE = 0, 1, 2, 3
 CELL = 1.0 / 16.0  # [rad]
+TAIL = np.repeat([0.0, 1.0], WIDTH)  # eight entries from number n on keep the last n of eight
 
 
 class Terms(NamedTuple):
@@ -229,16 +232,20 @@ def blade_dot(rows: RubRows, modes: Indices, row: int, j: int, values: Array) ->
     """Product of a row of the tip's own blade (`rows.own` or `rows.apart`) in one direction with `modes`."""
     found, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
     i, end = entry(modes, 2 * j), entry(modes, 2 * j + 1)
-    if i + WIDTH <= end:
-        part = same(0.0)
-        while i + WIDTH <= end:
-            part = part + load(rows.blade, first + i) * load(values, i)
-            i += WIDTH
-        found = total(part)
-    while i < end:
-        found += entry(rows.blade, first + i) * entry(values, i)
-        i += 1
-    return found
+    if end - i < WIDTH:
+        while i < end:
+            found += entry(rows.blade, first + i) * entry(values, i)
+            i += 1
+        return found
+    part = same(0.0)
+    while i + WIDTH <= end:
+        part = part + load(rows.blade, first + i) * load(values, i)
+        i += WIDTH
+    if i < end:
+        last = end - WIDTH
+        part = part + load(TAIL, end - i) * load(rows.blade, first + last) * load(values, last)
+    result: float = total(part)
+    return result
 
 
 @jit_inside
@@ -246,16 +253,21 @@ def blade_dot_of_sum(rows: RubRows, modes: Indices, row: int, j: int, some: Arra
     """Like `blade_dot`, for the sum of two vectors of modes."""
     found, first = 0.0, row * rows.blade.shape[1] - entry(rows.own, 2 * j)
     i, end = entry(modes, 2 * j), entry(modes, 2 * j + 1)
-    if i + WIDTH <= end:
-        part = same(0.0)
-        while i + WIDTH <= end:
-            part = part + load(rows.blade, first + i) * (load(some, i) + load(others, i))
-            i += WIDTH
-        found = total(part)
-    while i < end:
-        found += entry(rows.blade, first + i) * (entry(some, i) + entry(others, i))
-        i += 1
-    return found
+    if end - i < WIDTH:
+        while i < end:
+            found += entry(rows.blade, first + i) * (entry(some, i) + entry(others, i))
+            i += 1
+        return found
+    part = same(0.0)
+    while i + WIDTH <= end:
+        part = part + load(rows.blade, first + i) * (load(some, i) + load(others, i))
+        i += WIDTH
+    if i < end:
+        last = end - WIDTH
+        both = load(some, last) + load(others, last)
+        part = part + load(TAIL, end - i) * load(rows.blade, first + last) * both
+    result: float = total(part)
+    return result
 
 
 @jit

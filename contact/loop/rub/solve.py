@@ -84,24 +84,26 @@ def place_now(rows: RubRows, w: Work, j: int) -> None:
 def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats, y: Yielding, count: int,
           dim: int, share: float, slid: float, interpolated: bool) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`; gaps (from the pressed surface) and slips into `motion`."""
-    size = count * dim
+    size, W = count * dim, w.W
     if interpolated:
         interpolate(w, size)
     elif rows.W.size == 0:
         assemble(s, rows, w, count, dim, share)
+    elif size == rows.W.shape[0]:  # all tips, in their order
+        W = rows.W
     else:
         known(rows, w, size)
-    start(s, rows, w, count, dim, slid)
+    start(s, rows, w, W, count, dim, slid)
     if coated(coats) or gives_way(y):
         solved = solver.yielding(
-            coats, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
+            coats, y, w.chosen, W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
         )
     else:
-        solved = rigid(s, w, solver, count, dim, not rows.steady)
+        solved = rigid(s, w, W, solver, count, dim, not rows.steady)
     if not solved:
         s.counts[3] = ROUGH
         return False
-    affine(w.W, w.lam, w.b, w.motion, size)
+    affine(W, w.lam, w.b, w.motion, size)
     if coated(coats):
         for a in range(count):
             coats.memory[w.chosen[a], 2] = w.depth[a]
@@ -115,18 +117,18 @@ def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats, y: 
 
 
 @jit
-def rigid(s: RubState, w: Work, solver: Solver, count: int, dim: int, fast: bool) -> bool:
+def rigid(s: RubState, w: Work, W: Array, solver: Solver, count: int, dim: int, fast: bool) -> bool:
     """Forces of the chosen tips on a rigid surface; `fast`: the surface rotates, and most tips slide."""
     if fast and dim > 1 and count > 1:
-        solver.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, solver.room)
-    iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, solver.room)
+        solver.all_sliding(W, w.b, w.mu, dim, count, w.lam, solver.room)
+    iterations, miss = friction_forces(W, w.b, w.mu, dim, count, w.lam, solver.room)
     s.counts[0] = max(s.counts[0], float(iterations))
     s.counts[1] += float(iterations)
     return bool(miss <= TOLERANCE)
 
 
 @jit
-def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float) -> None:
+def start(s: RubState, rows: RubRows, w: Work, W: Array, count: int, dim: int, slid: float) -> None:
     """Set b, mu and the last forces of the chosen tips; `slid` = Omega h, or 1 if rows are constant."""
     for n in range(count):
         j = w.chosen[n]
@@ -135,7 +137,7 @@ def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float
             a, row = n * dim + i, j * dim + i
             w.lam[a] = s.lam[row]
             if i == 0:
-                w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]
+                w.b[a], s.scale[j] = s.test[j] - s.skin[j], W[a, a]
             else:
                 w.b[a] = w.along[w.column[a]] + blade_dot(rows, rows.apart, row, j, s.d) - s.strain[row]
                 w.b[a] += rows.glide[row] * slid
