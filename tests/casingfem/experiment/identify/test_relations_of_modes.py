@@ -28,11 +28,11 @@ def responses(setups):
     return H + 3e-3 * np.sqrt(np.mean(np.abs(H) ** 2)) * noise
 
 
-def identified(H, x=LINES, points=POINTS, turned=0.0):
+def identified(H, x=LINES, points=POINTS, turned=0.0, directions=1):
     flat = H.reshape(-1, H.shape[-1])
     frfs = cf.frf.FrfSet.from_arrays(
-        kind="frf", x=x, responses=flat, unit="m/s^2/N", response_point=np.repeat(points, 2), response_direction=1,
-        reference_point=np.tile([101, 102], len(points)), reference_direction=1,
+        kind="frf", x=x, responses=flat, unit="m/s^2/N", response_point=np.repeat(points, 2),
+        response_direction=directions, reference_point=np.tile([101, 102], len(points)), reference_direction=1,
     )  # fmt: skip
     return cf.identify(frfs, angles=dict(zip(POINTS.tolist(), (np.degrees(THETA) + turned).tolist(), strict=True)))
 
@@ -77,6 +77,19 @@ def test_units_of_force_and_time_order_of_sensors_and_their_zero_angle_change_no
     np.testing.assert_allclose(turn(found.angle_deg - plain.angle_deg - 40.0, plain.n), 0.0, atol=1e-3)
     np.testing.assert_allclose(found.sigma_angle, plain.sigma_angle, rtol=1e-3)
     np.testing.assert_allclose(found.purity, plain.purity, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_sensors_that_face_the_other_way_state_it_by_a_negative_direction(measured):
+    """Direction 0 is radial and has no sign."""
+    H, plain = measured
+    directions = np.array([-1, 0, 1] * 4)
+    sign = np.where(directions < 0, -1.0, 1.0)
+    found = identified(H * sign[:, None, None], directions=np.repeat(directions, 2))
+    assert found.n.tolist() == plain.n.tolist()
+    np.testing.assert_allclose(found.freq, plain.freq, rtol=1e-9)
+    np.testing.assert_allclose(turn(found.angle_deg - plain.angle_deg, plain.n), 0.0, atol=1e-3)
+    assert not any("wrong sign" in note for note in found.notes)
 
 
 @pytest.mark.slow
