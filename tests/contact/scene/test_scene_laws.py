@@ -87,14 +87,15 @@ def test_a_patch_rests_on_its_springs(folder):
 
 
 def test_stability_has_the_slope_of_the_law_as_a_spring_at_the_tip(folder):
-    """As the blade with 1/k more compliance along the normal; of Hertz the slope at the depth that the file gives."""
+    """As the blade with 1/k more compliance along the normal; of a curve the slope at the depth that the file gives."""
     rigid = ct.load_scene(scene(folder, RIM)).what
     a = np.radians(12.0)
     normal = np.array([np.cos(a), np.sin(a)])
     softer = replace(rigid.blade, S=rigid.blade.S + np.outer(normal, normal) / 3e7)
     expected = ct.stability.of_rim(replace(rigid, blade=softer), np.linspace(2.0, 40.0, 39), mu=0.1)
     depth = (3e7 / (1.5 * 1e10)) ** 2
-    for law in (SPRING, f'[law]\nkind = "hertz"\nk = 1e10\nclosed_depth = {depth!r}\n'):
+    table = '[law]\nkind = "table"\ndepth = [0.0, 1e-5, 2e-5]\nforce = [0.0, 100.0, 400.0]\nclosed_depth = 1.2e-5\n'
+    for law in (SPRING, f'[law]\nkind = "hertz"\nk = 1e10\nclosed_depth = {depth!r}\n', table):
         found = ct.scene.load_stability(scene(folder, RIM + law)).solve()
         np.testing.assert_allclose(found.growth, expected.growth, rtol=1e-9, atol=1e-9)
     assert np.ptp(expected.growth) > 0.0
