@@ -73,3 +73,17 @@ def test_what_needs_no_value_is_off_by_default(command, name):
 def test_names_that_are_left_out_mean_all(command, needed):
     (argument,) = (param for param in main.commands[command].params if isinstance(param, click.Argument))
     assert argument.required is needed
+
+
+@pytest.mark.parametrize("value", ["0", "1,0", "a", "1,,2", "-1", "1.0", ""])
+def test_numbers_of_modes_are_whole_and_above_0(value):
+    found = option("modes", "shown")
+    with pytest.raises(click.BadParameter, match=f"found '{value}', expected mode numbers such as 1,2,5"):
+        found.callback(click.Context(main.commands["modes"]), found, value)
+
+
+def test_numbers_of_modes_keep_their_order_and_come_once():
+    found = option("modes", "shown")
+    context = click.Context(main.commands["modes"])
+    assert found.callback(context, found, " 5, 2,5 ,1") == (5, 2, 1)
+    assert found.callback(context, found, None) is None
