@@ -47,3 +47,27 @@ def test_what_varies_around_has_no_harmonics_of_its_own(frustum, name):
     shell = frustum(**{name: cf.FourierField.of({3: 0.001})})
     with pytest.raises(cf.errors.ModelError, match=r"axisymmetric casing at rest.*modes-method"):
         cf.modes(shell, 4, method="fourier")
+
+
+BAR = cf.edge.Section.rectangle(width=0.05, depth=0.04)
+SPRINGS = cf.ElasticEdge(k_r=3e9, k_theta=2e9, k_z=4e9, k_rot=1e6)
+THICK = {
+    "clamped": {"supports": {"base": cf.Clamped()}},
+    "on diaphragms, oblique to the axis": {"supports": {"base": cf.ShearDiaphragm(), "top": cf.ShearDiaphragm()}},
+    "on springs": {"supports": {"base": SPRINGS, "top": cf.ElasticEdge(k_r=1e9)}},
+    "with a ring": {"supports": {"base": cf.Clamped(), "top": cf.Ring(section=BAR, offset=(0.02, 0.01))}},
+    "of two walls": {
+        "supports": {"top": cf.Clamped()}, "strips": (cf.Strip(start=0.1, end=0.2, thickness=0.05),),
+        "mesh": cf.ShellMesh(order=9, rows=(0.0, 0.5, 1.0), around=5),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore:.*shell-thick")
+@pytest.mark.parametrize("name", THICK)
+def test_a_thick_cone_has_the_modes_of_its_harmonics_to_round_off(steel, name):
+    """The wall is half of the radius, so that its centre of mass is far from the middle: with 1e-3 of effect."""
+    parts = {"mesh": cf.ShellMesh(order=9, rows=1, around=5)} | THICK[name]
+    cone = cf.Shell(chart=cf.Frustum(r_base=0.3, r_top=0.2, height=0.2), thickness=0.15, material=steel, **parts)
+    exact, found = (cf.modes(cone, 6, method=method).freq[:6] for method in ("fourier", "shell"))
+    np.testing.assert_allclose(found, exact, rtol=2e-8)
