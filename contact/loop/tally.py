@@ -58,7 +58,7 @@ def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force
 def note_yielding(sums: Tally, out: Samples, y: Yielding, k: int, h: float, time: float, force: float, gap: float,
                   depth: float, before: float, predicted: float) -> None:  # fmt: skip
     """Like `note_contact`, for a contact whose force depends on its depth: the penetration error is gap + depth."""
-    slack = abs(gap + depth) if force > 0.0 else max(-gap, 0.0)
+    slack = abs(gap + depth) if depth > 0.0 or force > 0.0 else max(-gap, 0.0)
     passed(y, k, -gap)
     note_step(sums, out, k, h, force, gap, slack, time, before, predicted, time - 0.5 * h)
 

@@ -147,10 +147,10 @@ def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding
                 s.gap[j] = 0.0  # what is left of it is round-off
             note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
         else:
-            depth = y.depth[j] if s.force[j] > 0.0 else 0.0
+            depth = y.depth[j] if s.inside[j] == 2 else 0.0
             s.gap[j] -= depth
             note_yielding(sums, out, y, j, h, time, s.force[j], s.gap[j], depth, before, predicted)
-            note_slope(y, j, depth)
+            note_slope(y, j, depth if s.force[j] > 0.0 else 0.0)
         if dim > 1 and not rows.steady:
             stuck = sticks(s, R, dim, j)
             note_stick(sums, out, j, int(stuck), time)

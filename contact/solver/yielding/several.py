@@ -1,6 +1,6 @@
 """Contact problem of one step for compliant contacts, on a coating or with a force-depth law: depths and forces.
 
-    u = W force + b,   contact j has the depth d_j = -u_Nj if force_Nj = F_j(d_j) > 0,
+    u = W force + b,   contact j has the depth d_j = -u_Nj and force_Nj = max(F_j(d_j), 0) if u_Nj < 0,
 
 with F_j the force of the coating's bars (`solver.abradable`) or of the law. Tangential forces obey Coulomb's law as in
 rigid contacts. Newton's method: each contact alone, with the other forces fixed, has one depth; the slope of F_j there
@@ -49,6 +49,7 @@ def alone(c: Coats, y: Yielding, k: int, D: float, gap: float) -> tuple[float, f
         force, slope = bears(y, k, depth)
         if force > 0.0:
             return depth, force, max(slope, FLAT / D)
+        return -gap, 0.0, FLAT / D  # it opens faster than its law follows
     return 0.0, 0.0, 1.0 / D
 
 
@@ -75,7 +76,7 @@ def yielding_forces(c: Coats, y: Yielding, tips: Indices, W: Array, b: Array, mu
             D = own_compliance(W, i, dim, force)
             depth[a], found, slope = alone(c, y, tips[a], D, u[i] - D * force[i])
             soft[i, i] = W[i, i] + 1.0 / slope
-            short[i] = b[i] + depth[a] - found / slope
+            short[i] = b[i] + (depth[a] - found / slope if found > 0.0 else 2.0 * depth[a])  # clearly open without one
             miss = max(miss, abs(found - force[i]) / (slope + 1.0 / D))
             scale = max(scale, abs(b[i]), depth[a])
         if step > 0 and part == 1.0 and miss <= NEAR * scale:
