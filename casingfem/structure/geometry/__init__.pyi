@@ -1,6 +1,6 @@
 from .blade import Blade, TwistedPlate
 from .chart import Chart, Closed, ClosedOfRevolution, Cylinder, Frustum, Open, Panel, Plate, Surface
-from .jet import cos, jets, sin, surface
+from .jet import cos, exp, jets, sin, sqrt, surface
 from .pieces import Piece, PiecewiseMeridian
 from .revolved import Arc, Meridian, Revolved, RevolvedPanel
 from .rotation import Rotation
@@ -31,7 +31,9 @@ __all__ = [
     "Taper",
     "TwistedPlate",
     "cos",
+    "exp",
     "jets",
     "sin",
+    "sqrt",
     "surface",
 ]

@@ -46,8 +46,14 @@ class Jet:
             return Jet(*(a + b for a, b in zip(self.parts, other.parts, strict=True)))
         return Jet(self.value + other, *self.parts[1:])
 
+    def __neg__(self) -> Jet:
+        return self * -1.0
+
     def __sub__(self, other: Jet | complex) -> Jet:
         return self + other * -1.0
+
+    def __rsub__(self, other: complex) -> Jet:
+        return self * -1.0 + other
 
     def __mul__(self, other: Jet | complex) -> Jet:
         if not isinstance(other, Jet):
@@ -64,6 +70,18 @@ class Jet:
 
     __radd__, __rmul__ = __add__, __mul__
 
+    def __truediv__(self, other: Jet | complex) -> Jet:
+        return self * (reciprocal(other) if isinstance(other, Jet) else 1.0 / other)
+
+    def __rtruediv__(self, other: complex) -> Jet:
+        return reciprocal(self) * other
+
+    def __pow__(self, k: float) -> Jet:
+        x = self.value
+        slope = k * x ** (k - 1.0) if k else 0.0 * x
+        bend = k * (k - 1.0) * x ** (k - 2.0) if k not in (0.0, 1.0) else 0.0 * x
+        return self.through(x**k, slope, bend)
+
     def through(self, g: Array, slope: Array, bend: Array) -> Jet:
         """A function of this jet, from its value, slope and second derivative at `value`."""
         d1, d2 = self.d1, self.d2
@@ -74,7 +92,8 @@ class Jet:
 def jets(a: Array, b: Array) -> tuple[Jet, Jet]:
     """The two parameters of a chart with their derivatives, broadcast against each other.
 
-    Sums, products, quotients, `sin` and `cos` of them have the derivatives that a chart's `surface` needs.
+    Sums, products, quotients, powers with a constant exponent, `sin`, `cos`, `exp` and `sqrt` of them have the
+    derivatives that a chart's `surface` needs.
 
     >>> import casingfem as cf
     >>> a, b = cf.geometry.jets(np.array(2.0), np.array(3.0))
@@ -108,6 +127,29 @@ def cos(x: Jet) -> Jet:
     """
     s, c = np.sin(x.value), np.cos(x.value)
     return x.through(c, -s, -c)
+
+
+def exp(x: Jet) -> Jet:
+    """Exponential of a quantity with its derivatives.
+
+    >>> import casingfem as cf
+    >>> a, _ = cf.geometry.jets(np.array(0.0), np.array(3.0))
+    >>> float(cf.geometry.exp(2.0 * a).d11)
+    4.0
+    """
+    e = np.exp(x.value)
+    return x.through(e, e, e)
+
+
+def sqrt(x: Jet) -> Jet:
+    """Square root of a quantity with its derivatives.
+
+    >>> import casingfem as cf
+    >>> a, _ = cf.geometry.jets(np.array(4.0), np.array(3.0))
+    >>> float(cf.geometry.sqrt(a).d1)
+    0.25
+    """
+    return x**0.5
 
 
 def reciprocal(x: Jet) -> Jet:

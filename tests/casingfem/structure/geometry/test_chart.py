@@ -54,6 +54,38 @@ def test_derivatives_with_a_fourier_field_equal_central_differences(name):
             np.testing.assert_allclose(getattr(here, name_exact), numeric, atol=1e-8)
 
 
+RADII = {
+    "quotients": lambda z: 0.5 / (1.0 + z / 0.8) - 0.1 * z / (2.0 - z),
+    "powers": lambda z: 0.4 + z**2 / 3.0 - 0.1 * (1.0 + z) ** -1.5 + 0.2 * z**1 + z**3 + z**0,
+    "negatives": lambda z: 1.0 - z - (-z) * 0.3,
+    "functions": lambda z: 0.3 * cf.geometry.sqrt(1.0 + z * z) + 0.1 * cf.geometry.exp(-z),
+}
+
+
+@dataclass(frozen=True)
+class Nozzle(cf.geometry.ClosedOfRevolution):
+    """r(z) about z by a formula."""
+
+    formula: str
+
+    @property
+    def bounds(self):
+        return (0.0, 0.4), (0.0, 2.0 * np.pi)
+
+    def surface(self, a, b, defect):
+        z, theta = cf.geometry.jets(a, b)
+        r = RADII[self.formula](z)
+        return cf.geometry.surface(r * cf.geometry.cos(theta), r * cf.geometry.sin(theta), z)
+
+    def directions(self, a, b):
+        return cf.Frustum(r_base=0.5, r_top=0.45, height=0.4).directions(a, b)
+
+
+@pytest.mark.parametrize("formula", RADII)
+def test_derivatives_of_a_formula_equal_the_complex_step(formula):
+    assert_exact(Nozzle(formula))
+
+
 def test_radius_of_a_defective_casing_is_r0_times_one_plus_f():
     chart, field = CHARTS["frustum"], cf.FourierField.of({8: 0.01})
     z, theta = np.array([0.0, 0.1, 0.25]), np.array([0.0, 0.3, 1.0])
