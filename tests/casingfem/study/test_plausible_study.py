@@ -62,6 +62,27 @@ def test_a_number_in_another_unit_is_refused_with_the_slip_and_taken_where_allow
     assert f'allow = ["{name}"]' not in problems_of(file)  # a rim of 450 m is too fast at 80 turns/s
 
 
+@pytest.mark.parametrize(
+    ("E", "rho", "radius", "refused"),
+    [
+        (1.0, 1.0, 450.0, ""),
+        (1.0, 1.0, 0.45, ""),
+        (2.0, 2.0, 0.45, "material.E: found 2 Pa"),
+        (2.0, 1.0, 0.45, "material.E: found 2 Pa"),
+        (7800.0, 7800.0, 0.45, "material.E: found 7800 Pa"),
+    ],
+)
+def test_a_study_whose_modulus_and_density_are_1_has_no_units(E, rho, radius, refused, tmp_path):
+    """Lengths, modulus, density and speed of sound are not checked then, and only then."""
+    text = (
+        STUDY.replace("E = 210e9", f"E = {E}").replace("rho = 7800.0", f"rho = {rho}").replace("= 0.45", f"= {radius}")
+    )
+    (tmp_path / "study.toml").write_text(text.replace("speed_hz = 80.0", "speed_hz = 1e-5"))
+    found = problems_of(tmp_path / "study.toml")
+    assert refused in found
+    assert ("plausible" in found or "allow" in found) == bool(refused), found
+
+
 def test_a_percentage_that_the_schema_refuses_is_named_too(tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.replace("= 0.002", "= 2.0"))

@@ -196,6 +196,11 @@ def test_a_unit_is_asked_for_between_the_usual_ends_only_and_has_its_factor(name
             assert outside == "" or len(check.slips) > 1
 
 
+@pytest.mark.parametrize(("name", "value"), [("friction", -15.0), ("mass", -5.0), ("zeta", -1e-300)])
+def test_no_unit_is_asked_for_a_number_below_0_that_no_unit_makes_positive(name, value):
+    assert CHECKS[name].question(value) == ""
+
+
 @pytest.mark.parametrize(
     ("name", "values"),
     [

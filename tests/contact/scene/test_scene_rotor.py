@@ -176,6 +176,7 @@ def test_a_rotor_in_a_casing_is_the_rub_that_python_makes(tmp_path):
         ("count = 12", "count = 1\nangle_deg = 900.0", "angle_deg"),
         ("inertia = 0.3", "inertia = 0.0", "spin.inertia"),
         ("hz = 80.0", "hz = [80.0, 90.0]\ntime = [0.0, 1.0]", "spin: found it with a speed over time"),
+        ("hz = 80.0", "hz = 0.0", "spin: found it with a rotor at rest, expected one initial speed other than 0"),
         ("zeta = 0.02", "zeta = 0.02\nzeta_internal = 0.01", "found internal damping and a speed that varies"),
     ],
 )

@@ -269,8 +269,8 @@ def uneven(one):
     return replace(one, x=one.x + 3.0 * (np.arange(COUNT) == 7), step=0.0)
 
 
-def later(one):
-    return replace(one, x=one.x + 2.0)
+def later(one, by=2.0):
+    return replace(one, x=one.x + by)
 
 
 @pytest.mark.parametrize(
@@ -279,6 +279,7 @@ def later(one):
         ({"at_1": abscissa(unit="h")}, "found function 2 over 24 points in 'h'; expected times in s"),
         ({"at_2": uneven}, "found uneven times in function 3; expected even steps: export as sampled"),
         ({"at_2": later}, "found 24 samples from 5002 s in function 3; expected 24 from 5000 s, as function 1 has"),
+        ({"at_2": lambda one: later(one, -2.0)}, "found 24 samples from 4998 s in function 3; expected 24 from 5000 s"),
         ({"at_0": lambda one: replace(one, kind=12, values=one.values + 0j)}, "found no channel of a force among f"),
         ({f"at_{k}": lambda one: replace(one, kind=4, values=one.values + 0j) for k in range(3)},
          "expected time records (set 58, function type 1)"),
