@@ -81,15 +81,14 @@ class RunGrowth:
 
     `rate` [1/s] of the amplitude, as the real part of a pole; that of the energy is twice as much. `low` and `high`:
     its 95 % interval, from scatter, autocorrelation and curvature of the fitted windows, and from the change by half
-    the step. `state`: "grows", "bounded",
-    "decays", "at rest", or "undecided" if the interval does not decide. `amplitude` [m] is the rim's largest deflection
-    in the last part of the run, `steady` the relative difference of that in its windows; `since` [s] the start of this
-    part. `time_to_half_wall` [s] from the start of the run, infinite if the motion does not grow or the wall is
-    unknown. `half_step` is the growth [1/s] of the last part at half the step, `half_step_width` half its interval, and
-    `check_share` the ratio of its steps to those of the run; nan without this check. `same_step` [1/s]: if the growth
-    at half the step differs, that of the last part repeated at the same step from a slightly different start.
-    `passes`: whether a run that passed a limit of its motion does so at half the step too; it is computed if the growth
-    is not known, or half the step gives less than half of it, else None.
+    the step. `state`: "grows", "bounded", "decays", "at rest", or "undecided" if the interval does not decide.
+    `amplitude` [m] is the rim's largest deflection in the last part of the run, `steady` the relative difference of
+    that in its windows; `since` [s] the start of this part. `time_to_half_wall` [s] from the start of the run, infinite
+    if the motion does not grow or the wall is unknown. `half_step` is the growth [1/s] of the last part at half the
+    step, `half_step_width` half its interval, and `check_share` the ratio of its steps to those of the run; nan without
+    this check. `same_step` [1/s]: if the growth at half the step differs, that of the last part repeated at the same
+    step from a slightly different start. `passes`: whether a run that passed a limit of its motion does so at half the
+    step too; it is computed if the growth is not known, or half the step gives less than half of it, else None.
 
     >>> RunGrowth(rate=10.0, low=9.0, high=11.0, state="grows", amplitude=1e-4, steady=0.5, since=0.1,
     ...           time_to_half_wall=math.inf, cause=None, half_step=10.2).check

@@ -75,7 +75,7 @@ def speeds_verdict(found: Any) -> Verdict:
     if worst:
         facts.insert(0, ("Safe", f"{listed(safe)}." if safe else "No speed of the range is safe."))
         facts.insert(0, ("Worst", row_words(found.rows[0])))
-    slow = [row for row in found.rows if row.at.slow]
+    slow = [row for row in found.rows if row.at.slow and not row.at.hides]
     if slow:
         facts.insert(1, ("Slow", slow_words(slow)))
     if found.runs:
