@@ -119,7 +119,7 @@ def suspected(
     along = shapes @ expected.T / (sizes + 1e-300)
     if np.median(np.diag(along)) < OTHERS:
         return ()  # no majority that agrees: angles or labels are wrong as a whole
-    size = np.sum(shapes * expected, axis=1) / (np.sum(expected**2, axis=1) + 1e-300)
+    size = np.linalg.norm(shapes, axis=1) / (np.linalg.norm(expected, axis=1) + 1e-300)
     return tuple(_words(along, size, points, shapes.shape[1]))
 
 
@@ -156,11 +156,12 @@ def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) ->
             text = f"points {points[a]} and {points[b]} seem exchanged: in {modes} modes each moves as the other should"
             yield (a, b), text
     for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
-        if own[sensor] < OPPOSES:
+        noise = size[sensor] < 1.0 / SCALE and abs(own[sensor]) < OTHERS  # by chance for or against the prediction
+        if own[sensor] < OPPOSES and not noise:
             what = f"seems to have the wrong sign: in {modes} modes it moves against the prediction"
             text = f"point {points[sensor]} {what}"
             yield (sensor,), text
-        elif own[sensor] < SILENT:
+        elif own[sensor] < SILENT or noise:
             what = f"does not move as the others predict, in {modes} modes: no signal, loose, or at another angle?"
             yield (sensor,), f"point {points[sensor]} {what}"
         elif not 1.0 / SCALE < size[sensor] < SCALE:

@@ -43,6 +43,16 @@ def test_a_sensor_without_a_signal_of_the_structure_is_named(size):
     assert found[ONE,].endswith(" modes: no signal, loose, or at another angle?")
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_sensor_of_noise_alone_has_no_sign_and_no_scale(seed):
+    """By chance its noise may go with the prediction, or against it."""
+    shapes, theta = waves()
+    shapes[ONE] = 1e-4 * np.random.default_rng(seed).standard_normal(shapes.shape[1])
+    found = named(shapes, theta)
+    assert set(found) == {(ONE,)}
+    assert found[ONE,].endswith(" modes: no signal, loose, or at another angle?")
+
+
 def test_a_sensor_of_the_wrong_sign_is_named():
     shapes, theta = waves()
     shapes[ONE] *= -1.0
