@@ -142,6 +142,11 @@ def two_lines(**more):
             {"gyroscopic": np.eye(3)},
             r"gyroscopic: found 1 at \(0, 0\) and 1 at \(0, 0\), expected a skew-symmetric matrix",
         ),
+        (
+            three,
+            {"gyroscopic_higher": [np.zeros((3, 3)), np.diag([0.0, 0.0, 2.0])]},
+            r"gyroscopic_higher\[1\]: found 2 at \(2, 2\) and 2 at \(2, 2\), expected a skew-symmetric matrix",
+        ),
         (three, {"participation": np.ones((2, 3))}, r"participation: found shape \(2, 3\), expected \(3, 3\)"),
         (three, {"out_of_roundness": np.ones((1, 1))}, r"out_of_roundness: found shape \(1, 1\), expected \(0, 1\)"),
         (three, {"zeta": [0.0, 1.0, 0.0]}, "zeta: found 0 .. 1, expected 0 <= zeta < 1"),
