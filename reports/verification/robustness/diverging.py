@@ -222,15 +222,27 @@ def mistyped() -> list[Case]:
     closes, whirls = "[closing]\nby = 0.1\ntime_constant = 0.1\n", "[[whirl]]\namplitude = 0.05\n"
     refused = (
         ("friction 10", "friction: found 10", changed(RIM, ("= 0.3", "= 10"))),
-        ("friction in per cent", "a percentage or an angle", changed(RUB, ("= 0.3", "= 30"))),
-        ("out of round by a third of a metre", "out_of_roundness: found 0.3333 m", changed(RIM, oval)),
+        (
+            "friction in per cent",
+            "expected 0 to 2 (steel on steel 0.1 to 0.8, rubber 1); in percent?",
+            changed(RUB, ("= 0.3", "= 30")),
+        ),
+        (
+            "out of round by a third of a metre",
+            "out_of_roundness[1].cos: found 0.3333 m, expected -0.01 to 0.01 m",
+            changed(RIM, oval),
+        ),
         ("profile in millimetres", "out_of_roundness: found 150 m", changed(RUB, profile)),
         ("closing by 100 mm", "closing: found 0.0999", RUB + closes),
         ("clearance of 30 mm", "clearance: found 0.03 m", changed(RIM, ("-1e-5", "0.03"))),
         ("whirl of 50 mm", "whirl: found 0.05 m", RUB + whirls),
         ("thickness in millimetres", "thickness: found 4 m", changed(RUB, ("[[blade]]", "thickness = 4.0\n[[blade]]"))),
         ("step of a millisecond", "dt: found omega_max dt", changed(RIM, ("2e-5", "1e-3"))),
-        ("speed in turns a minute", "dt: found n_max Omega dt", changed(RIM, ("60.0", "3600.0"))),
+        (
+            "speed in turns a minute",
+            "found 3600 Hz = 216,000 rpm, a surface speed of 5,655 m/s",
+            changed(RIM, ("60.0", "3600.0")),
+        ),
         ("an end in a thousand years", "t_end: found 3e+10 s", changed(RIM, ("2.0", "3e10"))),
     )
     return [Case(name, "refused", says, scene) for name, says, scene in refused]
