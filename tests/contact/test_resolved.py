@@ -40,6 +40,8 @@ def test_a_force_is_refused_below_four_steps_a_period_and_flagged_below_ten():
     ct.run(driven(1000.318309886184, dt=longest))
     with pytest.raises(ct.LimitError, match=r"has 3\.98 steps a period, expected"):
         ct.run(driven(251.0, dt))
+    with pytest.raises(ct.LimitError, match=r"force_hz = 64 Hz has 2 steps a period, expected at least 4"):
+        ct.run(driven(64.0, 1.0 / 128.0))  # at half of the rate of the steps it still appears at its own frequency
 
 
 def test_a_period_longer_than_the_run_is_no_fault():
