@@ -130,7 +130,7 @@ WAITS = (
     Wait("modes, bolted casing", "casingfem modes bolted.toml --json", make=text_of("bolted.toml", BOLTED)),
     Wait("modes, two loose bolts", "casingfem modes bolted.toml --json", make=text_of("bolted.toml", LOOSE)),
     Wait("modes, solid", "casingfem modes plate.toml --json", make=plate),
-    Wait("mistune, 10 draws", "casingfem mistune data/studies/mistuning.toml --draws 10 --json", "mistuning"),
+    Wait("mistune, 40 draws", "casingfem mistune data/studies/mistuning.toml --draws 40 --json", "mistuning"),
     Wait("update", "casingfem update data/studies/rig_casing.toml --json", "rig_casing"),
     Wait("report", "casingfem report data/studies/rig_casing.toml --out page", "rig_casing"),
     Wait("rig", "casingfem rig data/studies/rig_test.toml --out test", "rig_test"),
