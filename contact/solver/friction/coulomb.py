@@ -136,9 +136,10 @@ def exchanged(inverse: Array, column: Array, row: int) -> Array:
 
 
 class Friction(NamedTuple):
-    """`force` and `motion` (contacts, dimensions), normal first; iterations; |F| over the largest force.
+    """Forces and motions of each contact (contacts, dimensions), normal first, with iterations and residual.
 
-    `left`: the largest error of a contact's motion, over its own free motion.
+    `residual`: |F| of Newton's method, over the largest force. `left`: the largest error of a contact's motion, over
+    its own free motion.
 
     >>> found = coulomb(np.eye(2), np.array([[-1.0, -2.0]]), 0.5)  # pressed by 1, it slips at the limit of 0.5
     >>> found.force.tolist(), found.motion.tolist()

@@ -27,14 +27,8 @@ that of the long one, so that neither run decides; a table has both for each cha
 short run the level of the long run does what the verdict states; it changes afterwards. "escapes": at the step of the
 short run too the motion keeps its level, within e^0.5, for a quarter of the short run's length after its end, and grows
 to half the wall before the end of the long run. The time of this depends on the start and the step. "step": the short
-run at its half step has the verdict of the long one. "short": the run states that it is too short. Four more are for
-motions that grow in neither run. "interval": the mean growth of the long run after the end of the short one lies within
-the 95 % interval of the short run. "slight": the level falls by 0.3 to 0.5 e-folds, which decays by the limit of a
-short run and is bounded by that of a long one. "varies": the level of the long run varies by as much later, as means of
-half such a stretch. "near start": a change of the start by 1e-4 to 3e-4 changes one of the verdicts, as for a motion
-that may die out or go on touching. A growth that differs by more than 10 % is explained if a change of the start
-changes it by as much ("rate by start"), since it is then not linear. A difference that no test explains is a FAIL, and
-so is a set of draws of which fewer than 99 % have the same sign.
+run at its half step has the verdict of the long one. "short": the run states that it is too short. A difference that no
+test explains is a FAIL, and so is a set of draws of which fewer than 99 % have the same sign.
 """
 
 import math
@@ -63,7 +57,7 @@ KEPT = 75_000  # states of a long run
 SIGNS, MANY = 0.99, 100  # of the draws must have the sign of the long run, where there are so many
 WINDOWS, CHANGED, SAME = 480, 0.5, 0.3
 WITHIN, CLOSED = 0.1, 0.99
-COPIES, MOVED, NEAR = 3, 1e-9, 1e-4
+COPIES, MOVED = 3, 1e-9
 SOME = 100  # states of a rate
 AFTER = 0.25  # of the short run: time for which a motion that escapes later keeps its level
 STATES = ("grows", "passed", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
@@ -230,10 +224,10 @@ def moved(what: ct.RotatingRim | ct.Rub, by: float) -> ct.RotatingRim | ct.Rub:
     return replace(what, casing_start=replace(start, velocity=(1.0 + by) * np.asarray(start.velocity)))
 
 
-def by_start(what: ct.RotatingRim | ct.Rub, mu: float, by: float = MOVED) -> list[tuple[str, str]]:
+def by_start(what: ct.RotatingRim | ct.Rub, mu: float) -> list[tuple[str, str]]:
     """Verdict of the short run, repeated as `decided` does, and fate of the long one, for each changed start."""
     found = []
-    for one in (moved(what, k * by) for k in range(1, COPIES + 1)):
+    for one in (moved(what, k * MOVED) for k in range(1, COPIES + 1)):
         short, planned = settled(decided(one, mu))
         found.append((verdict_of(short), fate(one, mu, planned, short.steps * short.dt)[0]))
     return found
@@ -251,7 +245,7 @@ def escapes(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: float
 
 def explained(
     what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, long: ct.Result, verdict: str, becomes: str,
-    folds: float, planned: float,
+    planned: float,
 ) -> tuple[str, list[tuple[str, str]]]:  # fmt: skip
     """Reason why a verdict differs from the further motion, as in the module, or "NOT"; and `by_start`."""
     grown, end = short.growth, short.steps * short.dt
@@ -268,42 +262,13 @@ def explained(
     if verdict == "undecided":
         return "short", others
     if float(long.state_time[-1]) >= end:
-        risen = rate_in(what, long, grown.since, end) * (end - grown.since)
-        if verdict == ("grows" if risen > SAME else "decays" if risen < -SAME else "bounded"):
+        folds = rate_in(what, long, grown.since, end) * (end - grown.since)
+        if verdict == ("grows" if folds > SAME else "decays" if folds < -SAME else "bounded"):
             return "later", others
     if becomes == "grows" and not grows(verdict) and escapes(what, mu, end, planned):
         return "escapes", others
     fine = verdict_of(ended(what, mu, planned, 0.5 * STEP))
-    if (grows(fine) and becomes == "grows") or fine == becomes:
-        return "step", others
-    if grows(verdict) or becomes == "grows":
-        return "NOT", others
-    mean = folds / (0.95 * float(long.state_time[-1]) - 0.9 * end)  # between the middles of both stretches
-    tests = {
-        "interval": grown.low <= mean <= grown.high, "slight": -CHANGED <= folds <= -SAME,
-        "varies": varies(what, long, grown.since, end) >= abs(grown.rate) * (end - grown.since),
-    }  # fmt: skip
-    why = next((name for name, holds in tests.items() if holds), "")
-    if not why and any(one != (verdict, becomes) for one in by_start(what, mu, NEAR)):
-        why = "near start"
-    return why or "NOT", others
-
-
-def varies(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
-    """Largest difference of the level of a long run after `end` [s], in e-folds, as means of half a stretch."""
-    t, level = levels(what, long, WINDOWS)
-    many = max(1, round(0.5 * (end - begin) / (t[1] - t[0])))
-    means = np.convolve(level, np.full(many, 1.0 / many), "valid")[t[many - 1 :] > end]
-    return float(np.ptp(np.log(means))) if means.size and (means > 0.0).all() else 0.0
-
-
-def rate_by_start(what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, planned: float) -> bool:
-    """Whether a change of the start changes the growth of the short run by more than 10 %."""
-    grown = short.growth
-    assert grown is not None
-    others = (ended(moved(what, k * MOVED), mu, planned, STEP) for k in range(1, COPIES + 1))
-    rates = [rate_in(what, one, grown.since, short.steps * short.dt) for one in others]
-    return any(not abs(rate - grown.rate) <= WITHIN * grown.rate for rate in rates)
+    return ("step" if (grows(fine) and becomes == "grows") or fine == becomes else "NOT"), others
 
 
 def compared(seed: int) -> Row:
@@ -323,7 +288,6 @@ def compared(seed: int) -> Row:
         "long run": becomes,
         "folds": folds if math.isfinite(folds) else None, "growth 1/s": grown.rate, "low": grown.low,
         "high": grown.high, "since s": grown.since, "end s": end, "fine 1/s": None, "off": None,
-        "rate by start": False,
         "check": grown.check, "half step 1/s": grown.half_step, "check share": grown.check_share,
         "closed": grown.cause.closed if grown.cause else None, "body": grown.body, "n": grown.nodal_diameters,
         "seconds": seconds,
@@ -331,12 +295,10 @@ def compared(seed: int) -> Row:
     linear = grown.check == "converged" and grown.rate * (end - grown.since) > 1.0
     if linear and 0.5 * (grown.high - grown.low) < WITHIN * grown.rate:
         fine = rate_in(what, long, grown.since, min(end, float(long.state_time[-1])))
-        off = grown.rate / fine - 1.0
-        by = abs(off) > WITHIN and rate_by_start(what, mu, short, planned)
-        row |= {"fine 1/s": fine, "off": off, "rate by start": by}
+        row |= {"fine 1/s": fine, "off": grown.rate / fine - 1.0}
     same = grows(verdict) == (becomes == "grows")
     agrees = same and (grows(verdict) or verdict == becomes)
-    why, others = ("", []) if agrees else explained(what, mu, short, long, verdict, becomes, folds, planned)
+    why, others = ("", []) if agrees else explained(what, mu, short, long, verdict, becomes, planned)
     changed = "; ".join(f"{one} / {after}" for one, after in others)
     return row | {"sign agrees": same, "agrees": agrees, "why": why, "changed start": changed}
 
@@ -375,8 +337,7 @@ def main(out: Path, quick: bool = False, count: int = 200, first: int = 0, fresh
 
 def counted(rows: Sequence[Row]) -> Row:
     """How many draws agree, how many are undecided, and how many growths are within 10 %."""
-    linear = [row for row in rows if row["off"] is not None and not row["rate by start"]]
-    off = [(abs(float(str(row["off"]))), float(str(row["closed"])) > CLOSED) for row in linear]
+    off = [(abs(float(str(row["off"]))), float(str(row["closed"])) > CLOSED) for row in rows if row["off"] is not None]
     checked = [row for row in rows if row["check"]]
     unlike = [row for row in rows if not row["sign agrees"]]
     unexplained = sum(row["why"] == "NOT" for row in rows)
@@ -388,7 +349,6 @@ def counted(rows: Sequence[Row]) -> Row:
         "grows later": sum(row["first verdict"] in NO_GROWTH and grows(str(row["verdict"])) for row in rows),
         "same sign": len(rows) - len(unlike), "other sign by start": sum(row["why"] == "start" for row in unlike),
         "same end": sum(bool(row["agrees"]) for row in rows), "unexplained": unexplained,
-        "rate by start": sum(bool(row["rate by start"]) for row in rows),
         "closed": sum(closed for _, closed in off),
         "within 10 %": sum(closed and value <= WITHIN for value, closed in off),
         "opens": sum(not closed for _, closed in off),
